@@ -2,14 +2,26 @@
 
 namespace uplink::journal {
 
+bool BatchShares::Taken::HasRoomFor(std::size_t more, const BatchShare& share) {
+  const bool over = records >= share.records_max || bytes + more > share.bytes_max;
+  full = full || (records > 0 && over);
+  return !full;
+}
+
+void BatchShares::Taken::Add(std::size_t more) {
+  ++records;
+  bytes += more;
+}
+
 bool BatchShares::Admit(const Origin& origin) {
-  Taken& taken = robots_[origin.client.get()];
-  const bool over =
-      taken.records >= share_.records_max || taken.bytes + origin.bytes > share_.bytes_max;
-  taken.full = taken.full || (taken.records > 0 && over);
-  if (taken.full) return false;
-  ++taken.records;
-  taken.bytes += origin.bytes;
+  Taken& robot = robots_[origin.client.get()];
+  if (!robot.HasRoomFor(origin.bytes, of_robot_)) return false;
+  if (const GatewayUse* const use = origin.place.gateway().get()) {
+    Taken& gateway = gateways_[use];
+    if (!gateway.HasRoomFor(origin.bytes, of_gateway_)) return false;
+    gateway.Add(origin.bytes);
+  }
+  robot.Add(origin.bytes);
   return true;
 }
 

@@ -4,19 +4,21 @@
 #include <unordered_map>
 
 #include "server/journal/entry.h"
+#include "server/journal/gateway_use.h"
 #include "server/journal/limits.h"
 
 namespace uplink::journal {
 
-/// Shares a batch that is being filled among the robots whose entries wait. A robot's entries keep
-/// their order: once one was left for a later batch, so are all behind it. A robot with nothing in
-/// the batch may always have one entry, of any size.
+/// Shares a batch that is being filled among the robots whose entries wait, and among gateways. A
+/// robot's entries keep their order: once one was left for a later batch, so are all behind it. A
+/// robot, or gateway, with nothing in the batch may always have one entry, of any size.
 ///
-/// Limits: one entry per robot of the batch.
+/// Limits: one entry per robot of the batch, and one per gateway.
 /// Thread: confined to the writer.
 class BatchShares final {
  public:
-  explicit BatchShares(const BatchShare& share) : share_(share) {}
+  BatchShares(const BatchShare& of_robot, const BatchShare& of_gateway)
+      : of_robot_(of_robot), of_gateway_(of_gateway) {}
 
   /// Whether the robot's next entry goes into the batch.
   [[nodiscard]] bool Admit(const Origin& origin);
@@ -26,10 +28,16 @@ class BatchShares final {
     std::size_t records = 0;
     std::size_t bytes = 0;
     bool full = false;
+
+    /// Notes it if there is none.
+    bool HasRoomFor(std::size_t more, const BatchShare& share);
+    void Add(std::size_t more);
   };
 
-  const BatchShare share_;
+  const BatchShare of_robot_;
+  const BatchShare of_gateway_;
   std::unordered_map<const robot::CommitClient*, Taken> robots_;
+  std::unordered_map<const GatewayUse*, Taken> gateways_;
 };
 
 }  // namespace uplink::journal

@@ -36,10 +36,12 @@ Committing::Committing(const WriterContext& context, Holds& holds, const Limits&
 
 bool Committing::Gather() {
   if (batch_.empty()) {
-    batch_ = context_.inbox.Fill(
-        std::move(batch_),
-        {.records_max = size_.now(), .bytes_max = limits_.bytes_max, .robot = limits_.robot},
-        holds_.robots());
+    batch_ = context_.inbox.Fill(std::move(batch_),
+                                 {.records_max = size_.now(),
+                                  .bytes_max = limits_.bytes_max,
+                                  .robot = limits_.robot,
+                                  .gateway = limits_.gateway},
+                                 holds_.robots());
   }
   return HasBatch();
 }

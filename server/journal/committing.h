@@ -24,6 +24,7 @@ class Committing final {
     std::size_t records_max = 0;
     std::size_t bytes_max = 0;
     BatchShare robot;
+    BatchShare gateway = kGatewayBatchShare;
   };
   /// All of `context`, and `holds`, outlive it. `presence_session` numbers the changes of presence.
   Committing(const WriterContext& context, Holds& holds, const Limits& limits,

@@ -5,18 +5,21 @@
 #include <variant>
 
 #include "schema/base/clock.h"
+#include "server/journal/gateway_use.h"
 #include "server/robot/commit_client.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
 
-/// From which robot and when a record or gap came, and what it costs while it waits.
+/// From which robot and when a record or gap came, and what it costs while it waits. Moved only.
 struct Origin {
   robot::ClientRef client;
   /// The client's when the record's stream began.
   std::uint64_t generation = 0;
   SteadyTime arrived;
   std::size_t bytes = 0;
+  /// Among what waits of the gateway that its stream came through.
+  GatewayPlace place{};
   /// It was part of a commit without an answer, which may have been carried out.
   bool tried = false;
   /// The robot's next entry comes of the same message: one commit has both.

@@ -8,17 +8,11 @@ namespace uplink::journal {
 /// A batch while it is being filled.
 struct EntryQueue::Filling {
   GatheredBatch& batch;
-  const BatchBounds& bounds;
   const HeldRobots& held;
-  BatchShares shares{bounds.robot};
+  BatchShares shares;
   std::size_t bytes = 0;
-  std::size_t passed = 0;
   std::optional<SteadyTime> oldest{};
 
-  [[nodiscard]] bool full() const {
-    return batch.entries() >= bounds.records_max || bytes >= bounds.bytes_max ||
-           passed >= kPassedMax;
-  }
   /// The first message of `from`, of which the first entry was admitted: all of it counts as its
   /// robot's share.
   void AddMessage(std::deque<Entry>& from) {
@@ -35,85 +29,101 @@ struct EntryQueue::Filling {
   }
 };
 
-std::optional<SteadyTime> EntryQueue::MoveTo(GatheredBatch& batch, const BatchBounds& bounds,
-                                             const HeldRobots& held) {
-  Filling filling{.batch = batch, .bounds = bounds, .held = held};
-  // A batch of one is alternately a line's and another's.
-  lines_first_ = !lines_first_;
-  TakeLagging(filling, (bounds.records_max + (lines_first_ ? 1 : 0)) / 2, bounds.bytes_max / 2);
-  while (!queue_.empty() && !filling.full() && held.MayCommit(queue_.front().origin)) {
-    TakeNext(filling);
-  }
-  TakeLagging(filling, bounds.records_max, bounds.bytes_max);
-  return filling.oldest;
-}
-
-void EntryQueue::TakeLagging(Filling& filling, std::size_t records_max, std::size_t bytes_max) {
-  const auto full = [&] {
-    return filling.batch.entries() >= records_max || filling.bytes >= bytes_max;
-  };
-  for (std::size_t turns = lagging_.size(); turns > 0 && !full(); --turns) {
-    Line& line = lagging_.front();
-    const auto* const robot = line.front().origin.client.get();
-    while (!line.empty() && !full() && filling.held.MayCommit(line.front().origin) &&
-           filling.shares.Admit(line.front().origin)) {
-      filling.AddMessage(line);
-    }
-    if (line.empty()) {
-      lagging_.pop_front();
-      lines_.erase(robot);
-    } else {
-      lagging_.splice(lagging_.end(), lagging_, lagging_.begin());
-    }
-  }
-}
-
-void EntryQueue::TakeNext(Filling& filling) {
-  const Entry& next = queue_.front();
-  if (Line* const line = LineOf(next)) {
-    filling.passed += MoveMessage(queue_, *line);
-  } else if (filling.shares.Admit(next.origin)) {
-    filling.AddMessage(queue_);
-  } else {
-    const auto* const robot = next.origin.client.get();
-    filling.passed += MoveMessage(queue_, lagging_.emplace_back());
-    lines_.emplace(robot, std::prev(lagging_.end()));
-  }
-}
-
-std::size_t EntryQueue::MoveMessage(Line& from, Line& line) {
-  std::size_t moved = 0;
-  bool continues = true;
-  for (; continues; ++moved) {
-    continues = from.front().origin.continues;
-    line.push_back(std::move(from.front()));
-    from.pop_front();
-  }
-  return moved;
-}
-
-EntryQueue::Line* EntryQueue::LineOf(const Entry& entry) {
-  if (lines_.empty()) return nullptr;
-  const auto found = lines_.find(entry.origin.client.get());
-  return found == lines_.end() ? nullptr : &*found->second;
+void EntryQueue::Push(Entry entry) {
+  LineOf(entry.origin, End::kLast).entries.push_back(std::move(entry));
 }
 
 void EntryQueue::PutBack(std::vector<Entry> entries) {
   for (; !entries.empty(); entries.pop_back()) {
-    Line* const line = LineOf(entries.back());
-    (line != nullptr ? *line : queue_).push_front(std::move(entries.back()));
+    Line& line = LineOf(entries.back().origin, End::kFirst);
+    line.entries.push_front(std::move(entries.back()));
+  }
+}
+
+EntryQueue::Line& EntryQueue::LineOf(const Origin& origin, End end) {
+  const auto [at, is_new] = lines_.try_emplace(origin.client.get());
+  if (!is_new) return *at->second;
+  const auto certificate = CertificateOf(origin.place.gateway(), end);
+  Lines& lines = certificate->lines;
+  at->second = lines.insert(end == End::kFirst ? lines.begin() : lines.end(), {certificate, {}});
+  return *at->second;
+}
+
+EntryQueue::Certificates::iterator EntryQueue::CertificateOf(const GatewayRef& gateway, End end) {
+  const auto known = gateways_.find(gateway.get());
+  if (known != gateways_.end()) return known->second;
+  const auto made = new_.insert(end == End::kFirst ? new_.begin() : new_.end(), {gateway, {}});
+  if (gateway != nullptr) gateways_.emplace(gateway.get(), made);
+  return made;
+}
+
+std::optional<SteadyTime> EntryQueue::MoveTo(GatheredBatch& batch, const BatchBounds& bounds,
+                                             const HeldRobots& held) {
+  Filling filling{
+      .batch = batch, .held = held, .shares = BatchShares(bounds.robot, bounds.gateway)};
+  // A batch of one is alternately for either half.
+  old_first_ = !old_first_;
+  GiveTurns(old_, filling, (bounds.records_max + (old_first_ ? 1 : 0)) / 2, bounds.bytes_max / 2);
+  GiveTurns(new_, filling, bounds.records_max, bounds.bytes_max);
+  GiveTurns(old_, filling, bounds.records_max, bounds.bytes_max);
+  return filling.oldest;
+}
+
+void EntryQueue::GiveTurns(Certificates& from, Filling& filling, std::size_t records_max,
+                           std::size_t bytes_max) {
+  // What goes into this batch no more, until the end of this look.
+  Lines passed;
+  Certificates done;
+  const auto full = [&] {
+    return filling.batch.entries() >= records_max || filling.bytes >= bytes_max ||
+           passed.size() >= kPassedMax;
+  };
+  while (!from.empty() && !full()) {
+    const auto turn = from.begin();
+    GiveTurn(*turn, filling, passed);
+    Certificates& to = turn->lines.empty() ? done : old_;
+    to.splice(to.end(), from, turn);
+  }
+  while (!passed.empty()) {
+    Lines& lines = passed.front().certificate->lines;
+    lines.splice(lines.end(), passed, passed.begin());
+  }
+  for (auto certificate = done.begin(); certificate != done.end();) {
+    const auto at = certificate++;
+    if (!at->lines.empty()) continue;
+    gateways_.erase(at->gateway.get());
+    done.erase(at);
+  }
+  old_.splice(old_.end(), done);
+}
+
+void EntryQueue::GiveTurn(Certificate& certificate, Filling& filling, Lines& passed) {
+  Lines& lines = certificate.lines;
+  while (!lines.empty() && passed.size() < kPassedMax) {
+    const auto line = lines.begin();
+    const Origin& next = line->entries.front().origin;
+    if (!filling.held.MayCommit(next) || !filling.shares.Admit(next)) {
+      passed.splice(passed.end(), lines, line);
+      continue;
+    }
+    const auto* const robot = next.client.get();
+    filling.AddMessage(line->entries);
+    if (line->entries.empty()) {
+      lines_.erase(robot);
+      lines.erase(line);
+    } else {
+      lines.splice(lines.end(), lines, line);
+    }
+    return;
   }
 }
 
 std::optional<SteadyTime> EntryQueue::oldest() const {
   std::optional<SteadyTime> oldest;
-  const auto consider = [&oldest](const Line& line) {
-    if (line.empty()) return;
-    const SteadyTime arrived = line.front().origin.arrived;
+  for (const auto& [robot, line] : lines_) {
+    const SteadyTime arrived = line->entries.front().origin.arrived;
     if (!oldest || arrived < *oldest) oldest = arrived;
-  };
-  consider(queue_);
-  for (const Line& line : lagging_) consider(line);
+  }
   return oldest;
 }
 

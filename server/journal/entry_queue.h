@@ -1,16 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <list>
 #include <optional>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "server/journal/batch_shares.h"
 #include "server/journal/entry.h"
+#include "server/journal/gateway_use.h"
 #include "server/journal/gathered_batch.h"
 #include "server/journal/held_robots.h"
 #include "server/journal/limits.h"
@@ -23,48 +24,69 @@ struct BatchBounds {
   /// A batch ends with the record that reaches this.
   std::size_t bytes_max = 0;
   BatchShare robot;
+  BatchShare gateway = kGatewayBatchShare;
 };
 
-/// Records and gaps that wait for the writer, each robot's in their order. A robot with more than
-/// its share of a batch lags: its entries wait in a line of their own, and others pass them. Half
-/// of a batch is the lines', one after the other, and half the others'; what one half leaves is the
-/// other's. What comes of one message (Origin::continues) stays together.
+/// Records and gaps that wait for the writer, each robot's in a line, in their order. Certificates
+/// go in turn, one message each, and so do the robots of one certificate: those of a gateway. A
+/// robot with its share of a batch, or with a gateway that has its own, is passed over. Half of a
+/// batch is for certificates of which something is left from an earlier batch, half for the others;
+/// what one half leaves is the other's. What comes of one message (Origin::continues) stays
+/// together.
 ///
-/// Limits: the journal's, kept by those who append; kPassedMax entries change lines per batch, and
-///         the rest of a message.
+/// Limits: the journal's, kept by those who append; kPassedMax lines are passed over per look at
+///         either half.
 /// Thread: confined to its owner's lock.
 class EntryQueue final {
  public:
-  void Push(Entry entry) { queue_.push_back(std::move(entry)); }
+  void Push(Entry entry);
   /// They wait again, ahead of all else of their robots.
   void PutBack(std::vector<Entry> entries);
-  /// Moves what goes first into `batch`, up to the first that may not be committed yet. Returns
-  /// when the oldest of it arrived; nothing if there is none.
+  /// Moves what goes first into `batch`, but nothing of robots that are not held yet. Returns when
+  /// the oldest of it arrived; nothing if there is none.
   std::optional<SteadyTime> MoveTo(GatheredBatch& batch, const BatchBounds& bounds,
                                    const HeldRobots& held);
 
-  [[nodiscard]] bool empty() const { return queue_.empty() && lagging_.empty(); }
+  [[nodiscard]] bool empty() const { return lines_.empty(); }
   /// When the oldest of them arrived; nothing if none waits.
   [[nodiscard]] std::optional<SteadyTime> oldest() const;
 
  private:
   struct Filling;
-  /// The entries of one robot; never empty, and all older than those of the robot in queue_.
-  using Line = std::deque<Entry>;
-  using Lines = std::list<Line>;
-
-  /// Until the batch holds so much.
-  void TakeLagging(Filling& filling, std::size_t records_max, std::size_t bytes_max);
-  void TakeNext(Filling& filling);
-  /// Moves the first message of `from` to the end of `line`. Returns how many entries that were.
-  static std::size_t MoveMessage(Line& from, Line& line);
-  [[nodiscard]] Line* LineOf(const Entry& entry);
-
-  std::deque<Entry> queue_;
+  struct Line;
   /// Whose turn is next goes first.
-  Lines lagging_;
-  bool lines_first_ = false;
+  using Lines = std::list<Line>;
+  struct Certificate {
+    /// Null of a robot by itself, which is the only one then.
+    GatewayRef gateway;
+    Lines lines;
+  };
+  using Certificates = std::list<Certificate>;
+  /// The entries of one robot; never empty. It stays with the certificate by which its first entry
+  /// came, whichever the robot has later.
+  struct Line {
+    Certificates::iterator certificate;
+    std::deque<Entry> entries;
+  };
+  enum class End : std::uint8_t { kFirst, kLast };
+
+  /// The robot's line; an empty one that goes first or last, if it has none.
+  Line& LineOf(const Origin& origin, End end);
+  Certificates::iterator CertificateOf(const GatewayRef& gateway, End end);
+  /// Gives turns to the certificates of `from`, those of robots that may go, until the batch holds
+  /// so much. Whose turn is over waits in old_.
+  void GiveTurns(Certificates& from, Filling& filling, std::size_t records_max,
+                 std::size_t bytes_max);
+  /// Moves one message into the batch, if one may go. Lines that may not go into `passed`.
+  void GiveTurn(Certificate& certificate, Filling& filling, Lines& passed);
+
+  /// Of which nothing was left when the last batch was taken, and those that had a turn since they
+  /// came.
+  Certificates new_;
+  Certificates old_;
+  bool old_first_ = false;
   std::unordered_map<const robot::CommitClient*, Lines::iterator> lines_;
+  std::unordered_map<const GatewayUse*, Certificates::iterator> gateways_;
 };
 
 }  // namespace uplink::journal

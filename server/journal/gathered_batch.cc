@@ -20,7 +20,7 @@ std::vector<Origin> DropVoidFrom(std::vector<Item>& items, std::vector<Origin>& 
   std::size_t kept = 0;
   for (std::size_t i = 0; i < origins.size(); ++i) {
     if (origins[i].IsVoid()) {
-      dropped.push_back(origins[i]);
+      dropped.push_back(std::move(origins[i]));
       continue;
     }
     if (kept != i) {

@@ -7,6 +7,18 @@
 #include "server/robot/limits.h"
 
 namespace uplink::journal {
+namespace {
+
+Origin OriginOf(robot::CommitClient& client, const AppendedBy& by, SteadyTime arrived,
+                std::size_t bytes) {
+  return {.client = &client,
+          .generation = by.generation,
+          .arrived = arrived,
+          .bytes = bytes,
+          .place = GatewayPlace(by.gateway, bytes)};
+}
+
+}  // namespace
 
 void Inbox::Open(OpenEntry entry) {
   {
@@ -16,14 +28,23 @@ void Inbox::Open(OpenEntry entry) {
   work_.notify_one();
 }
 
-void Inbox::Append(robot::CommitClient& client, std::uint64_t generation,
-                   storage::CommitRecord record, SteadyTime arrived) {
-  const std::size_t bytes = CostOf(record);
-  Push({.origin = {.client = &client, .generation = generation, .arrived = arrived, .bytes = bytes},
-        .item = std::move(record)});
+GatewayRef Inbox::GatewayOf(const std::string& name) {
+  if (name.empty()) return nullptr;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(gateways_, [](const auto& known) { return known.second.expired(); });
+  std::weak_ptr<GatewayUse>& known = gateways_[name];
+  GatewayRef gateway = known.lock();
+  if (gateway == nullptr) known = gateway = std::make_shared<GatewayUse>();
+  return gateway;
 }
 
-void Inbox::AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+void Inbox::Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
+                   SteadyTime arrived) {
+  const std::size_t bytes = CostOf(record);
+  Push({.origin = OriginOf(client, by, arrived, bytes), .item = std::move(record)});
+}
+
+void Inbox::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                           std::vector<storage::CommitRecord> records, SteadyTime arrived) {
   {
     const std::lock_guard lock(mutex_);
@@ -31,22 +52,16 @@ void Inbox::AppendMessage(robot::CommitClient& client, std::uint64_t generation,
       const std::size_t bytes = CostOf(records[i]);
       records_.fetch_add(1);
       bytes_.fetch_add(bytes);
-      queue_.Push({.origin = {.client = &client,
-                              .generation = generation,
-                              .arrived = arrived,
-                              .bytes = bytes,
-                              .continues = i + 1 < records.size()},
-                   .item = std::move(records[i])});
+      Origin origin = OriginOf(client, by, arrived, bytes);
+      origin.continues = i + 1 < records.size();
+      queue_.Push({.origin = std::move(origin), .item = std::move(records[i])});
     }
   }
   work_.notify_one();
 }
 
-void Inbox::AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap) {
-  Push({.origin = {.client = &client,
-                   .generation = generation,
-                   .arrived = clock_.Steady(),
-                   .bytes = robot::kRecordOverheadBytes},
+void Inbox::AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap) {
+  Push({.origin = OriginOf(client, by, clock_.Steady(), robot::kRecordOverheadBytes),
         .item = std::move(gap)});
 }
 
@@ -128,21 +143,33 @@ void Inbox::RequestCheckpoint() {
   work_.notify_one();
 }
 
-Room Inbox::RoomFor(const robot::JournalUse& robot, std::size_t bytes) const {
-  const std::size_t records_max =
-      std::max<std::size_t>(limits_.records_max / limits_.robot_share, 1);
-  const bool over =
-      robot.records >= records_max || robot.bytes + bytes > limits_.bytes_max / limits_.robot_share;
-  if (robot.records > 0 && over) return Room::kShareFull;
-  return HasRoom() ? Room::kFree : Room::kFull;
+bool Inbox::IsWithin(const GatewayUse* gateway, std::size_t shares, std::size_t bytes) const {
+  if (gateway == nullptr) return true;
+  // Not less than what one of its robots may have.
+  const std::size_t part = std::min(limits_.robot_share, limits_.gateway_share);
+  const std::size_t records_max = std::max<std::size_t>(limits_.records_max / part, 1);
+  return gateway->records() < shares * records_max &&
+         gateway->bytes() + bytes <= shares * (limits_.bytes_max / part);
 }
 
-void Inbox::WhenRoom(robot::StreamRef stream) {
+Room Inbox::RoomFor(const robot::JournalUse& robot, std::size_t bytes,
+                    const GatewayUse* gateway) const {
+  const std::size_t records_max =
+      std::max<std::size_t>(limits_.records_max / limits_.robot_share, 1);
+  const bool over = robot.records >= records_max ||
+                    robot.bytes + bytes > limits_.bytes_max / limits_.robot_share ||
+                    !IsWithin(gateway, 1, bytes);
+  if (robot.records > 0 && over) return Room::kShareFull;
+  return HasRoomFor(gateway) ? Room::kFree : Room::kFull;
+}
+
+void Inbox::WhenRoom(robot::StreamRef stream, GatewayRef gateway) {
   {
     const std::lock_guard lock(mutex_);
-    if (!HasRoom()) {
-      if (std::ranges::find(waiting_for_room_, stream) == waiting_for_room_.end()) {
-        waiting_for_room_.push_back(stream);
+    if (!HasRoomFor(gateway.get())) {
+      if (std::ranges::find(waiting_for_room_, stream, &Waiter::stream) ==
+          waiting_for_room_.end()) {
+        waiting_for_room_.push_back({stream, std::move(gateway)});
       }
       return;
     }

@@ -4,14 +4,19 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "server/journal/adopt_queue.h"
+#include "server/journal/appended_by.h"
 #include "server/journal/entry.h"
 #include "server/journal/entry_queue.h"
+#include "server/journal/gateway_use.h"
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
@@ -23,9 +28,10 @@ namespace uplink::journal {
 /// Whether one more record may be appended.
 enum class Room : std::uint8_t {
   kFree,
-  /// The robot's share is full. A robot of which nothing waits has room for one record of any size.
+  /// The robot's share is full, or its gateway's. A robot of which nothing waits has room for one
+  /// record of any size.
   kShareFull,
-  /// The journal is full.
+  /// The journal is full; or the gateway has twice its share, and nothing of the robot waits.
   kFull,
 };
 
@@ -43,11 +49,12 @@ class Inbox final {
   // journal.h has the comments.
 
   void Open(OpenEntry entry);
-  void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
+  [[nodiscard]] GatewayRef GatewayOf(const std::string& name);
+  void Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
               SteadyTime arrived);
-  void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+  void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
-  void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
+  void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
   void Remember(storage::Deliveries deliveries);
   void WhenCommitted(robot::StreamRef stream);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
@@ -59,8 +66,9 @@ class Inbox final {
   [[nodiscard]] bool HasRoom() const {
     return bytes_.load() < limits_.bytes_max && records_.load() < limits_.records_max;
   }
-  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes) const;
-  void WhenRoom(robot::StreamRef stream);
+  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes,
+                             const GatewayUse* gateway = nullptr) const;
+  void WhenRoom(robot::StreamRef stream, GatewayRef gateway = nullptr);
 
   [[nodiscard]] std::size_t records() const { return records_.load(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
@@ -74,7 +82,21 @@ class Inbox final {
   /// Its other end.
   friend class WriterInbox;
 
+  /// A stream that waits for room, for itself and for its gateway.
+  struct Waiter {
+    robot::StreamRef stream;
+    GatewayRef gateway;
+  };
+
   void Push(Entry entry);
+  /// The gateway of a robot has less than so many of its shares of the journal, with `bytes` more
+  /// at most so many.
+  [[nodiscard]] bool IsWithin(const GatewayUse* gateway, std::size_t shares,
+                              std::size_t bytes) const;
+  /// There is room for a robot of which nothing waits.
+  [[nodiscard]] bool HasRoomFor(const GatewayUse* gateway) const {
+    return HasRoom() && IsWithin(gateway, kGatewaySharesMax, 0);
+  }
   /// Something waits that goes into a batch. Under the lock.
   [[nodiscard]] bool HasBatch() const {
     return !queue_.empty() || !presence_.empty() || !deliveries_.empty() ||
@@ -92,7 +114,9 @@ class Inbox final {
   PresenceLog presence_;
   /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
   std::vector<storage::Deliveries> deliveries_;
-  std::vector<robot::StreamRef> waiting_for_room_;
+  std::vector<Waiter> waiting_for_room_;
+  /// By subject; those of which no stream is here and no entry waits go with the next look-up.
+  std::unordered_map<std::string, std::weak_ptr<GatewayUse>> gateways_;
   /// Each once.
   std::vector<robot::StreamRef> waiting_for_commit_;
   /// When the first record of the batch that was taken arrived.

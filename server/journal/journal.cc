@@ -38,19 +38,18 @@ void Journal::Open(robot::CommitClient& client, std::uint64_t open_id,
   inbox_.Open({.client = &client, .open_id = open_id, .request = std::move(request)});
 }
 
-void Journal::Append(robot::CommitClient& client, std::uint64_t generation,
+void Journal::Append(robot::CommitClient& client, const AppendedBy& by,
                      storage::CommitRecord record, SteadyTime arrived) {
-  inbox_.Append(client, generation, std::move(record), arrived);
+  inbox_.Append(client, by, std::move(record), arrived);
 }
 
-void Journal::AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+void Journal::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                             std::vector<storage::CommitRecord> records, SteadyTime arrived) {
-  inbox_.AppendMessage(client, generation, std::move(records), arrived);
+  inbox_.AppendMessage(client, by, std::move(records), arrived);
 }
 
-void Journal::AppendGap(robot::CommitClient& client, std::uint64_t generation,
-                        storage::GapItem gap) {
-  inbox_.AppendGap(client, generation, std::move(gap));
+void Journal::AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap) {
+  inbox_.AppendGap(client, by, std::move(gap));
 }
 
 void Journal::Remember(storage::Deliveries deliveries) { inbox_.Remember(std::move(deliveries)); }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,9 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/appended_by.h"
 #include "server/journal/duty_error.h"
+#include "server/journal/gateway_use.h"
 #include "server/journal/inbox.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
@@ -55,15 +58,18 @@ class Journal final {
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
   /// same client.
   void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request);
+  /// What waits here of the robots of the gateway with this subject; null if it is empty.
+  [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
   /// Appends one durable message. Always takes it: callers ask RoomFor before.
-  /// `generation` is the client's when the record's stream began: a record that a fence overtook on
-  /// its way here must not be written, since the cursor would pass those that the fence dropped.
-  void Append(robot::CommitClient& client, std::uint64_t generation, storage::CommitRecord record,
+  /// `by` has the client's generation when the record's stream began: a record that a fence
+  /// overtook on its way here must not be written, since the cursor would pass those that the fence
+  /// dropped.
+  void Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
               SteadyTime arrived);
   /// As Append, of all that one message is, in order of the numbers: one commit has all of it.
-  void AppendMessage(robot::CommitClient& client, std::uint64_t generation,
+  void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
-  void AppendGap(robot::CommitClient& client, std::uint64_t generation, storage::GapItem gap);
+  void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
   /// What the store is to remember of deliveries without records, with the next commit. What waits
   /// of the same lease comes with it.
   void Remember(storage::Deliveries deliveries);
@@ -105,13 +111,17 @@ class Journal final {
   /// the store is away it is tried again.
   void RequestCheckpoint();
 
-  /// Whether a record that costs `bytes` (CostOf) may come from a robot of which that waits.
-  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes) const {
-    return inbox_.RoomFor(robot, bytes);
+  /// Whether a record that costs `bytes` (CostOf) may come from a robot of which that waits,
+  /// through this gateway.
+  [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes,
+                             const GatewayUse* gateway = nullptr) const {
+    return inbox_.RoomFor(robot, bytes, gateway);
   }
   [[nodiscard]] bool HasRoom() const { return inbox_.HasRoom(); }
-  /// Wakes the stream once when there is room again.
-  void WhenRoom(robot::StreamRef stream) { inbox_.WhenRoom(stream); }
+  /// Wakes the stream once when there is room again, for the gateway too.
+  void WhenRoom(robot::StreamRef stream, GatewayRef gateway = nullptr) {
+    inbox_.WhenRoom(stream, std::move(gateway));
+  }
 
   [[nodiscard]] std::size_t records() const { return inbox_.records(); }
   [[nodiscard]] std::size_t bytes() const { return inbox_.bytes(); }

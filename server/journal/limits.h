@@ -24,8 +24,17 @@ struct BatchShare {
   std::size_t records_max = 128;
   std::size_t bytes_max = std::size_t{256} * 1024;
 };
-/// Entries of robots that have their share of a batch, which are put aside while it is filled.
+/// What all robots of one gateway may have in one commit: the shares of two robots. All others wait
+/// for it, too.
+inline constexpr BatchShare kGatewayBatchShare = {.records_max = 256,
+                                                  .bytes_max = std::size_t{512} * 1024};
+/// Robots that are passed over while a batch is filled: they have their share of it, or are not
+/// held.
 inline constexpr std::size_t kPassedMax = 4096;
+
+/// Shares of one gateway that its robots of which nothing waits may fill: each of them may append
+/// one record though others have filled the gateway's share, up to here.
+inline constexpr std::size_t kGatewaySharesMax = 2;
 
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
@@ -36,8 +45,12 @@ struct JournalLimits {
   std::size_t batch_records_max = config::JournalConfig().batch_records_max;
   std::size_t batch_bytes_max = 8U * 1024 * 1024;
   BatchShare batch_robot;
+  BatchShare batch_gateway = kGatewayBatchShare;
   /// One robot may have 1 / robot_share of bytes_max and records_max (journal.robot_share).
   std::size_t robot_share = config::JournalConfig().robot_share;
+  /// All robots of one gateway may have 1 / gateway_share, or what one robot may have, if that is
+  /// more: with kGatewaySharesMax, half of the journal is left to all others.
+  std::size_t gateway_share = 4;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
   /// does.
   bool sweeps = true;

@@ -83,7 +83,11 @@ void WriterInbox::Release(const Done& done) {
     inbox_.records_.fetch_sub(done.records);
     inbox_.bytes_.fetch_sub(done.bytes);
     if (done.batch_ended) inbox_.batch_oldest_.reset();
-    if (inbox_.HasRoom()) wake.swap(inbox_.waiting_for_room_);
+    std::erase_if(inbox_.waiting_for_room_, [&](const Inbox::Waiter& waiter) {
+      const bool room = inbox_.HasRoomFor(waiter.gateway.get());
+      if (room) wake.push_back(waiter.stream);
+      return room;
+    });
   }
   for (const robot::StreamRef stream : wake) stream.Wake();
 }

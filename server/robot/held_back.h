@@ -14,9 +14,9 @@ enum class HeldBack : std::uint8_t {
   kNone,
   /// in_flight_uplinks_max of the robot's messages wait for commits.
   kInFlight,
-  /// The robot's share of the journal is full.
+  /// The robot's share of the journal is full, or that of its gateway.
   kJournalShare,
-  /// The journal is full, and the next message is durable.
+  /// The journal is full, or its gateway has twice its share; and the next message is durable.
   kJournal,
   /// More is to be stored of the robot than its buckets allow (DurableFlow).
   kFlow,

@@ -7,7 +7,7 @@ namespace uplink::session {
 void Appending::AddGap(const robot::Seen& seen) {
   sources_.counts.missing += seen.missing;
   sources_.robot.sessions.AddGap(sources_.session, seen);
-  journal_.AppendGap(sources_.robot, sources_.generation,
+  journal_.AppendGap(sources_.robot, sources_.by,
                      {.robot = id_,
                       .session = sources_.session,
                       .first = seen.missing_first,
@@ -57,7 +57,7 @@ bool Appending::Wait(model::Seq seq, std::size_t bytes) {
 void Appending::Append(storage::CommitRecord record) {
   // Published before the writer can settle it, so that no scrape sees it settled and not received.
   Publish();
-  journal_.Append(sources_.robot, sources_.generation, std::move(record), arrived_);
+  journal_.Append(sources_.robot, sources_.by, std::move(record), arrived_);
 }
 
 void Appending::Publish() {

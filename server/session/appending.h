@@ -3,8 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "metrics/ledger.h"
+#include "server/journal/appended_by.h"
 #include "server/robot/robot.h"
 #include "server/session/context.h"
 #include "server/session/limited_run.h"
@@ -18,19 +20,19 @@ namespace uplink::session {
 /// Thread: confined to the stream's thread.
 class Appending final {
  public:
-  /// All of it outlives this, but the values. `generation` as robot::RobotSessions::Begin gave it.
+  /// All of it outlives this, but the values.
   struct Sources {
     const SessionContext& context;
     robot::Robot& robot;
     NumberRun& numbers;
     metrics::UplinkCounts& counts;
     model::SessionId session;
-    std::uint64_t generation = 0;
+    journal::AppendedBy by;
   };
-  explicit Appending(const Sources& sources)
-      : sources_(sources),
-        id_(sources.robot.id()),
-        journal_(sources.context.journals.Of(id_->ruri)) {}
+  explicit Appending(Sources sources)
+      : sources_(std::move(sources)),
+        id_(sources_.robot.id()),
+        journal_(sources_.context.journals.Of(id_->ruri)) {}
 
   /// What follows came with a frame that arrived at this time.
   void Begin(SteadyTime arrived, SystemTime received_at) {

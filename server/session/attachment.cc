@@ -101,7 +101,7 @@ bool Attachment::ClaimFleet() {
   return true;
 }
 
-absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
+absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
   if (!ClaimFleet()) return Refused(fleet::Refusal::kOtherFleet);
   const auto begun = robot_->sessions.Begin(
       terms_.session, now,
@@ -117,6 +117,7 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
     if (robot_->state.held_since() == 0) robot_->state.Lose();
   }
   open_id_ = begun->open_id;
+  gateway_ = journal().GatewayOf(terms_.claim.gateway);
   robot_->state.Claim(now);
   journal().Open(*robot_, open_id_,
                  {.robot = robot_->id(),
@@ -126,7 +127,7 @@ absl::StatusOr<std::uint64_t> Attachment::Open(SteadyTime now) {
                   .sessions_held = robot_->sessions.Held(),
                   .rejects_max = context_.limits.open_rejects_max,
                   .fleet_word = begun->fleet_word});
-  return begun->generation;
+  return journal::AppendedBy(begun->generation, gateway_);
 }
 
 robot::Resume Attachment::Resume() {

@@ -38,12 +38,12 @@ class Attachment final {
   [[nodiscard]] robot::Standing Attach();
   /// The wait has ended, or the stream does while it waits. Idempotent.
   void EndWait();
-  /// Begins the session and asks the store for its cursor. Returns the generation under which the
-  /// stream's records are written (RobotSessions::Begin).
+  /// Begins the session and asks the store for its cursor. Returns what goes with all that the
+  /// stream appends.
   ///
   /// Errors: kResourceExhausted if all sessions of the robot wait for the store; kPermissionDenied
   ///         if the robot came into another fleet than its gateway's since Admit.
-  [[nodiscard]] absl::StatusOr<std::uint64_t> Open(SteadyTime now);
+  [[nodiscard]] absl::StatusOr<journal::AppendedBy> Open(SteadyTime now);
   /// What Welcome says.
   [[nodiscard]] robot::Resume Resume();
   /// The stream takes no more frames: the one that waits for the robot is woken.
@@ -59,6 +59,8 @@ class Attachment final {
   /// Hello.declines_forwards.
   [[nodiscard]] bool declines_forwards() const { return terms_.declines_forwards; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
+  /// Wakes the stream once the journal has room, for its gateway too.
+  void WakeWhenRoom() { journal().WhenRoom(self_, gateway_); }
   [[nodiscard]] robot::Standing standing() const { return robot_->sessions.StandingOf(self_); }
   /// The store has answered Open.
   [[nodiscard]] bool opened() const { return robot_->sessions.Opened(open_id_); }
@@ -92,6 +94,8 @@ class Attachment final {
   bool waits_ = false;
   bool attached_ = false;
   std::uint64_t open_id_ = 0;
+  /// From Open on; null of a robot by itself.
+  journal::GatewayRef gateway_;
 };
 
 }  // namespace uplink::session

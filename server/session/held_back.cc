@@ -26,7 +26,7 @@ std::size_t FlowBytes(std::size_t payload_bytes, const model::Record& record) {
 Hold HoldOfRecord(const HeldBackSources& sources, const RecordCost& cost) {
   const robot::JournalUse use = sources.robot.sessions.journal_use();
   if (use.records >= sources.limits.in_flight_uplinks_max) return {.by = HeldBack::kInFlight};
-  switch (sources.journal.RoomFor(use, cost.journal_bytes)) {
+  switch (sources.journal.RoomFor(use, cost.journal_bytes, sources.gateway)) {
     case journal::Room::kShareFull:
       return {.by = HeldBack::kJournalShare};
     case journal::Room::kFull:

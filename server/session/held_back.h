@@ -28,6 +28,8 @@ struct Hold {
 struct HeldBackSources {
   const robot::Robot& robot;
   const journal::Journal& journal;
+  /// Null: the robot speaks by itself.
+  const journal::GatewayUse* gateway = nullptr;
   const SessionLimits& limits;
   const robot::FlowLimits& flow;
   const Clock& clock;

@@ -16,13 +16,14 @@ Intake::Intake(const Sources& sources)
       id_(robot_.id()),
       journal_(context_.journals.Of(id_->ruri)),
       session_(sources.session),
+      gateway_(sources.by.gateway),
       numbers_(robot_.sessions, session_),
       appending_({.context = context_,
                   .robot = robot_,
                   .numbers = numbers_,
                   .counts = counts_,
                   .session = session_,
-                  .generation = sources.generation}),
+                  .by = sources.by}),
       live_({.context = context_, .robot = robot_, .counts = counts_, .session = session_}),
       allowance_(context_.allowances.Get()) {}
 
@@ -38,6 +39,7 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
 HeldBackSources Intake::HoldSources() const {
   return {.robot = robot_,
           .journal = journal_,
+          .gateway = gateway_.get(),
           .limits = context_.limits,
           .flow = allowance_->flow,
           .clock = context_.clock};

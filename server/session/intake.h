@@ -8,6 +8,7 @@
 
 #include "metrics/ledger.h"
 #include "schema/judge.h"
+#include "server/journal/appended_by.h"
 #include "server/robot/robot.h"
 #include "server/session/appending.h"
 #include "server/session/context.h"
@@ -31,13 +32,13 @@ namespace uplink::session {
 /// Thread:  confined to the stream's thread.
 class Intake final {
  public:
-  /// What outlives it, and `generation` as robot::RobotSessions::Begin gave it.
+  /// What outlives it, and `by` as Attachment::Open gave it.
   struct Sources {
     const SessionContext& context;
     robot::Robot& robot;
     StreamTimers& timers;
     const model::SessionId& session;
-    std::uint64_t generation = 0;
+    journal::AppendedBy by;
   };
   explicit Intake(const Sources& sources);
 
@@ -110,6 +111,7 @@ class Intake final {
   const storage::RobotRef id_;
   journal::Journal& journal_;
   const model::SessionId session_;
+  const journal::GatewayRef gateway_;
 
   PendingBatch batch_;
   NumberRun numbers_;

@@ -16,7 +16,7 @@ void ReadGate::RequestUnless(const Hold& hold) {
     case HeldBack::kNone:
       return Request();
     case HeldBack::kJournal:
-      return sources_.robot.journal().WhenRoom(sources_.robot.self());
+      return sources_.robot.WakeWhenRoom();
     case HeldBack::kInFlight:      // a commit of the robot wakes the stream
     case HeldBack::kJournalShare:  // as well
     case HeldBack::kUnread:        // a write that is done calls

@@ -97,12 +97,12 @@ void Session::Attach() {
 
 void Session::BeginOpening() {
   const SteadyTime now = context_.clock.Steady();
-  const auto generation = robot_.Open(now);
-  if (!generation.ok()) return Finish(generation.status());
+  auto by = robot_.Open(now);
+  if (!by.ok()) return Finish(by.status());
   state_ = State::kOpening;
   timers_.Set(Timer::kWelcome, now + kWelcomeWait);
   intake_ = std::make_unique<Intake>(
-      Intake::Sources{context_, robot_.robot(), timers_, robot_.session(), *generation});
+      Intake::Sources{context_, robot_.robot(), timers_, robot_.session(), *std::move(by)});
 }
 
 void Session::SendWelcome() {

@@ -100,9 +100,9 @@ TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {
 
 TEST_F(AttachmentTest, TheSessionIsOpenOnceTheStoreHasAnswered) {
   ASSERT_TRUE(Attach(robot_, Terms(SessionOf(1))).ok());
-  const auto generation = robot_.Open(clock_.Steady());
-  ASSERT_TRUE(generation.ok());
-  EXPECT_EQ(*generation, robot_.robot().sessions.generation());
+  const auto by = robot_.Open(clock_.Steady());
+  ASSERT_TRUE(by.ok());
+  EXPECT_EQ(by->generation, robot_.robot().sessions.generation());
   EXPECT_FALSE(robot_.opened());
   server_.Commit();
   EXPECT_TRUE(robot_.opened());

@@ -299,5 +299,28 @@ TEST_F(GatewayTest, RobotsThatItsCertificateNamesAreNotCounted) {
             "RESOURCE_EXHAUSTED: the server admits no more than 2 robots (limits.robots_max)");
 }
 
+TEST_F(GatewayTest, AtTwiceItsShareOfTheJournalItsNextRobotIsHeldBackAndNobodyElse) {
+  limits_.journal.records_max = 8;
+  limits_.journal.robot_share = 8;
+  const std::vector<std::string> ruris{"rcan://a/1", "rcan://a/2", "rcan://a/3", "rcan://a/4",
+                                       "rcan://a/5"};
+  std::vector<BenchStream*> streams;
+  for (const std::string& ruri : ruris) streams.push_back(&ConnectVia(ruri));
+  BenchStream& own = server().Connect(SessionOf(1), 0, 0, "rcan://own/1");
+  for (BenchStream* stream : streams) stream->Send(BatchFrame({{1, Fault()}}));
+  EXPECT_EQ(server().counts().received, 4U) << "a quarter of eight, twice";
+  const auto held_back = [&](std::string_view ruri) {
+    return server().robot(ruri).sessions.View().held_back;
+  };
+  EXPECT_EQ(held_back(ruris[3]), HeldBack::kNone);
+  EXPECT_EQ(held_back(ruris[4]), HeldBack::kJournal);
+  own.Send(BatchFrame({{1, Fault()}}));
+  EXPECT_EQ(server().counts().received, 5U);
+  EXPECT_TRUE(own.reading());
+  server().Commit();
+  EXPECT_EQ(server().counts().stored, 6U) << "it was woken";
+  EXPECT_EQ(held_back(ruris[4]), HeldBack::kNone);
+}
+
 }  // namespace
 }  // namespace uplink::session

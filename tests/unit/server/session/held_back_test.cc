@@ -52,6 +52,19 @@ TEST_F(HoldTest, ARecordWaitsAtTheRobotsShareOfTheJournal) {
   EXPECT_TRUE(server_.journal().HasRoom()) << "for everybody else";
 }
 
+TEST_F(HoldTest, ARecordWaitsAtItsGatewaysShareOfTheJournal) {
+  const journal::GatewayRef gateway = server_.journal().GatewayOf("CN=hall");
+  HeldBackSources sources = Sources();
+  sources.gateway = gateway.get();
+  const auto of_record = [&] { return HoldOfRecord(sources, {.journal_bytes = 1'000}).by; };
+  AddWaiting(1);
+  EXPECT_EQ(of_record(), HeldBack::kNone);
+  // Another robot of the gateway: a quarter of 64,000.
+  const journal::GatewayPlace sibling(gateway, 15'001);
+  EXPECT_EQ(of_record(), HeldBack::kJournalShare);
+  EXPECT_EQ(OfRecord({.journal_bytes = 1'000}).by, HeldBack::kNone) << "through no gateway";
+}
+
 TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
   for (int i = 0; i < 2; ++i) {
     EXPECT_TRUE(OfRecord({.journal_bytes = 1, .flow_bytes = 1}).none());

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+namespace uplink::journal {
+
+/// What waits in one journal of all robots that one gateway speaks for.
+///
+/// Thread: thread-safe.
+class GatewayUse final {
+ public:
+  /// Gaps included.
+  [[nodiscard]] std::size_t records() const { return records_.load(); }
+  [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
+
+ private:
+  friend class GatewayPlace;
+
+  std::atomic<std::size_t> records_{0};
+  std::atomic<std::size_t> bytes_{0};
+};
+
+/// Null: the robot speaks by itself.
+using GatewayRef = std::shared_ptr<GatewayUse>;
+
+/// The place of one entry in its gateway's use, which counts it from its making to its end.
+///
+/// Thread: confined to whoever has the entry.
+class GatewayPlace final {
+ public:
+  GatewayPlace() = default;
+  GatewayPlace(GatewayRef gateway, std::size_t bytes)
+      : gateway_(std::move(gateway)), bytes_(bytes) {
+    if (gateway_ == nullptr) return;
+    gateway_->records_.fetch_add(1);
+    gateway_->bytes_.fetch_add(bytes_);
+  }
+  ~GatewayPlace() {
+    if (gateway_ == nullptr) return;
+    gateway_->records_.fetch_sub(1);
+    gateway_->bytes_.fetch_sub(bytes_);
+  }
+  GatewayPlace(GatewayPlace&& other) noexcept = default;
+  GatewayPlace& operator=(GatewayPlace&& other) noexcept {
+    std::swap(gateway_, other.gateway_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  GatewayPlace(const GatewayPlace&) = delete;
+  GatewayPlace& operator=(const GatewayPlace&) = delete;
+
+  [[nodiscard]] const GatewayRef& gateway() const { return gateway_; }
+
+ private:
+  GatewayRef gateway_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace uplink::journal
