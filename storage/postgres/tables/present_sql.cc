@@ -59,13 +59,18 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
                 " AND (u.by_ms = ",
                 kAlwaysMs,
                 " OR (t.expires_ms <> 0 AND t.expires_ms <= u.by_ms))"};
-  sql.expiring = {entry.view(),
-                  " FROM unnest($1::text[], $2::int[]) AS u (ruri, upserts) JOIN uplinkd.",
-                  shape.name,
-                  " AS t ON t.ruri = u.ruri AND t.expires_ms <> 0",
-                  " WHERE u.upserts + (SELECT count(*) FROM uplinkd.",
-                  shape.name,
-                  " AS c WHERE c.ruri = u.ruri) > $3::bigint"};
+  // CASE alone says which is looked at first.
+  sql.expired = {entry.view(),
+                 " FROM unnest($1::text[], $2::int[], $3::bigint[]) AS u (ruri, upserts, by_ms)",
+                 " JOIN uplinkd.",
+                 shape.name,
+                 " AS t ON t.ruri = u.ruri AND t.expires_ms <> 0 AND t.expires_ms <= u.by_ms",
+                 " WHERE CASE WHEN (SELECT min(e.expires_ms) FROM uplinkd.",
+                 shape.name,
+                 " AS e WHERE e.ruri = u.ruri AND e.expires_ms <> 0) <= u.by_ms",
+                 " THEN u.upserts + (SELECT count(*) FROM uplinkd.",
+                 shape.name,
+                 " AS c WHERE c.ruri = u.ruri) > $4::bigint ELSE false END"};
   sql.sweep = {"DELETE FROM uplinkd.",
                shape.name,
                " AS t USING (SELECT ruri, id FROM uplinkd.",

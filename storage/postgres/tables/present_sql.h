@@ -23,9 +23,10 @@ struct PresentSql {
 
   // Of kinds that expire alone.
 
-  /// $1: RURIs, $2: upserts of each, $3: the bound. Entries as `read` has them, of the robots that
-  /// may meet it.
-  SqlText expiring;
+  /// $1: RURIs, $2: upserts of each, $3: by when, $4: the bound. Entries as `read` has them that
+  /// have expired by then, of the robots that may meet the bound. Their entries are counted only if
+  /// some have.
+  SqlText expired;
   /// $1: by when they expired, $2: how many rows at most.
   SqlText sweep;
 };

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "storage/expiry.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/rejection_row.h"
 #include "storage/postgres/write/transaction.h"
@@ -198,20 +199,28 @@ void ReadRejected(const Slice& slice, KnownRows& known, Reads& reads) {
             });
 }
 
+/// The upserts of one robot in a slice.
+struct Upserts {
+  std::int32_t count = 0;
+  /// By when an entry must have expired to give its place to one of them (ExpiredByMs).
+  std::int64_t by_ms = 0;
+};
+
 /// The entries of one kind that a slice names.
 struct Named {
   Array ruri{Type::kText}, id{Type::kText}, source{Type::kText};
-  /// Of each robot that has any.
-  std::map<std::string_view, std::int32_t> upserts;
+  /// Of each robot of which entries are named.
+  std::map<std::string_view, Upserts> upserts;
 };
 
 void ReadPresent(PresentKind kind, Named& named, KnownRows& known, Reads& reads) {
   if (named.upserts.empty()) return;
-  Array counted{Type::kText}, near{Type::kText}, near_upserts{Type::kInt4};
-  for (const auto& [robot, count] : named.upserts) {
+  Array counted{Type::kText}, near{Type::kText}, count{Type::kInt4}, by_ms{Type::kInt8};
+  for (const auto& [robot, upserts] : named.upserts) {
     counted.Text(robot);
     near.Text(robot);
-    near_upserts.Int4(count);
+    count.Int4(upserts.count);
+    by_ms.Int8(upserts.by_ms);
   }
   const auto index = static_cast<std::size_t>(kind);
   const PresentSql& sql = PresentSqlOf(kind);
@@ -233,9 +242,9 @@ void ReadPresent(PresentKind kind, Named& named, KnownRows& known, Reads& reads)
   });
   const PresentBound& bound = BoundOf(kind);
   if (!bound.expires) return;
-  StoreCall expiring = StoreCallOf(sql.expiring.view(), {&near, &near_upserts});
-  expiring.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
-  reads.Add(std::move(expiring), take_entries);
+  StoreCall expired = StoreCallOf(sql.expired.view(), {&near, &count, &by_ms});
+  expired.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
+  reads.Add(std::move(expired), take_entries);
 }
 
 void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& known, Reads& reads) {
@@ -247,7 +256,10 @@ void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& know
     named.ruri.Text(change->key.ruri);
     named.id.Text(change->key.id);
     named.source.Text(change->key.source);
-    named.upserts[change->key.ruri] += change->is_upsert ? 1 : 0;
+    Upserts& upserts = named.upserts[change->key.ruri];
+    if (!change->is_upsert) continue;
+    ++upserts.count;
+    upserts.by_ms = std::max(upserts.by_ms, ExpiredByMs(record.received_at, rules));
   }
   for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
     ReadPresent(kind, kinds[static_cast<std::size_t>(kind)], known, reads);

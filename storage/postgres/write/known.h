@@ -62,8 +62,8 @@ struct KnownRows {
   std::map<std::string, Epoch, std::less<>> leases;
   /// Why a number was rejected: of those that the slice names.
   std::map<Number, model::Rejection> rejected;
-  /// By PresentKind: the entries that the slice names, as far as they are there; of robots that are
-  /// near their bound also all that expire at all.
+  /// By PresentKind: the entries that the slice names, as far as they are there; of robots that may
+  /// meet their bound also those that have expired when the last of its upserts arrives.
   std::array<Entries, kPresentKinds> present;
 
   [[nodiscard]] Entries& entries(PresentKind kind) {
