@@ -113,6 +113,11 @@ struct Counter {
     return HeldByAll(body.estop, body.status, body.fuel);
   }
 
+  static std::size_t Held(const RcanJoint& joint) { return Held(joint.joint); }
+  static std::size_t Held(const RcanState& state) {
+    return HeldByAll(state.joints, state.clock_source);
+  }
+
   static std::size_t Held(const Rejection& rejection) {
     return HeldByAll(rejection.field, rejection.detail);
   }
@@ -152,5 +157,23 @@ std::size_t HeldBytes(const Rejection& rejection) { return Counter::Held(rejecti
 std::size_t HeldBytes(const ScopeUpdate& update) {
   return Counter::HeldByAll(update.id, update.type, update.detail_json);
 }
+
+std::size_t HeldBytes(const std::string& text) { return Counter::Held(text); }
+
+std::size_t HeldBytes(const Value& value) { return Counter::Held(value); }
+
+std::size_t HeldBytes(const MotionTelemetry& motion) { return Counter::Held(motion); }
+
+std::size_t HeldBytes(const StatusTelemetry& status) { return Counter::Held(status); }
+
+std::size_t HeldBytes(const SystemHealth& health) { return Counter::Held(health); }
+
+std::size_t HeldBytes(const UsageTelemetry& usage) { return Counter::Held(usage); }
+
+std::size_t HeldBytes(const ConsumableStatus& status) { return Counter::Held(status); }
+
+std::size_t HeldBytes(const SpatialDirectiveStatus& status) { return Counter::Held(status); }
+
+std::size_t HeldBytes(const RcanState& state) { return Counter::Held(state); }
 
 }  // namespace uplink::model

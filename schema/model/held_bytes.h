@@ -1,10 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
+#include "schema/model/extras.h"
+#include "schema/model/health.h"
+#include "schema/model/motion.h"
+#include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
+#include "schema/model/status.h"
 
 namespace uplink::model {
 
@@ -14,5 +20,14 @@ namespace uplink::model {
 [[nodiscard]] std::size_t HeldBytes(const Record& record);
 [[nodiscard]] std::size_t HeldBytes(const Rejection& rejection);
 [[nodiscard]] std::size_t HeldBytes(const ScopeUpdate& update);
+[[nodiscard]] std::size_t HeldBytes(const std::string& text);
+[[nodiscard]] std::size_t HeldBytes(const Value& value);
+[[nodiscard]] std::size_t HeldBytes(const MotionTelemetry& motion);
+[[nodiscard]] std::size_t HeldBytes(const StatusTelemetry& status);
+[[nodiscard]] std::size_t HeldBytes(const SystemHealth& health);
+[[nodiscard]] std::size_t HeldBytes(const UsageTelemetry& usage);
+[[nodiscard]] std::size_t HeldBytes(const ConsumableStatus& status);
+[[nodiscard]] std::size_t HeldBytes(const SpatialDirectiveStatus& status);
+[[nodiscard]] std::size_t HeldBytes(const RcanState& state);
 
 }  // namespace uplink::model

@@ -61,8 +61,13 @@ class LatestByKey {
 
   /// Null if the key is not kept.
   [[nodiscard]] const Value* Find(std::string_view key) const {
+    const auto* item = FindItem(key);
+    return item == nullptr ? nullptr : &item->second;
+  }
+  /// The same, with the key as it is kept.
+  [[nodiscard]] const typename Items::value_type* FindItem(std::string_view key) const {
     const auto found = index_.find(key);
-    return found == index_.end() ? nullptr : &found->second->second;
+    return found == index_.end() ? nullptr : &*found->second;
   }
 
   /// Least recently updated first.

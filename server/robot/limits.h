@@ -37,6 +37,9 @@ static_assert(kStreamDelayMin * (1U << (kStreamTimesMax - kStreamsPerMinuteMax -
 inline constexpr std::size_t kStreamsWaitingMax = 4;
 /// A robot is asked for a kind of message that the store lacks of it at most once in this time.
 inline constexpr std::chrono::minutes kResendEvery{1};
+/// Bytes of one part of a live state, in memory and in a checkpoint. Of a part with more, the keys
+/// that were updated last are kept as far as they fit.
+inline constexpr std::size_t kLivePartBytesMax = std::size_t{256} * 1024;
 /// Distinct fields for which a robot's Notices are paced; further fields share one slot.
 inline constexpr std::size_t kNoticeFieldsMax = 64;
 

@@ -83,7 +83,7 @@ std::string PartBytes(const std::optional<model::RcanState>& part, std::string_v
 }
 
 template <typename Value, std::size_t kMax>
-std::string PartBytes(const LatestByKey<Value, kMax>& part, std::string_view /*ruri*/) {
+std::string PartBytes(const KeyedPart<Value, kMax>& part, std::string_view /*ruri*/) {
   std::vector<std::string> messages;
   messages.reserve(part.items().size());
   for (auto item = part.items().rbegin(); item != part.items().rend(); ++item) {

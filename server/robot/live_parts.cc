@@ -45,12 +45,12 @@ struct Into {
     return 0;
   }
   template <typename Message, std::size_t kMax>
-  std::size_t operator()(LatestByKey<Message, kMax>& part, Message&& message) const {
+  std::size_t operator()(KeyedPart<Message, kMax>& part, Message&& message) const {
     std::string key = KeyOf(message);
     return part.Put(std::move(key), std::forward<Message>(message));
   }
   template <std::size_t kMax>
-  std::size_t operator()(LatestByKey<Extra, kMax>& part, model::TelemetryExtras&& message) const {
+  std::size_t operator()(KeyedPart<Extra, kMax>& part, model::TelemetryExtras&& message) const {
     std::size_t evicted = 0;
     for (model::SensorReading& reading : message.kv) {
       const std::int64_t sampled = reading.unix_time_ms.value_or(message.unix_time_ms);
@@ -61,6 +61,17 @@ struct Into {
     return evicted;
   }
 };
+
+// One overload for each way in which a part is held.
+template <typename Message>
+std::size_t PartBytes(const std::optional<Message>& part) {
+  return part ? model::HeldBytes(*part) : 0;
+}
+
+template <typename Value, std::size_t kMax>
+std::size_t PartBytes(const KeyedPart<Value, kMax>& part) {
+  return part.held_bytes();
+}
 
 }  // namespace
 
@@ -82,6 +93,16 @@ std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived) {
         return 0;
       },
       std::move(body));
+}
+
+std::size_t HeldBytes(const LiveParts& parts, storage::LivePart part) {
+  std::size_t held = 0;
+  ForEachPart(
+      [&]<typename Tag>(Tag /*row*/, const auto& each) {
+        if (Tag::kLivePart == part) held = PartBytes(each);
+      },
+      parts);
+  return held;
 }
 
 }  // namespace uplink::robot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,7 +13,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
-#include "server/robot/latest_by_key.h"
+#include "server/robot/keyed_part.h"
 #include "storage/live_parts.h"
 
 namespace uplink::robot {
@@ -24,6 +25,12 @@ struct Extra {
   /// In this life of the server; the epoch if it was restored.
   SteadyTime arrived{};
 };
+
+/// A reading is kept without its key, which the checkpoint writes all the same.
+[[nodiscard]] inline ItemBytes BytesOfItem(const std::string& key, const Extra& extra) {
+  const std::size_t said = sizeof(extra) + model::HeldBytes(key) + model::HeldBytes(extra.value);
+  return {.said = said, .held = said + kPlaceBytes};
+}
 
 /// What is held of one message: itself, but of extras their readings.
 template <typename Message>
@@ -38,7 +45,7 @@ struct ValueOf<model::TelemetryExtras> {
 /// A part as it is held: the latest message, or the latest of each key.
 template <typename Message, std::size_t kKeysMax>
 using PartOf = std::conditional_t<kKeysMax == 1, std::optional<Message>,
-                                  LatestByKey<typename ValueOf<Message>::Type, kKeysMax>>;
+                                  KeyedPart<typename ValueOf<Message>::Type, kKeysMax>>;
 
 /// The latest of each live kind (storage/live_parts.h), in stream order; no robot clock decides
 /// anything. A value.
@@ -74,8 +81,14 @@ void ForEachPart(Visit visit, States&... states) {
 /// The part that a live message changes; nothing for durable kinds.
 [[nodiscard]] std::optional<storage::LivePart> PartOfVariant(model::Variant variant);
 
+/// Which live parts, by storage::LivePart.
+using LivePartSet = std::bitset<storage::kLivePartKinds>;
+
 /// Puts one live body into the parts; returns the number of keys that had to go. A body of a
 /// durable kind is a mistake of ours.
 std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived = {});
+
+/// Memory of one part beside the robot's own; nothing of one that is empty.
+[[nodiscard]] std::size_t HeldBytes(const LiveParts& parts, storage::LivePart part);
 
 }  // namespace uplink::robot

@@ -2,46 +2,51 @@
 
 #include <utility>
 
-#include "schema/base/check.h"
-
 namespace uplink::robot {
-namespace {
 
-/// Takes over the part of an earlier life as far as it is not known better by now. True if the
-/// store then has neither side whole.
-template <typename Message>
-bool Merge(std::optional<Message>& part, std::optional<Message>&& before) {
-  if (!part) part = std::move(before);
-  return false;
+void RobotState::CountIn(std::shared_ptr<LiveTotal> total) {
+  const std::lock_guard lock(mutex_);
+  live_total_ = total;
+  live_.CountIn(std::move(total));
 }
-
-template <typename Value, std::size_t kMax>
-bool Merge(LatestByKey<Value, kMax>& part, LatestByKey<Value, kMax>&& before) {
-  const bool both = !part.items().empty() && !before.items().empty();
-  part.PutOnTopOf(std::move(before));
-  return both;
-}
-
-}  // namespace
 
 void RobotState::Apply(std::vector<model::Record>& records, SteadyTime arrived) {
-  const std::lock_guard lock(mutex_);
-  if (foreign_) return;
-  for (model::Record& record : records) {
-    if (record.variant() == model::Variant::kStatusTelemetry) status_arrived_ = arrived;
-    const std::optional<storage::LivePart> part = PartOfVariant(record.variant());
-    UPLINK_CHECK(part.has_value(), "only live kinds are applied");
-    parts_changed_.set(static_cast<std::size_t>(*part));
-    keys_evicted_ += PutInto(parts_, std::move(record).TakeBody(), arrived);
+  {
+    const std::lock_guard lock(mutex_);
+    if (foreign_) return;
+    for (model::Record& record : records) {
+      if (record.variant() == model::Variant::kStatusTelemetry) status_arrived_ = arrived;
+      keys_evicted_ += live_.Put(std::move(record).TakeBody(), arrived);
+    }
   }
+  if (live_total_ != nullptr) live_total_->Check();
 }
 
 void RobotState::Apply(model::RcanState&& state, SteadyTime arrived) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (foreign_) return;
+    live_.Put(std::move(state));
+    rcan_arrived_ = arrived;
+  }
+  if (live_total_ != nullptr) live_total_->Check();
+}
+
+std::size_t RobotState::live_bytes() const {
   const std::lock_guard lock(mutex_);
-  if (foreign_) return;
-  parts_changed_.set(static_cast<std::size_t>(storage::LivePart::kRcan));
-  parts_.rcan = std::move(state);
-  rcan_arrived_ = arrived;
+  return live_.bytes();
+}
+
+LivePartBytes RobotState::live_part_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return live_.part_bytes();
+}
+
+std::size_t RobotState::DropLivePart(storage::LivePart part) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t before = live_.bytes();
+  live_.Drop(part);
+  return before - live_.bytes();
 }
 
 void RobotState::KeepReport(const model::Body& report, SystemTime received_at) {
@@ -153,8 +158,7 @@ void RobotState::EndClaim() {
 }
 
 void RobotState::Forget() {
-  parts_ = {};
-  parts_changed_.reset();
+  live_.Clear();
   reports_ = {};
   status_arrived_ = rcan_arrived_ = SteadyTime();
   signs_changed_ = false;
@@ -203,9 +207,9 @@ void RobotState::CountDropped(std::size_t fields) {
 std::optional<LiveChanges> RobotState::TakeChanges() {
   const std::lock_guard lock(mutex_);
   if (foreign_ || needs_restore_) return std::nullopt;
-  if (parts_changed_.none() && !signs_changed_) return std::nullopt;
+  if (!live_.changed() && !signs_changed_) return std::nullopt;
   LiveChanges changes;
-  changes.changed = std::exchange(parts_changed_, {});
+  changes.changed = live_.TakeChanged();
   signs_changed_ = false;
   changes.last_sign_of_life = presence_.last_sign();
   changes.clock_skew_ms = clock_skew_ms_;
@@ -213,25 +217,21 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
       [&changes]<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
         if (changes.changed.test(Tag::kIndex)) to = from;
       },
-      parts_, changes.parts);
+      live_.parts(), changes.parts);
   return changes;
 }
 
 void RobotState::PutBackChanges(const LivePartSet& changed) {
   const std::lock_guard lock(mutex_);
   if (foreign_) return;
-  parts_changed_ |= changed;
+  live_.PutBackChanged(changed);
   signs_changed_ = true;
 }
 
 void RobotState::Restore(LiveBefore before, storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
   if (foreign_ || held_since != held_since_) return;
-  ForEachPart(
-      [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
-        if (Merge(part, std::move(earlier))) parts_changed_.set(Tag::kIndex);
-      },
-      parts_, before.parts);
+  live_.Restore(std::move(before.parts));
   presence_.Restore(before.last_sign_of_life);
   if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
 }
@@ -276,10 +276,10 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
           []<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
             if constexpr (Tag::kSmall) to = from;
           },
-          parts_, snapshot.parts);
+          live_.parts(), snapshot.parts);
       break;
     case Parts::kAll:
-      snapshot.parts = parts_;
+      snapshot.parts = live_.parts();
       break;
   }
   return snapshot;

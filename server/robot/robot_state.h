@@ -1,9 +1,9 @@
 #pragma once
 
 #include <atomic>
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -11,8 +11,10 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
+#include "server/robot/held_live.h"
 #include "server/robot/holding.h"
 #include "server/robot/live_parts.h"
+#include "server/robot/live_total.h"
 #include "server/robot/presence.h"
 #include "server/robot/presence_track.h"
 #include "server/robot/reports.h"
@@ -50,9 +52,6 @@ struct StateView {
   bool foreign = false;
 };
 
-/// Which live parts, by storage::LivePart.
-using LivePartSet = std::bitset<storage::kLivePartKinds>;
-
 /// What changed of a robot's live state since that was asked last. A value.
 struct LiveChanges {
   LivePartSet changed;
@@ -80,10 +79,14 @@ class RobotState final {
              PresenceChanged changed = {})
       : presence_(server_started, known_since, system_now, std::move(changed)) {}
 
+  /// What it holds counts there from now on. Before its first part, and before it is shared between
+  /// threads.
+  void CountIn(std::shared_ptr<LiveTotal> total);
+
   /// As PresenceTrack's.
   void BeginListening(SteadyTime now);
   /// Applies live records in order. All must be live kinds. `arrived` is kept of a status, to tell
-  /// which of two sources of a value is fresher.
+  /// which of two sources of a value is fresher. Checks the total at its end.
   void Apply(std::vector<model::Record>& records, SteadyTime arrived);
   void Apply(model::RcanState&& state, SteadyTime arrived);
   /// A durable report that its robot's series look at; others change nothing.
@@ -110,6 +113,13 @@ class RobotState final {
   /// Counts dropped fields from zero: a new stream begins.
   void ResetDropped();
   void CountDropped(std::size_t fields);
+
+  /// Memory of its live parts.
+  [[nodiscard]] std::size_t live_bytes() const;
+  [[nodiscard]] LivePartBytes live_part_bytes() const;
+  /// Lets go of a live part, so that its memory is free; what comes next is held again. The store
+  /// forgets it too. Returns how many bytes that was.
+  std::size_t DropLivePart(storage::LivePart part);
 
   /// What changed since the last call; nothing if nothing did.
   [[nodiscard]] std::optional<LiveChanges> TakeChanges();
@@ -157,7 +167,7 @@ class RobotState final {
   template <typename Look>
   void LookAt(Look look) const {
     const std::lock_guard lock(mutex_);
-    look(StateView{.parts = parts_,
+    look(StateView{.parts = live_.parts(),
                    .reported = reports_.reported(),
                    .presence = presence_.presence(),
                    .presence_since = presence_.since(),
@@ -174,8 +184,9 @@ class RobotState final {
   void Forget();
 
   mutable std::mutex mutex_;
-  LiveParts parts_;
-  LivePartSet parts_changed_;
+  HeldLive live_;
+  /// Null: it counts in none. Set before it is shared.
+  std::shared_ptr<LiveTotal> live_total_;
   Reports reports_;
   /// When the parts arrived in this life of the server; the epoch if they did not.
   SteadyTime status_arrived_;

@@ -41,7 +41,7 @@ std::size_t PartBytes(const std::optional<model::RcanState>& part) {
 }
 
 template <typename Value, std::size_t kMax>
-std::size_t PartBytes(const robot::LatestByKey<Value, kMax>& part) {
+std::size_t PartBytes(const robot::KeyedPart<Value, kMax>& part) {
   std::size_t bytes = 0;
   for (const auto& [key, value] : part.items()) bytes += key.size() + BytesOf(value);
   return bytes;

@@ -40,7 +40,7 @@ std::optional<boost::json::object> RenderPart(const std::optional<model::RcanSta
 
 /// Key to rendered value.
 template <typename Value, std::size_t kMax>
-std::optional<boost::json::object> RenderPart(const robot::LatestByKey<Value, kMax>& part,
+std::optional<boost::json::object> RenderPart(const robot::KeyedPart<Value, kMax>& part,
                                               const std::string& /*ruri*/) {
   if (part.items().empty()) return std::nullopt;
   Fields fields;
