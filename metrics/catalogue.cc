@@ -50,6 +50,12 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kRobotsForgotten, "uplinkd_robots_forgotten_total", kCounter, "robots",
      "Robots that left memory: silent for fleet.forget_after, for others at limits.robots_max, "
      "or removed from the store, which each server counts that had the robot."},
+    {kLiveBytes, "uplinkd_live_bytes", kGauge, "bytes",
+     "Memory of the live state of all robots and twins."},
+    {kLiveBytesLimit, "uplinkd_live_bytes_limit", kGauge, "bytes",
+     "Memory of live state that is kept at most (limits.live_bytes_max)."},
+    {kLivePartsDropped, "uplinkd_live_parts_dropped_total", kCounter, "parts",
+     "Parts of live states, and tables of twins, that were dropped at limits.live_bytes_max."},
     {kPresenceChanges, "uplinkd_presence_changes_total", kCounter, "changes",
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",

@@ -56,7 +56,7 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
     {MetricId::kMqttTwinsBytes, "uplinkd_mqtt_twins_bytes", MetricType::kGauge, "bytes",
      "Memory of the live state of twins."},
     {MetricId::kMqttTablesDropped, "uplinkd_mqtt_tables_dropped_total", MetricType::kCounter,
-     "times", "Times that a twin lost its tables since all of them held too much."},
+     "tables", "Tables that twins lost at limits.live_bytes_max."},
     {MetricId::kMqttStreams, "uplinkd_mqtt_streams", MetricType::kGauge, "streams",
      "Robots of twins, and stand-ins, to which messages are being written."},
     {MetricId::kMqttTwinsLost, "uplinkd_mqtt_twins_lost_total", MetricType::kCounter, "robots",

@@ -10,6 +10,7 @@
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
+#include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
 #include "server/front/server.h"
 #include "server/groundwork.h"
@@ -91,7 +92,7 @@ class App::Impl {
                   [this] { return !seed_rounds_.done(); }, stores_.clock.get(),
                   [this] { return space_rounds_.view().state != store::SpaceState::kEnough; },
                   [this] { return forwarding_.incomplete(); },
-                  [this] { return broker_side_.facts(); }}),
+                  [this] { return live_budget_.over(); }, [this] { return broker_side_.facts(); }}),
         certificate_watch_(monitor_, options_.logger),
         watch_({options_.clock, fleet_, monitor_.liveness(), options_.logger, sweep_seconds_,
                 session_limits_.session_idle, [this] { return leases_.OthersUnseen(); },
@@ -101,6 +102,7 @@ class App::Impl {
                                      ledgers_,
                                      session_probe_,
                                      fleet_,
+                                     live_budget_,
                                      sweep_seconds_,
                                      journals_,
                                      journal_limits_,
@@ -226,6 +228,7 @@ class App::Impl {
     work.sweep = [this] {
       if (monitor_.draining()) return;  // whom it sends away is not heard, and not offline
       watch_.Sweep();
+      live_budget_.Round();
       forgetting_.Round();
     };
     work.look_at_certificate = [this] {
@@ -298,6 +301,9 @@ class App::Impl {
       {options_.clock, options_.logger, options_.config, fleet_, journals_, journal_limits_,
        *stores_.reader, leases_, options_.process, options_.random, allowances_},
       std::move(stores_.topic_leases)};
+  fleet::LiveBudget live_budget_{
+      {options_.clock, fleet_, broker_side_.twins(), options_.logger,
+       lifecycle::LiveBytesMaxOf(options_.config.limits, health::MemoryMax())}};
   store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;
   store::SpaceRounds space_rounds_;

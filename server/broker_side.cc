@@ -113,7 +113,7 @@ struct BrokerSide::Parts {
 };
 
 BrokerSide::BrokerSide(const Context& context, std::unique_ptr<storage::TopicLeases> topics)
-    : context_(context), twins_(context.config.cyberwave.robots_max) {
+    : context_(context), twins_(context.config.cyberwave.robots_max, context.fleet.live_total()) {
   if (topics != nullptr) parts_ = std::make_unique<Parts>(context_, twins_, std::move(topics));
 }
 

@@ -66,6 +66,7 @@ class BrokerSide final {
   [[nodiscard]] std::size_t waiting() const;
   /// What is heard; empty without a broker.
   [[nodiscard]] const cyberwave::Twins& twins() const { return twins_; }
+  [[nodiscard]] cyberwave::Twins& twins() { return twins_; }
   [[nodiscard]] fleet::Fleet::Hearing hearing() const;
   /// Nothing without a broker.
   [[nodiscard]] std::optional<view::BrokerStatus> status() const;

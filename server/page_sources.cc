@@ -20,6 +20,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { page.AddLedger(parts.ledgers.Sum()); },
       [parts](auto& page) { session::AddSamples(parts.sessions, page); },
       [parts](auto& page) { fleet::AddSamples(parts.fleet, page); },
+      [parts](auto& page) { fleet::AddSamples(parts.live_budget, page); },
       [parts](auto& page) { health::AddSweepSamples(parts.sweep_seconds, page); },
       [parts](auto& page) {
         journal::AddSamples(parts.journals, parts.journal_limits, parts.clock.Steady(), page);

@@ -9,6 +9,7 @@
 #include "metrics/page.h"
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
@@ -33,6 +34,7 @@ struct PageParts {
   const metrics::LedgerBook& ledgers;
   const session::SessionProbe& sessions;
   const fleet::Fleet& fleet;
+  const fleet::LiveBudget& live_budget;
   const metrics::LatencyDistribution& sweep_seconds;
   const journal::Shards& journals;
   journal::JournalLimits journal_limits;

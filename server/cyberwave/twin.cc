@@ -1,5 +1,7 @@
 #include "server/cyberwave/twin.h"
 
+#include <utility>
+
 namespace uplink::cyberwave {
 
 std::size_t Twin::RecordsAtMost(const Judgement& judgement) const {
@@ -7,11 +9,15 @@ std::size_t Twin::RecordsAtMost(const Judgement& judgement) const {
   return state_.RecordsAtMost(judgement);
 }
 
-Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& change) {
+void Twin::CountIn(std::shared_ptr<robot::LiveTotal> total) {
+  const std::lock_guard lock(mutex_);
+  share_.CountIn(std::move(total));
+}
+
+Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival) {
   const std::lock_guard lock(mutex_);
   Applied applied = state_.Apply(std::move(judgement), arrival);
-  change.before = bytes_;
-  change.after = bytes_ = state_.held_bytes();
+  share_.Set(state_.held_bytes());
   return applied;
 }
 
@@ -20,10 +26,12 @@ void Twin::RestoreFaults(const std::vector<std::string>& fault_ids) {
   state_.RestoreFaults(fault_ids);
 }
 
-void Twin::DropTables() {
+std::size_t Twin::DropTable(TwinTable table) {
   const std::lock_guard lock(mutex_);
-  state_.DropTables();
-  bytes_ = state_.held_bytes();
+  const std::size_t before = state_.held_bytes();
+  state_.DropTable(table);
+  share_.Set(state_.held_bytes());
+  return before - share_.bytes();
 }
 
 std::vector<std::string> Twin::ActiveFaults() const {
@@ -33,7 +41,12 @@ std::vector<std::string> Twin::ActiveFaults() const {
 
 std::size_t Twin::bytes() const {
   const std::lock_guard lock(mutex_);
-  return bytes_;
+  return share_.bytes();
+}
+
+TwinTableBytes Twin::table_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return TableBytes(state_.parts());
 }
 
 }  // namespace uplink::cyberwave

@@ -11,6 +11,7 @@
 #include "schema/model/cyberwave/uuid.h"
 #include "server/cyberwave/held.h"
 #include "server/cyberwave/twin_state.h"
+#include "server/robot/live_total.h"
 
 namespace uplink::cyberwave {
 
@@ -20,29 +21,30 @@ namespace uplink::cyberwave {
 /// Thread: thread-safe by one mutex, never held across a call out; one thread applies.
 class Twin final {
  public:
-  Twin(std::string ruri, const model::cyberwave::Uuid& id) : ruri_(std::move(ruri)), state_(id) {}
+  Twin(std::string ruri, const model::cyberwave::Uuid& id)
+      : ruri_(std::move(ruri)), id_(id), state_(id) {}
 
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
+  /// The twin's, whose other robot has the same.
+  [[nodiscard]] const model::cyberwave::Uuid& id() const { return id_; }
+  /// What it holds counts there from now on; null: nowhere.
+  void CountIn(std::shared_ptr<robot::LiveTotal> total);
 
-  /// What it holds in memory before and after a message, in bytes. A value.
-  struct HeldChange {
-    std::size_t before = 0;
-    std::size_t after = 0;
-  };
   /// As TwinState::RecordsAtMost.
   [[nodiscard]] std::size_t RecordsAtMost(const Judgement& judgement) const;
-  /// As TwinState::Apply; `change` gets what became of its memory.
-  [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival, HeldChange& change);
+  /// As TwinState::Apply.
+  [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival);
   /// As MetricFaults::Restore. They count as memory from the next message on.
   void RestoreFaults(const std::vector<std::string>& fault_ids);
-  /// As TwinState::DropTables.
-  void DropTables();
+  /// As TwinState::DropTable. Returns how many bytes that was.
+  std::size_t DropTable(TwinTable table);
 
   /// The faults that its last metrics named.
   [[nodiscard]] std::vector<std::string> ActiveFaults() const;
 
   /// What it holds in memory, as of the last message: nothing before the first one.
   [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] TwinTableBytes table_bytes() const;
   /// Calls `look` with the parts as they stand, under the lock: it must be short.
   template <typename Look>
   void LookAt(Look look) const {
@@ -52,9 +54,10 @@ class Twin final {
 
  private:
   const std::string ruri_;
+  const model::cyberwave::Uuid id_;
   mutable std::mutex mutex_;
   TwinState state_;
-  std::size_t bytes_ = 0;
+  robot::LiveShare share_;
 };
 
 using TwinPtr = std::shared_ptr<Twin>;

@@ -1,5 +1,7 @@
 #include "server/cyberwave/twin_parts.h"
 
+#include <numeric>
+
 #include "schema/base/utf8.h"
 #include "schema/limits.h"
 #include "server/cyberwave/held_bytes.h"
@@ -73,13 +75,20 @@ std::size_t CommandBytes(const std::optional<LastCommand>& command) {
 
 }  // namespace
 
+TwinTableBytes TableBytes(const TwinParts& parts) {
+  // By TwinTable.
+  return {JointsBytes(parts.joints),    parts.metrics.bytes(),     parts.edges.bytes(),
+          parts.reports.bytes(),        ReportBytes(parts.motors), ReportBytes(parts.driver_info),
+          SessionsBytes(parts.sessions)};
+}
+
 std::size_t HeldBytes(const TwinParts& parts) {
+  const TwinTableBytes tables = TableBytes(parts);
   return sizeof(TwinParts) + SourceBytes(parts.position) + SourceBytes(parts.rotation) +
          SourceBytes(parts.scale) + SourceBytes(parts.battery) + SourceBytes(parts.gps) +
-         (parts.gps ? HeldBytes(parts.gps->value.fix_type) : 0) + JointsBytes(parts.joints) +
-         parts.metrics.bytes() + parts.edges.bytes() + parts.reports.bytes() +
-         ReportBytes(parts.motors) + ReportBytes(parts.driver_info) +
-         SessionsBytes(parts.sessions) + CommandBytes(parts.observed.last_command());
+         (parts.gps ? HeldBytes(parts.gps->value.fix_type) : 0) +
+         std::accumulate(tables.begin(), tables.end(), std::size_t{0}) +
+         CommandBytes(parts.observed.last_command());
 }
 
 }  // namespace uplink::cyberwave

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +46,22 @@ struct TwinParts {
   SessionMarks sessions;
   ObservedCounts observed;
 };
+
+/// What a robot of a twin loses, one by one, where the live states of all hold too much: what is
+/// held by keys, and whole reports.
+enum class TwinTable : std::uint8_t {
+  kJoints,
+  kMetrics,
+  kEdges,
+  kReports,
+  kMotors,
+  kDriverInfo,
+  kSessions,
+};
+inline constexpr std::size_t kTwinTables = static_cast<std::size_t>(TwinTable::kSessions) + 1;
+/// Memory of each, by TwinTable.
+using TwinTableBytes = std::array<std::size_t, kTwinTables>;
+[[nodiscard]] TwinTableBytes TableBytes(const TwinParts& parts);
 
 /// Memory of the largest robot of a twin, checked where it is computed (twin_parts.cc).
 inline constexpr std::size_t kTwinBytesMax = std::size_t{5} * 1024 * 1024;

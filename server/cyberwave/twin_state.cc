@@ -230,18 +230,36 @@ Applied TwinState::Apply(Judgement&& judgement, const Arrival& arrival) {
   return std::visit(Taking{*this, parts_, said}, std::move(*body));
 }
 
-void TwinState::DropTables() {
-  std::size_t names = 0;
-  for (std::size_t group = 0; group < kJointGroups; ++group) {
-    names += parts_.joints.Of(static_cast<JointGroup>(group)).size();
+void TwinState::DropTable(TwinTable table) {
+  switch (table) {
+    case TwinTable::kJoints:
+      for (std::size_t group = 0; group < kJointGroups; ++group) {
+        keys_evicted_ += parts_.joints.Of(static_cast<JointGroup>(group)).size();
+      }
+      parts_.joints = {};
+      return;
+    case TwinTable::kMetrics:
+      keys_evicted_ += parts_.metrics.size();
+      parts_.metrics = {};
+      return;
+    case TwinTable::kEdges:
+      keys_evicted_ += parts_.edges.size();
+      parts_.edges = {};
+      return;
+    case TwinTable::kReports:
+      keys_evicted_ += parts_.reports.size();
+      parts_.reports = {};
+      return;
+    case TwinTable::kMotors:
+      parts_.motors.reset();
+      return;
+    case TwinTable::kDriverInfo:
+      parts_.driver_info.reset();
+      return;
+    case TwinTable::kSessions:
+      parts_.sessions = {};
+      return;
   }
-  keys_evicted_ += names + parts_.metrics.size() + parts_.edges.size() + parts_.reports.size();
-  parts_.joints = {};
-  parts_.metrics = {};
-  parts_.edges = {};
-  parts_.reports = {};
-  parts_.motors.reset();
-  parts_.driver_info.reset();
 }
 
 Applied ApplyToNoRobot(Judgement&& judgement) {

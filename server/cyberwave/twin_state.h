@@ -61,9 +61,8 @@ class TwinState final {
   /// As MetricFaults::Restore.
   void RestoreFaults(const std::vector<std::string>& fault_ids) { faults_.Restore(fault_ids); }
 
-  /// Lets go of what is held by keys, and of whole reports: joints, metrics, edges, reports. What
-  /// comes next is held again.
-  void DropTables();
+  /// Lets go of one table. What comes next is held again.
+  void DropTable(TwinTable table);
 
   [[nodiscard]] const TwinParts& parts() const { return parts_; }
   [[nodiscard]] const MetricFaults& faults() const { return faults_; }

@@ -15,7 +15,9 @@ TwinPtr Twins::FindOrAdd(const std::string& ruri, const model::cyberwave::Uuid& 
   const auto found = twins_.find(ruri);
   if (found != twins_.end()) return found->second;
   if (twins_.size() >= twins_max_) return nullptr;
-  return twins_.emplace(ruri, std::make_shared<Twin>(ruri, id)).first->second;
+  auto twin = std::make_shared<Twin>(ruri, id);
+  twin->CountIn(total_);
+  return twins_.emplace(ruri, std::move(twin)).first->second;
 }
 
 std::vector<TwinPtr> Twins::All() const {
@@ -27,31 +29,36 @@ std::vector<TwinPtr> Twins::All() const {
 }
 
 void Twins::Remove(std::string_view ruri) {
-  const std::lock_guard lock(mutex_);
-  const auto found = twins_.find(std::string(ruri));
-  if (found == twins_.end()) return;
-  bytes_.fetch_sub(found->second->bytes());
-  twins_.erase(found);
+  TwinPtr removed;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = twins_.find(std::string(ruri));
+    if (found == twins_.end()) return;
+    removed = std::move(found->second);
+    twins_.erase(found);
+  }
+  // Somebody may keep it for a moment.
+  removed->CountIn(nullptr);
 }
 
 void Twins::Clear() {
-  const std::lock_guard lock(mutex_);
-  twins_.clear();
-  bytes_.store(0);
+  std::unordered_map<std::string, TwinPtr> removed;
+  {
+    const std::lock_guard lock(mutex_);
+    removed.swap(twins_);
+  }
+  for (const auto& [ruri, twin] : removed) twin->CountIn(nullptr);
 }
 
 Applied Twins::Apply(Twin& twin, Judgement&& judgement, const Arrival& arrival) {
-  Twin::HeldChange held;
-  Applied applied = twin.Apply(std::move(judgement), arrival, held);
-  // One thread changes what twins hold, so that the sum is exact.
-  const std::size_t others = bytes_.load() - held.before;
-  if (others + held.after > bytes_max_ && held.after > kTwinBytesKept) {
-    twin.DropTables();
-    tables_dropped_.fetch_add(1);
-    held.after = twin.bytes();
-  }
-  if (held.after != held.before) bytes_.store(others + held.after);
+  Applied applied = twin.Apply(std::move(judgement), arrival);
+  total_->Check();
   return applied;
+}
+
+std::size_t Twins::DropTable(Twin& twin, TwinTable table) {
+  tables_dropped_.fetch_add(1);
+  return twin.DropTable(table);
 }
 
 std::size_t Twins::size() const {

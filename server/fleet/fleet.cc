@@ -82,6 +82,7 @@ absl::Status Fleet::Full() const {
 RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
   auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id),
                                               started_.load(), clock_, changed_);
+  robot->state.CountIn(live_total_);
   shard.robots.emplace(id.ruri, robot);
   changes_.fetch_add(1);
   const std::lock_guard lock(admitted_mutex_);

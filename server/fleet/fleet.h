@@ -87,6 +87,8 @@ class Fleet final {
   [[nodiscard]] std::size_t leaving() const { return leaving_.load(); }
   /// Robots that left memory, for whatever reason, since the start.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
+  /// In which the live state of each robot counts.
+  [[nodiscard]] const std::shared_ptr<robot::LiveTotal>& live_total() const { return live_total_; }
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
 
@@ -199,6 +201,7 @@ class Fleet final {
 
   const Clock& clock_;
   const std::size_t robots_max_;
+  const std::shared_ptr<robot::LiveTotal> live_total_ = std::make_shared<robot::LiveTotal>();
   const robot::PresenceLimits presence_;
   const robot::PresenceLimits twins_;
   /// When the relay began to listen; before that, when the fleet was made.

@@ -22,4 +22,11 @@ void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   page.Add(kRobotsForgotten, fleet.forgotten());
 }
 
+void AddSamples(const LiveBudget& budget, metrics::Exposition& page) {
+  using enum metrics::MetricId;
+  page.Add(kLiveBytes, budget.bytes());
+  page.Add(kLiveBytesLimit, budget.bytes_max());
+  page.Add(kLivePartsDropped, budget.parts_dropped());
+}
+
 }  // namespace uplink::fleet

@@ -31,6 +31,7 @@ Readiness Monitor::readiness() const {
       .lease_failing = sources_.lease_failing(),
       .relay_behind = liveness_.behind(),
       .forward_incomplete = sources_.forward_incomplete(),
+      .live_state_over = sources_.live_state_over(),
       .broker = sources_.broker(),
       .journal_bytes = {sources_.journals.bytes_worst(), share.bytes_max},
       .journal_records = {sources_.journals.records_worst(), share.records_max},

@@ -38,6 +38,7 @@ class Monitor final {
     const storage::ClockTrust* clock_trust = nullptr;
     std::function<bool()> store_space_scarce = [] { return false; };
     std::function<bool()> forward_incomplete = [] { return false; };
+    std::function<bool()> live_state_over = [] { return false; };
     std::function<BrokerFacts()> broker = [] { return BrokerFacts(); };
   };
   explicit Monitor(const Sources& sources);

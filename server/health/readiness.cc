@@ -39,6 +39,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
      [](const Facts& facts) {
        return facts.broker.twins.limit > 0 && facts.broker.twins.reaches(kRobotsPercent);
      }},
+    {"live_bytes_max", [](const Facts& facts) { return facts.live_state_over; }},
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
     {"descriptors",

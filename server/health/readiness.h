@@ -75,6 +75,8 @@ struct ReadinessFacts {
   bool relay_behind = false;
   /// Changes of shared shapes and objects cannot be read, or not all of them have room.
   bool forward_incomplete = false;
+  /// Live state takes more than limits.live_bytes_max, or parts of it were dropped a while ago.
+  bool live_state_over = false;
   BrokerFacts broker;
   /// Of the shard of the journal that is fullest.
   Fill journal_bytes;

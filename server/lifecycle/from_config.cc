@@ -114,6 +114,12 @@ session::SessionLimits SessionLimitsOf(const config::Config& config, const std::
           .server_version = version};
 }
 
+std::size_t LiveBytesMaxOf(const config::LimitsConfig& limits, std::size_t memory_max) {
+  constexpr std::size_t kMost = 1024 * config::kMiB;
+  if (limits.live_bytes_max > 0) return limits.live_bytes_max;
+  return memory_max == 0 ? kMost : std::min(kMost, memory_max / 4);
+}
+
 transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t memory_max) {
   transport::RelayOptions options;
   options.address = config.listen.relay;

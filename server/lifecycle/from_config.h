@@ -27,6 +27,9 @@ namespace uplink::lifecycle {
 [[nodiscard]] session::Allowance AllowanceOf(const config::Config& config);
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);
+/// `memory_max`: what the process may use; 0 if that is not known.
+[[nodiscard]] std::size_t LiveBytesMaxOf(const config::LimitsConfig& limits,
+                                         std::size_t memory_max);
 /// `memory_max`: what the process may use; the transport gets half of it.
 [[nodiscard]] transport::RelayOptions RelayOptionsOf(const config::Config& config,
                                                      std::size_t memory_max);

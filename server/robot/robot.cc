@@ -92,6 +92,16 @@ void Robot::SetFleet(std::string_view fleet) {
       model::RobotId{.ruri = ruri_, .fleet = std::string(fleet)});
 }
 
+void Robot::SetSpeaker(std::string_view gateway) {
+  const std::lock_guard lock(mutex_);
+  speaker_ = gateway;
+}
+
+std::string Robot::speaker() const {
+  const std::lock_guard lock(mutex_);
+  return speaker_;
+}
+
 void Robot::MoveFleet(std::string_view from, std::string_view to) {
   const std::lock_guard lock(mutex_);
   if (id_->fleet != from) return;

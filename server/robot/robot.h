@@ -44,6 +44,12 @@ class Robot final : public CommitClient {
   /// By which way its messages come: its RURI says so.
   [[nodiscard]] model::MessageSource source() const { return sessions.source(); }
 
+  /// A stream of it begins: by this gateway's certificate, or by its own if that is empty. What it
+  /// holds from now on, whether it has a stream or not, is what that certificate brought.
+  void SetSpeaker(std::string_view gateway);
+  /// The last one. Empty, too, after a restart.
+  [[nodiscard]] std::string speaker() const;
+
   // --- Leaving memory ---
 
   /// When a stream of it came or ended last, or what the store says of an earlier life.
@@ -106,6 +112,7 @@ class Robot final : public CommitClient {
   std::atomic<bool> leaves_at_once_{false};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
+  std::string speaker_;
 };
 
 }  // namespace uplink::robot

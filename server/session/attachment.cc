@@ -119,6 +119,7 @@ absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
   open_id_ = begun->open_id;
   gateway_ = journal().GatewayOf(terms_.claim.gateway);
   robot_->state.Claim(now);
+  robot_->SetSpeaker(terms_.claim.gateway);
   journal().Open(*robot_, open_id_,
                  {.robot = robot_->id(),
                   .session = terms_.session,

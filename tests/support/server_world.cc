@@ -54,6 +54,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { page.AddLedger(ledgers.Sum()); },
       [this](auto& page) { session::AddSamples(sessions, page); },
       [this](auto& page) { fleet::AddSamples(fleet, page); },
+      [this](auto& page) { fleet::AddSamples(live_budget, page); },
       [this](auto& page) { health::AddSweepSamples(sweep_seconds, page); },
       [this](auto& page) { journal::AddSamples(shards, journal_limits, clock.Steady(), page); },
       [this](auto& page) { journal::AddSamples(journal_probe, page); },

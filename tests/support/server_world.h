@@ -8,6 +8,7 @@
 #include "server/broker/broker.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
@@ -86,7 +87,8 @@ class ServerWorld {
   fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
   journal::Journal journal;
   journal::Shards shards{{&journal}};
-  cyberwave::Twins twins{kRobotsMax};
+  cyberwave::Twins twins{kRobotsMax, fleet.live_total()};
+  fleet::LiveBudget live_budget{{clock, fleet, twins, logger, std::size_t{1} << 30U}};
   /// It has no broker.
   broker::Broker broker;
   /// Where lists look into the store briefly; empty: on the thread that asks.

@@ -8,6 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "schema/encode.h"
+#include "server/cyberwave/twins.h"
+#include "server/fleet/live_budget.h"
 #include "tests/component/front/shared_lines.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/relay_world.h"
@@ -292,6 +295,47 @@ TEST(Gateway, ALineAboutARefusalNamesIt) {
              line.find(kSubject) != std::string::npos && line.find(RuriOf(2)) != std::string::npos;
     });
   }));
+}
+
+/// Ten readings with texts of control characters, each of which is kept as three bytes.
+std::string ExtrasPayload(int first_key) {
+  model::TelemetryExtras extras;
+  for (int i = first_key; i < first_key + 10; ++i) {
+    extras.kv.push_back(
+        {.key = std::to_string(i), .value = std::string(4'000, '\x01'), .unix_time_ms = {}});
+  }
+  return schema::Encode(extras);
+}
+
+TEST(Gateway, WhoseRobotsFillTheMemoryLosesTheirLiveStateAndNobodyElse) {
+  constexpr std::size_t kBudget = 1'000'000;
+  SharedLines::Lines lines;
+  SystemClock clock;
+  const log::Logger logger{std::make_unique<SharedLines>(lines), clock, log::Format::kText,
+                           log::Level::kDebug};
+  RelayWorld world;
+  cyberwave::Twins twins(1, world.fleet.live_total());
+  fleet::LiveBudget budget({world.clock, world.fleet, twins, logger, kBudget});
+  TestAgent honest(world.Channel(world.authority.Issue(RobotSpec(RuriOf(1), "south"))));
+  ASSERT_TRUE(honest.Connect(SessionOf(1)));
+  honest.Send(BatchFrame({{1, ExtrasPayload(0)}}));
+  ASSERT_TRUE(honest.ReadThrough(1));
+  const std::size_t held = world.fleet.Find(RuriOf(1))->state.live_bytes();
+  EXPECT_GT(held, 120'000U);
+  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
+  for (int i = 2; i < 12; ++i) {
+    Relayed robot(channel, i);
+    ASSERT_EQ(robot.Welcomed(), robot.ruri());
+    robot.agent().Send(BatchFrame({{1, ExtrasPayload(0)}, {2, ExtrasPayload(10)}}));
+    ASSERT_TRUE(robot.agent().ReadThrough(2));
+    EXPECT_LE(budget.bytes(), kBudget);
+  }
+  EXPECT_GT(budget.parts_dropped(), 4U);
+  EXPECT_EQ(world.fleet.Find(RuriOf(1))->state.live_bytes(), held);
+  budget.Round();
+  ASSERT_THAT(lines.All(), ::testing::SizeIs(1));
+  EXPECT_THAT(lines.All().front(), AllOf(HasSubstr("live_state_dropped"), HasSubstr(kSubject)));
+  EXPECT_TRUE(world.Settles()) << "what was dropped was applied";
 }
 
 }  // namespace

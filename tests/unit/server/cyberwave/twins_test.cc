@@ -1,6 +1,7 @@
 // The robots of twins that this process has heard, and the memory that they hold together.
 #include "server/cyberwave/twins.h"
 
+#include <memory>
 #include <string>
 
 #include <fmt/format.h>
@@ -65,31 +66,53 @@ TEST(Twins, CountTheFaultsThatTheyHold) {
   EXPECT_GT(twins.bytes(), before + 100 * kFaults);
 }
 
-TEST(Twins, PastTheirMemoryWhoHoldsMuchLosesItsTablesAndNobodyElse) {
-  Twins twins(2, 100'000);
-  Twin& greedy = *twins.FindOrAdd("greedy", {});
-  Twin& modest = *twins.FindOrAdd("modest", {});
-  (void)Publish(twins, greedy, "telemetry", Report("one", 40'000));
-  (void)Publish(twins, modest, "position", R"({"position":{"x":1,"y":2,"z":3}})");
-  EXPECT_EQ(twins.tables_dropped(), 0U);
-  (void)Publish(twins, greedy, "telemetry", Report("two", 60'000));
-  EXPECT_EQ(twins.tables_dropped(), 1U);
-  EXPECT_LT(twins.bytes(), 50'000U);
-  EXPECT_EQ(twins.bytes(), greedy.bytes() + modest.bytes());
-  modest.LookAt([](const TwinParts& parts) { EXPECT_TRUE(parts.position.has_value()); });
-  greedy.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 0U); });
-  (void)Publish(twins, greedy, "telemetry", Report("three", 20'000));
-  greedy.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 1U); });
+TEST(Twins, CountInTheTotalOfAllForAsLongAsTheyAreThere) {
+  const auto all = std::make_shared<robot::LiveTotal>();
+  {
+    Twins twins(3, all);
+    const TwinPtr kept = twins.FindOrAdd("a", {});
+    (void)Publish(twins, *kept, "telemetry", Report("one", 20'000));
+    (void)Publish(twins, *twins.FindOrAdd("b", {}), "telemetry", Report("one", 10'000));
+    EXPECT_GT(all->bytes(), 30'000U);
+    EXPECT_EQ(all->bytes(), twins.bytes());
+    twins.Remove("a");
+    EXPECT_LT(all->bytes(), 20'000U);
+    (void)Publish(twins, *kept, "telemetry", Report("two", 20'000));
+    EXPECT_LT(all->bytes(), 20'000U) << "one that was removed counts no more";
+    EXPECT_EQ(all->bytes(), twins.bytes());
+  }
+  EXPECT_EQ(all->bytes(), 0U);
 }
 
-TEST(Twins, WhoHoldsLittleLosesNothingHoweverMuchTheOthersHold) {
-  Twins twins(2, 50'000);
-  Twin& greedy = *twins.FindOrAdd("greedy", {});
-  Twin& modest = *twins.FindOrAdd("modest", {});
-  (void)Publish(twins, greedy, "telemetry", Report("one", 45'000));
-  (void)Publish(twins, modest, "telemetry", Report("one", 10'000));
-  modest.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 1U); });
-  EXPECT_EQ(twins.tables_dropped(), 0U);
+TEST(Twins, LoseOneTableAtATimeAndHoldWhatComesNext) {
+  Twins twins(1);
+  Twin& twin = *twins.FindOrAdd("a", {});
+  (void)Publish(twins, twin, "telemetry", Report("one", 40'000));
+  (void)Publish(twins, twin, "position", R"({"position":{"x":1,"y":2,"z":3}})");
+  (void)Publish(twins, twin, "metrics", R"({"metrics":{"cpu":{"load":0.5}}})");
+  const std::size_t before = twin.bytes();
+  const std::size_t reports = twin.table_bytes()[static_cast<std::size_t>(TwinTable::kReports)];
+  EXPECT_GT(reports, 40'000U);
+  EXPECT_EQ(twins.DropTable(twin, TwinTable::kReports), reports);
+  EXPECT_EQ(twins.tables_dropped(), 1U);
+  EXPECT_EQ(twin.bytes(), before - reports);
+  EXPECT_EQ(twins.bytes(), twin.bytes());
+  twin.LookAt([](const TwinParts& parts) {
+    EXPECT_EQ(parts.reports.size(), 0U);
+    EXPECT_TRUE(parts.position.has_value());
+  });
+  (void)Publish(twins, twin, "telemetry", Report("two", 20'000));
+  twin.LookAt([](const TwinParts& parts) { EXPECT_EQ(parts.reports.size(), 1U); });
+}
+
+TEST(Twins, EachTableIsEmptyOnceItIsDropped) {
+  Twins twins(1);
+  Twin& twin = *twins.FindOrAdd("a", {});
+  (void)Publish(twins, twin, "telemetry", Report("one", 1'000));
+  for (std::size_t i = 0; i < kTwinTables; ++i) {
+    (void)twins.DropTable(twin, static_cast<TwinTable>(i));
+  }
+  EXPECT_EQ(twin.table_bytes(), TwinTableBytes{});
 }
 
 }  // namespace

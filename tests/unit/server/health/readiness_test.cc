@@ -119,12 +119,19 @@ TEST(Readiness, ReportsWhatIsWrongWithTheBroker) {
   EXPECT_THAT(words_of({.twins = {90, 100}}), ElementsAre("twins_max"));
 }
 
+TEST(Readiness, ReportsLiveStateOverItsBudget) {
+  ReadinessFacts facts = Good();
+  facts.live_state_over = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("live_bytes_max"));
+}
+
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
   bad.store_went_back = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
-  bad.forward_incomplete = true;
+  bad.forward_incomplete = bad.live_state_over = true;
   bad.broker = {.away = true,
                 .filters = true,
                 .session_lost = true,

@@ -218,6 +218,17 @@ TEST(FromConfig, EveryRateReachesItsVariant) {
   }
 }
 
+TEST(FromConfig, LiveStateGetsAQuarterOfTheMemoryAndAGibibyteAtMost) {
+  config::LimitsConfig limits;
+  const std::size_t gib = 1024 * config::kMiB;
+  EXPECT_EQ(LiveBytesMaxOf(limits, 512 * config::kMiB), 128 * config::kMiB);
+  EXPECT_EQ(LiveBytesMaxOf(limits, 4 * gib), gib);
+  EXPECT_EQ(LiveBytesMaxOf(limits, 64 * gib), gib);
+  EXPECT_EQ(LiveBytesMaxOf(limits, 0), gib) << "nobody knows";
+  limits.live_bytes_max = 3 * gib;
+  EXPECT_EQ(LiveBytesMaxOf(limits, 4 * gib), 3 * gib);
+}
+
 TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config::Config config;
   config.limits.robots_max = 10;
