@@ -20,7 +20,7 @@ struct SessionView {
   std::optional<model::SessionId> session;
   model::Seq settled_seq = 0;
   std::uint64_t missing = 0;
-  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
+  /// Through which gateway that stream came; empty: the robot spoke by itself, or never here.
   std::string gateway = {};
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   bool contested = false;

@@ -55,8 +55,9 @@ StreamRef Takeover::Detach(StreamRef stream) {
   if (stream != current_) return {};
   current_ = std::exchange(next_, {});
   current_standing_ = Standing::kCurrent;
+  if (!current_) return {};
+  connected_since_ = next_since_;
   gateway_ = std::exchange(next_gateway_, {});
-  if (current_) connected_since_ = next_since_;
   return current_;
 }
 

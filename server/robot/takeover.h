@@ -63,7 +63,7 @@ class Takeover final {
   [[nodiscard]] StreamRef current() const { return current_; }
   /// When the robot's stream, or the last one, came.
   [[nodiscard]] SystemTime connected_since() const { return connected_since_; }
-  /// Through which gateway the robot's stream came; empty: by itself, or there is none.
+  /// Through which gateway that stream came; empty: the robot spoke by itself, or never here.
   [[nodiscard]] const std::string& gateway() const { return gateway_; }
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   [[nodiscard]] bool contested() const { return contested_; }

@@ -21,7 +21,7 @@ void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_settled_seq(session.settled_seq);
   message.set_uplinks_missing(Signed(session.missing));
   message.set_contested(session.contested);
-  message.set_gateway(session.gateway);
+  if (session.connected) message.set_gateway(session.gateway);
   if (session.held_back == robot::HeldBack::kNone) return;
   message.set_held_back(std::string(robot::ToText(session.held_back)));
   message.set_held_back_since_ms(UnixMs(session.held_back_since));

@@ -58,7 +58,9 @@ class Relayed final {
 
 std::string GatewayOf(const RelayWorld& world, int robot) {
   const fleet::RobotPtr known = world.fleet.Find(RuriOf(robot));
-  return known == nullptr ? "unknown" : known->sessions.View().gateway;
+  if (known == nullptr) return "unknown";
+  const robot::SessionView view = known->sessions.View();
+  return view.connected ? view.gateway : "";
 }
 
 TEST(Gateway, RelaysForManyRobotsOnOneConnection) {

@@ -61,6 +61,21 @@ TEST_F(RobotTakeoverTest, TheOneThatWaitsIsTheRobotsFromWhenItCame) {
   EXPECT_EQ(takeover_.connected_since(), came);
 }
 
+TEST_F(RobotTakeoverTest, TheGatewayOfTheLastStreamStaysKnown) {
+  EXPECT_EQ(takeover_.gateway(), "");
+  static_cast<void>(takeover_.Attach(Stream(1), clock_.Steady(), clock_.System(), "a"));
+  takeover_.Detach(Stream(1));
+  EXPECT_EQ(takeover_.gateway(), "a");
+  static_cast<void>(takeover_.Attach(Stream(2), clock_.Steady(), clock_.System(), "b"));
+  static_cast<void>(takeover_.Attach(Stream(3), clock_.Steady(), clock_.System(), "c"));
+  EXPECT_EQ(takeover_.gateway(), "b");
+  takeover_.Detach(Stream(2));
+  EXPECT_EQ(takeover_.gateway(), "c");
+  takeover_.Detach(Stream(3));
+  Attach(4);
+  EXPECT_EQ(takeover_.gateway(), "") << "the robot speaks by itself now";
+}
+
 TEST_F(RobotTakeoverTest, OneThatGivesUpWaitingLeavesTheOlderSuperseded) {
   Attach(1);
   Attach(2);

@@ -40,7 +40,8 @@ class GatewayTest : public SessionTest {
     return stream;
   }
   std::string GatewayOf(std::string_view ruri) {
-    return server().robot(ruri).sessions.View().gateway;
+    const robot::SessionView view = server().robot(ruri).sessions.View();
+    return view.connected ? view.gateway : "";
   }
 };
 

@@ -44,6 +44,20 @@ TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
   EXPECT_EQ(last.total, 3);
 }
 
+TEST_F(QueriesTest, ShowsAGatewayForAsLongAsTheRobotsStreamComesThroughIt) {
+  class SilentInbox final : public robot::WakeInbox {
+    void Wake(std::uint64_t /*stream*/) override {}
+  } inbox;
+  robot::RobotSessions& sessions = world_.AddRobot("rcan://a").sessions;
+  const robot::StreamRef stream{.inbox = &inbox, .stream = 1};
+  static_cast<void>(sessions.Attach(stream, world_.clock.Steady(), world_.clock.System(),
+                                    {.gateway = "CN=hall"}));
+  const auto shown = [this] { return ToMessage(*world_.queries.Robot("rcan://a")).gateway(); };
+  EXPECT_EQ(shown(), "CN=hall");
+  static_cast<void>(sessions.Detach(stream, world_.clock.Steady()));
+  EXPECT_EQ(shown(), "");
+}
+
 TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   robot::Robot& robot = world_.AddRobot("rcan://a");
   world_.AddRobot("rcan://b");
