@@ -33,6 +33,7 @@ Readiness Monitor::readiness() const {
       .forward_incomplete = sources_.forward_incomplete(),
       .live_state_over = sources_.live_state_over(),
       .broker = sources_.broker(),
+      .series_left_out = sources_.series_left_out(),
       .journal_bytes = {sources_.journals.bytes_worst(), share.bytes_max},
       .journal_records = {sources_.journals.records_worst(), share.records_max},
       .journal_oldest = sources_.journals.oldest(sources_.clock.Steady()),

@@ -40,6 +40,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
        return facts.broker.twins.limit > 0 && facts.broker.twins.reaches(kRobotsPercent);
      }},
     {"live_bytes_max", [](const Facts& facts) { return facts.live_state_over; }},
+    {"series_max", [](const Facts& facts) { return facts.series_left_out; }},
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
     {"descriptors",

@@ -78,6 +78,8 @@ struct ReadinessFacts {
   /// Live state takes more than limits.live_bytes_max, or parts of it were dropped a while ago.
   bool live_state_over = false;
   BrokerFacts broker;
+  /// The robots' series have no room in a scrape.
+  bool series_left_out = false;
   /// Of the shard of the journal that is fullest.
   Fill journal_bytes;
   Fill journal_records;

@@ -62,6 +62,12 @@ std::optional<double> NumberOf(const model::Value& value) {
   return *number;
 }
 
+void AddJoints(const model::RcanState& state, NamedSeries& series) {
+  for (const model::RcanJoint& joint : state.joints) {
+    AddSamples(joint.joint, SamplesOf(joint), series);
+  }
+}
+
 void AddJoints(const robot::StateView& view, NamedSeries& series) {
   const std::vector<model::RcanJoint> none;
   const std::vector<model::RcanJoint>& said = view.parts.rcan ? view.parts.rcan->joints : none;
@@ -77,9 +83,7 @@ void AddJoints(const robot::StateView& view, NamedSeries& series) {
     std::optional<double>& kept = merged[reading->joint][reading->series];
     if (!kept || extra.arrived > view.rcan_arrived) kept = reading->value;
   }
-  if (merged.empty()) {
-    for (const model::RcanJoint& joint : said) AddSamples(joint.joint, SamplesOf(joint), series);
-  }
+  if (merged.empty() && view.parts.rcan) AddJoints(*view.parts.rcan, series);
   for (const auto& [joint, samples] : merged) AddSamples(joint, samples, series);
 }
 

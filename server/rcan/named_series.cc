@@ -23,7 +23,7 @@ std::size_t Count(unsigned set) { return static_cast<std::size_t>(std::popcount(
 void NamedSeries::Add(SeriesId first, std::string_view label,
                       std::span<const std::optional<double>> values) {
   const std::size_t most = rules_.limits.names_max;
-  std::size_t room = most - std::min(most, page_.robot_samples());
+  std::size_t room = most - std::min(most, scrape_.basic + page_.robot_samples());
   Set wanted = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!values[i] || !page_.Writes(At(first, i))) continue;
@@ -46,7 +46,7 @@ void NamedSeries::Add(SeriesId first, std::string_view label,
 }
 
 SeriesNames::Answer NamedSeries::Admit(SeriesId first, std::string_view label, Set wanted) {
-  if (!begun_) names_.BeginScrape(now_);
+  if (!begun_) names_.BeginScrape(scrape_.now);
   begun_ = true;
   // A joint and a computer of the same name are two.
   const std::uint64_t number = rules_.hash(label) ^ static_cast<std::uint64_t>(first);

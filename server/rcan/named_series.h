@@ -33,13 +33,16 @@ struct SeriesLeftOut {
 /// Confined to one thread; for one robot of one scrape.
 class NamedSeries final {
  public:
+  struct Scrape {
+    SteadyTime now;
+    /// Series of the robot that the page has besides, before the part of it that is at hand.
+    std::size_t basic = 0;
+  };
   /// `names` is what was kept of the robot since the scrape before. All outlive this.
   NamedSeries(metrics::rcan::SeriesPage& page, SeriesNames& names, const NameRules& rules,
-              SteadyTime now)
-      : page_(page), names_(names), rules_(rules), now_(now) {}
+              const Scrape& scrape)
+      : page_(page), names_(names), rules_(rules), scrape_(scrape) {}
 
-  /// Of the robot at hand.
-  [[nodiscard]] metrics::rcan::SeriesPage& page() { return page_; }
   /// `values` of `first` and of the series after it, SeriesNames::kOfLabelMax at most; an empty one
   /// has no sample.
   void Add(metrics::rcan::SeriesId first, std::string_view label,
@@ -54,7 +57,7 @@ class NamedSeries final {
   metrics::rcan::SeriesPage& page_;
   SeriesNames& names_;
   const NameRules& rules_;
-  const SteadyTime now_;
+  const Scrape scrape_;
   bool begun_ = false;
   SeriesLeftOut left_out_;
 };

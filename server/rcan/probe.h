@@ -16,6 +16,7 @@ struct RcanProbe {
   /// Series that are not there though their robot is, by why; each scrape counts them again.
   metrics::Cell series_over_max_total;
   metrics::Cell series_new_names_total;
+  metrics::Cell series_no_room_total;
   /// Scrapes that got nothing because kTextsMax were still being read.
   metrics::Cell refused_total;
 };

@@ -90,6 +90,13 @@ void AddRcan(const model::RcanState& state, SeriesPage& page) {
   AddIf(page, kPositionHeadingRad, state.position->heading_rad);
 }
 
+/// Of a robot of which nothing but its Robot States is shown.
+void AddState(const model::RcanState& state, SeriesPage& page) {
+  AddIf(page, kBatteryV, state.battery_v);
+  AddIf(page, kBatteryPct, state.battery_pct);
+  AddRcan(state, page);
+}
+
 void AddFaults(const std::string& ruri, const FaultCounts::Map& faults, SeriesPage& page) {
   const auto found = faults.find(ruri);
   const FaultCounts::BySeverity counts =
@@ -128,53 +135,49 @@ void AddExtras(const robot::LiveParts& parts, std::span<const std::string> keys,
   }
 }
 
-/// What Robot States say of a robot that is not heard otherwise: they are no sign of life where
-/// rcan.counts_as_life says so, and come all the same.
-void AddStatesAlone(const robot::StateView& view, NamedSeries& series) {
-  robot::LiveParts parts;
-  parts.rcan = view.parts.rcan;
-  const robot::Reported nothing;
-  const robot::StateView states{.parts = parts,
-                                .reported = nothing,
-                                .presence = view.presence,
-                                .presence_since = view.presence_since,
-                                .last_sign_of_life = view.last_sign_of_life,
-                                .held_back = view.held_back,
-                                .stream_held_back_until = view.stream_held_back_until,
-                                .status_arrived = {},
-                                .rcan_arrived = view.rcan_arrived};
-  AddBattery(states, series.page());
-  AddRcan(*parts.rcan, series.page());
-  AddJoints(states, series);
+Shown ShownOf(const robot::StateView& view, const SeriesSources& sources) {
+  if (ShowsValues(view, sources)) return Shown::kAll;
+  return view.parts.rcan && IsLately(view.rcan_arrived, sources) ? Shown::kStates
+                                                                 : Shown::kPresence;
 }
 
-}  // namespace
-
-bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
-              NamedSeries& series) {
-  // Whoever holds a robot has its series: no robot counts twice in a sum over servers.
-  if (view.foreign) return false;
-  SeriesPage& page = series.page();
-  // Of a robot that is neither heard nor known to be silent nothing is said.
-  if (view.presence != robot::Presence::kUnknown) {
-    page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);
-  }
-  if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
-  if (!ShowsValues(view, sources)) {
-    if (!view.parts.rcan || !IsLately(view.rcan_arrived, sources)) return false;
-    AddStatesAlone(view, series);
-    return true;
-  }
+void AddValues(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
+               SeriesPage& page) {
   AddBattery(view, page);
   if (view.parts.motion) AddMotion(*view.parts.motion, page);
   if (view.parts.status) AddStatus(*view.parts.status, page);
   if (view.parts.rcan) AddRcan(*view.parts.rcan, page);
   AddReported(view.reported, page);
   if (sources.faults != nullptr) AddFaults(ruri, *sources.faults, page);
-  AddExtras(view.parts, sources.extras, series);
+}
+
+}  // namespace
+
+Shown AddBasic(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
+               SeriesPage& page) {
+  // Whoever holds a robot has its series: no robot counts twice in a sum over servers.
+  if (view.foreign) return Shown::kPresence;
+  // Of a robot that is neither heard nor known to be silent nothing is said.
+  if (view.presence != robot::Presence::kUnknown) {
+    page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);
+  }
+  if (view.last_sign_of_life) page.Add(kLastSignOfLife, UnixSeconds(*view.last_sign_of_life));
+  const Shown shown = ShownOf(view, sources);
+  if (shown == Shown::kAll) AddValues(ruri, view, sources, page);
+  if (shown == Shown::kStates) AddState(*view.parts.rcan, page);
+  return shown;
+}
+
+void AddNamed(const robot::StateView& view, Shown shown, std::span<const std::string> extras,
+              NamedSeries& series) {
+  if (view.foreign || shown == Shown::kPresence) return;
+  if (shown == Shown::kStates) {
+    if (view.parts.rcan) AddJoints(*view.parts.rcan, series);
+    return;
+  }
+  AddExtras(view.parts, extras, series);
   AddHealth(view.parts, series);
   AddJoints(view, series);
-  return true;
 }
 
 }  // namespace uplink::rcan

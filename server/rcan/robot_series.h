@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
+#include "metrics/rcan/page.h"
 #include "server/rcan/fault_counts.h"
 #include "server/rcan/named_series.h"
 #include "server/robot/robot_state.h"
@@ -19,16 +21,30 @@ struct SeriesSources {
   /// A robot is offline when its last sign of life is older (presence.timeout).
   milliseconds presence_timeout{0};
   /// Keys of extras that are shown (rcan.extras).
-  std::span<const std::string> extras;
+  std::span<const std::string> extras = {};
   /// Null if they are not known.
   const FaultCounts::Map* faults = nullptr;
 };
 
-/// Adds the samples of one robot: its presence always, its values while they are shown. What is not
-/// known has no sample. Series without a word of the robot's own come first, then the extras that
-/// the operator asked for, then computers, then joints: none of these takes the place of one
-/// before. Returns whether the values are shown. Called under the robot's lock.
-bool AddRobot(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
+/// Which values of a robot are shown.
+enum class Shown : std::uint8_t {
+  /// None, only its presence.
+  kPresence,
+  /// What its Robot States say: they are no sign of life where rcan.counts_as_life says so, and
+  /// come all the same.
+  kStates,
+  kAll,
+};
+
+/// Adds the basic samples of one robot, which carry no word of its own: its presence always, its
+/// values while they are shown. What is not known has no sample. Called under the robot's lock.
+Shown AddBasic(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
+               metrics::rcan::SeriesPage& page);
+
+/// Adds the samples with a word of the robot's own: first the extras that the operator asked for,
+/// then computers, then joints, so that none of these takes the place of one before. Called under
+/// the robot's lock.
+void AddNamed(const robot::StateView& view, Shown shown, std::span<const std::string> extras,
               NamedSeries& series);
 
 }  // namespace uplink::rcan

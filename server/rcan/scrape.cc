@@ -6,10 +6,27 @@
 
 #include "metrics/gzip.h"
 #include "schema/cyberwave/ruri.h"
+#include "schema/model/message_source.h"
 #include "server/rcan/twin_series.h"
+#include "server/robot/session_view.h"
 #include "storage/origin.h"
 
 namespace uplink::rcan {
+namespace {
+
+Way WayOf(const robot::Robot& robot, const robot::SessionView& session) {
+  if (robot.source() == model::MessageSource::kCyberwave) return Way::kBroker;
+  if (session.connected_since == SystemTime()) return Way::kNotHeard;
+  return session.gateway.empty() ? Way::kItself : Way::kGateway;
+}
+
+Sharer SharerOf(const robot::Robot& robot) {
+  robot::SessionView session = robot.sessions.View();
+  const Way way = WayOf(robot, session);
+  return {.fleet = robot.id()->fleet, .way = way, .gateway = std::move(session.gateway)};
+}
+
+}  // namespace
 
 RobotScrape::RobotScrape(const Sources& sources)
     : sources_(sources),
@@ -63,43 +80,81 @@ void RobotScrape::Fill() {
                        .extras = sources_.config.extras,
                        .faults = faults.get()};
   page_.Clear();
+  std::vector<Known>& robots = Robots();
+  ListTurns(robots);
   LeftOut left_out;
-  for (Known& known : Robots()) {
-    const fleet::RobotPtr robot = known.robot.lock();
-    if (robot == nullptr) continue;
-    if (!fleets_.empty() && !fleets_.contains(robot->id()->fleet)) continue;
-    series.presence_timeout = sources_.fleet.presence_limits_of(*robot).timeout;
-    AddOne(known, *robot, series, left_out);
-  }
+  turns_.Give([&](std::size_t i) { return AddBasicOf(robots[i], series, left_out); });
+  turns_.Give([&](std::size_t i) { return AddNamedOf(robots[i], series, left_out); });
   Count(left_out);
 }
 
-void RobotScrape::AddOne(Known& known, const robot::Robot& robot, const SeriesSources& sources,
-                         LeftOut& left_out) {
-  page_.BeginRobot(robot.ruri());
-  NamedSeries series(page_, known.names, names_, sources.steady_now);
-  bool shown = false;
-  robot.state.LookAt(
-      [&](const robot::StateView& view) { shown = AddRobot(robot.ruri(), view, sources, series); });
-  if (shown) AddTwinOf(robot.ruri(), series);
-  known.room = shown ? std::max(known.room, page_.robot_samples()) : page_.robot_samples();
-  if (!page_.EndRobot(known.room)) {
-    ++left_out.robots;
-    return;
+void RobotScrape::ListTurns(std::vector<Known>& robots) {
+  turns_.Clear();
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const fleet::RobotPtr robot = robots[i].robot.lock();
+    if (robot == nullptr) continue;
+    Sharer sharer = SharerOf(*robot);
+    if (!fleets_.empty() && !fleets_.contains(sharer.fleet)) continue;
+    turns_.Add(std::move(sharer), i);
   }
-  const SeriesLeftOut& missing = series.left_out();
-  if (missing.all() == 0) return;
-  ++left_out.robots_incomplete;
-  left_out.series.over_max += missing.over_max;
-  left_out.series.new_names += missing.new_names;
-  Name(known, robot.ruri(), missing, sources.steady_now);
 }
 
-void RobotScrape::AddTwinOf(const std::string& ruri, NamedSeries& series) const {
-  if (sources_.twins == nullptr || !cyberwave::IsTwinRuri(ruri)) return;
-  const cyberwave::TwinPtr twin = sources_.twins->Find(ruri);
-  if (twin == nullptr) return;
-  twin->LookAt([&series](const cyberwave::TwinParts& parts) { AddTwin(parts, series); });
+ScrapeTurns::Turn RobotScrape::AddBasicOf(Known& known, SeriesSources& sources, LeftOut& left_out) {
+  known.shown = Shown::kPresence;
+  const fleet::RobotPtr robot = known.robot.lock();
+  if (robot == nullptr) return {};
+  sources.presence_timeout = sources_.fleet.presence_limits_of(*robot).timeout;
+  page_.BeginRobot(robot->ruri());
+  robot->state.LookAt([&](const robot::StateView& view) {
+    known.shown = AddBasic(robot->ruri(), view, sources, page_);
+  });
+  if (known.shown == Shown::kPresence) {
+    known.basic_room = 0;
+    known.named_room = 0;
+  } else if (const cyberwave::TwinPtr twin = TwinOf(robot->ruri())) {
+    twin->LookAt([this](const cyberwave::TwinParts& parts) { AddTwinBasic(parts, page_); });
+  }
+  known.basic_room = std::max(known.basic_room, page_.robot_samples());
+  if (page_.EndRobot(known.basic_room)) return {.taken = known.basic_room};
+  known.shown = Shown::kPresence;
+  ++left_out.robots;
+  return {.left_out = known.basic_room};
+}
+
+ScrapeTurns::Turn RobotScrape::AddNamedOf(Known& known, const SeriesSources& sources,
+                                          LeftOut& left_out) {
+  if (known.shown == Shown::kPresence) return {};
+  const fleet::RobotPtr robot = known.robot.lock();
+  if (robot == nullptr) return {};
+  page_.BeginRobot(robot->ruri());
+  NamedSeries series(page_, known.names, names_,
+                     {.now = sources.steady_now, .basic = known.basic_room});
+  robot->state.LookAt(
+      [&](const robot::StateView& view) { AddNamed(view, known.shown, sources.extras, series); });
+  if (const cyberwave::TwinPtr twin = TwinOf(robot->ruri())) {
+    twin->LookAt([&series](const cyberwave::TwinParts& parts) { AddTwinNamed(parts, series); });
+  }
+  const std::size_t samples = page_.robot_samples();
+  known.named_room = std::max(known.named_room, samples);
+  const bool fits = page_.EndRobot(known.named_room);
+  if (!fits && samples > 0) {
+    ++left_out.robots_named;
+    ++left_out.robots_incomplete;
+    left_out.series_no_room += samples;
+    return {.left_out = known.named_room};
+  }
+  if (const SeriesLeftOut& missing = series.left_out(); missing.all() > 0) {
+    ++left_out.robots_incomplete;
+    left_out.series.over_max += missing.over_max;
+    left_out.series.new_names += missing.new_names;
+    Name(known, robot->ruri(), missing, sources.steady_now);
+  }
+  return {.taken = fits ? known.named_room : 0};
+}
+
+cyberwave::TwinPtr RobotScrape::TwinOf(const std::string& ruri) const {
+  if (sources_.twins == nullptr || !cyberwave::IsTwinRuri(ruri)) return nullptr;
+  return sources_.twins->Find(ruri);
 }
 
 void RobotScrape::Count(const LeftOut& left_out) {
@@ -109,9 +164,23 @@ void RobotScrape::Count(const LeftOut& left_out) {
   probe.robots_incomplete.Set(static_cast<std::int64_t>(left_out.robots_incomplete));
   probe.series_over_max_total.Add(static_cast<std::int64_t>(left_out.series.over_max));
   probe.series_new_names_total.Add(static_cast<std::int64_t>(left_out.series.new_names));
-  if (left_out.robots == 0) return;
+  probe.series_no_room_total.Add(static_cast<std::int64_t>(left_out.series_no_room));
+  const bool full = left_out.robots > 0 || left_out.robots_named > 0;
+  full_.store(full);
+  if (full) TellRoom(left_out);
+}
+
+void RobotScrape::TellRoom(const LeftOut& left_out) {
+  const auto most = turns_.Greediest().value_or(ScrapeTurns::Share());
   left_out_.Write(log::Level::kWarn, "rcan_robots_left_out",
-                  {{"robots", left_out.robots}, {"series_max", sources_.config.series_max}});
+                  {{"robots", left_out.robots},
+                   {"series_max", sources_.config.series_max},
+                   {"robots_basic_alone", left_out.robots_named},
+                   {"most_fleet", most.sharer.fleet},
+                   {"most_way", ToText(most.sharer.way)},
+                   {"most_gateway", most.sharer.gateway},
+                   {"most_series", most.series.taken},
+                   {"most_left_out", most.series.left_out}});
 }
 
 void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOut& series,

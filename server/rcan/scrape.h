@@ -21,6 +21,7 @@
 #include "server/rcan/probe.h"
 #include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
+#include "server/rcan/turns.h"
 #include "storage/reader.h"
 
 namespace uplink::rcan {
@@ -39,6 +40,9 @@ inline constexpr std::chrono::minutes kScrapedWithin{5};
 
 /// What /metrics/robots answers. It never waits for the store, and holds a robot's lock only while
 /// that robot is written.
+///
+/// The basic series of all robots come first. The room that is left of rcan.series_max goes to
+/// series with a word of the robots' own, of a robot all or none; both in turns (ScrapeTurns).
 ///
 /// Thread: Text on one thread at a time; the texts go to any.
 class RobotScrape final {
@@ -63,6 +67,10 @@ class RobotScrape final {
                                                         metrics::Coding coding);
   /// Whether anybody scraped lately.
   [[nodiscard]] bool wanted() const;
+  /// Whether the last scrape left out series for want of room, and was so lately.
+  ///
+  /// Thread: any.
+  [[nodiscard]] bool full() const { return full_.load() && wanted(); }
   /// Has the active faults counted anew, if wanted: FaultCounts::RefreshOn.
   ///
   /// Thread: any.
@@ -75,7 +83,10 @@ class RobotScrape final {
     std::weak_ptr<robot::Robot> robot;
     /// The most samples that it ever had while its values are shown, so that who is left out does
     /// not change from scrape to scrape.
-    std::size_t room = 0;
+    std::size_t basic_room = 0;
+    std::size_t named_room = 0;
+    /// At this scrape; kPresence too if it is left out whole.
+    Shown shown = Shown::kPresence;
     SeriesNames names;
     /// In the log; the epoch if it never was.
     SteadyTime named_at{};
@@ -84,16 +95,23 @@ class RobotScrape final {
   struct LeftOut {
     /// Whole.
     std::size_t robots = 0;
+    /// All but the basic series.
+    std::size_t robots_named = 0;
     std::size_t robots_incomplete = 0;
     SeriesLeftOut series;
+    /// The basic ones of whole robots not counted.
+    std::size_t series_no_room = 0;
   };
 
   void Fill();
-  void AddOne(Known& known, const robot::Robot& robot, const SeriesSources& sources,
-              LeftOut& left_out);
-  /// Adds the values of the robot's twin, if it is one that was heard.
-  void AddTwinOf(const std::string& ruri, NamedSeries& series) const;
+  /// All that are shown have a turn each.
+  void ListTurns(std::vector<Known>& robots);
+  ScrapeTurns::Turn AddBasicOf(Known& known, SeriesSources& sources, LeftOut& left_out);
+  ScrapeTurns::Turn AddNamedOf(Known& known, const SeriesSources& sources, LeftOut& left_out);
+  /// The robot's twin, if it is one that was heard; or null.
+  [[nodiscard]] cyberwave::TwinPtr TwinOf(const std::string& ruri) const;
   void Count(const LeftOut& left_out);
+  void TellRoom(const LeftOut& left_out);
   void Name(Known& known, const std::string& ruri, const SeriesLeftOut& series, SteadyTime now);
   [[nodiscard]] std::vector<Known>& Robots();
 
@@ -113,10 +131,12 @@ class RobotScrape final {
   const NameRules names_;
   /// By RURI; read again when robots came or went.
   std::vector<Known> robots_;
+  ScrapeTurns turns_;
   std::uint64_t fleet_changes_ = 0;
   log::RateLimited left_out_;
   log::RateLimited series_left_out_;
   std::atomic<SteadyTime> scraped_at_{SteadyTime()};
+  std::atomic<bool> full_{false};
 };
 
 }  // namespace uplink::rcan

@@ -201,12 +201,15 @@ double HeadingOf(const cw::Rotation& rotation) {
   return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
-void AddTwin(const TwinParts& parts, NamedSeries& series) {
-  SeriesPage& page = series.page();
+void AddTwinBasic(const TwinParts& parts, SeriesPage& page) {
   AddBattery(parts, page);
   AddPlace(parts, page);
-  if (const auto uptime_s = UptimeOf(parts))
+  if (const auto uptime_s = UptimeOf(parts)) {
     AddFinite(page, kUptimeMs, *uptime_s * kMillisPerSecond);
+  }
+}
+
+void AddTwinNamed(const TwinParts& parts, NamedSeries& series) {
   AddEdges(parts, series);
   AddJoints(parts, series);
   AddMetrics(parts, series);

@@ -1,5 +1,5 @@
-// What the real program shows Prometheus of a robot that names its joints anew, and of its
-// neighbour.
+// What the real program shows Prometheus of a robot that names its joints anew, of a gateway that
+// invents robots, and of their neighbours.
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -48,21 +49,43 @@ std::optional<int> Promtool(const std::string& path) {
 
 class RobotSeries : public ::testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { Start(); }
+  void Start() {
     process_ = folder_.Start();
     const auto ports = WaitForPorts(*process_);
     ASSERT_TRUE(ports) << process_->text();
     http_ = ports->http;
     relay_ = ports->relay;
   }
-  std::unique_ptr<TestAgent> Agent(const std::string& ruri) {
+  std::unique_ptr<TestAgent> Agent(const std::string& ruri, const std::string& fleet = "") {
     auto agent = std::make_unique<TestAgent>(
         MakeChannel({.port = relay_,
                      .server_ca = folder_.authority().certificate(),
-                     .identity = folder_.authority().Issue(RobotSpec(ruri))}),
+                     .identity = folder_.authority().Issue(RobotSpec(ruri, fleet))}),
         TestAgent::Options{.patience = 3 * kPatience});
     EXPECT_TRUE(agent->Connect(model::SessionId()));
     return agent;
+  }
+  /// A robot's stream through a gateway's channel.
+  static std::unique_ptr<TestAgent> Relayed(const std::shared_ptr<grpc::Channel>& gateway,
+                                            const std::string& ruri) {
+    auto agent =
+        std::make_unique<TestAgent>(gateway, TestAgent::Options{.patience = 3 * kPatience});
+    v1::RelayRequest hello = HelloFrame(model::SessionId());
+    hello.mutable_hello()->set_robot_ruri(ruri);
+    EXPECT_TRUE(agent->Send(hello));
+    const auto answer = agent->Read();
+    EXPECT_TRUE(answer && answer->has_welcome());
+    return agent;
+  }
+  std::shared_ptr<grpc::Channel> Gateway(const std::string& name) {
+    CertificateSpec spec;
+    spec.common_names = {name};
+    spec.organizations = {"default"};
+    spec.units = {"gateway"};
+    return MakeChannel({.port = relay_,
+                        .server_ca = folder_.authority().certificate(),
+                        .identity = folder_.authority().Issue(spec)});
   }
   static void Send(TestAgent& agent, std::uint64_t seq, const std::string& state) {
     v1::RelayRequest frame;
@@ -72,6 +95,12 @@ class RobotSeries : public ::testing::Test {
     ASSERT_TRUE(agent.Send(frame));
     ASSERT_TRUE(agent.ReadJudged(seq));
     ASSERT_THAT(agent.rejects(), SizeIs(0));
+  }
+  /// The last scrape is what Prometheus reads.
+  void CheckFormat() const {
+    std::ofstream(folder_.Path("scrape.txt")) << text_;
+    const std::optional<int> code = Promtool(folder_.Path("scrape.txt"));
+    EXPECT_TRUE(code == 0 || code == 3) << code.value_or(-1);
   }
   void Scrape() { text_ = HttpGet(http_, "/metrics/robots").body; }
   /// The names of a robot's series in the last scrape that have this in them.
@@ -121,9 +150,53 @@ TEST_F(RobotSeries, ARobotThatRenamesItsJointsCostsItselfAlone) {
   const std::size_t named = process_->text().find("rcan_series_left_out");
   EXPECT_EQ(process_->text().find("rcan_series_left_out", named + 1), std::string::npos);
 
-  std::ofstream(folder_.Path("scrape.txt")) << text_;
-  const std::optional<int> code = Promtool(folder_.Path("scrape.txt"));
-  EXPECT_TRUE(code == 0 || code == 3) << code.value_or(-1);
+  CheckFormat();
+}
+
+TEST_F(RobotSeries, RobotsThatAGatewayInventsHideNoOtherRobots) {
+  constexpr int kInvented = 12;
+  constexpr int kJoints = 170;
+  /// By their names, seven of the invented ones leave no room for a robot with five series.
+  constexpr std::size_t kSeriesMax = 7 * 512 + 4;
+  constexpr const char* kOtherFleet = "rcan://z/south";
+  constexpr const char* kRelayed = "rcan://z/relayed";
+  process_.reset();
+  folder_.WriteConfig(fmt::format("[rcan]\nseries_max = {}\n", kSeriesMax));
+  Start();
+  const auto hostile = Gateway("hostile");
+  const auto honest_gateway = Gateway("honest");
+  std::vector<std::unique_ptr<TestAgent>> streams;
+  const auto say = [&](std::unique_ptr<TestAgent> agent, const std::string& ruri, int joints) {
+    Send(*agent, 1, State(ruri, 1, "joint", joints));
+    streams.push_back(std::move(agent));
+  };
+  for (int i = 0; i < kInvented; ++i) {
+    const std::string ruri = fmt::format("rcan://a/{:02}", i);
+    say(Relayed(hostile, ruri), ruri, kJoints);
+  }
+  say(Agent(kHonest), kHonest, 1);
+  say(Agent(kOtherFleet, "south"), kOtherFleet, 1);
+  say(Relayed(honest_gateway, kRelayed), kRelayed, 1);
+  Scrape();
+  for (const char* ruri : {kHonest, kOtherFleet, kRelayed}) {
+    EXPECT_THAT(NamesOf(ruri, "joint="), SizeIs(kSeriesPerJoint)) << ruri;
+    EXPECT_THAT(NamesOf(ruri, ""), SizeIs(kSeriesPerJoint + 2)) << ruri;
+  }
+  EXPECT_THAT(NamesOf("rcan://a/00", "joint="), SizeIs(kJoints * kSeriesPerJoint));
+  EXPECT_THAT(NamesOf(fmt::format("rcan://a/{:02}", kInvented - 1), ""), SizeIs(2));
+
+  const std::string metrics = HttpGet(http_, "/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("\nuplinkd_degraded{reason=\"series_max\"} 1\n"));
+  EXPECT_THAT(metrics, HasSubstr("\nuplinkd_rcan_robots_left_out 0\n"));
+  EXPECT_THAT(metrics, ContainsRegex("\nuplinkd_rcan_robots_incomplete [1-9]"));
+  EXPECT_THAT(metrics, ContainsRegex(
+                           "\nuplinkd_rcan_series_left_out_total\\{cause=\"series_max\"\\} [1-9]"));
+  const auto ready = HttpGet(http_, "/readyz");
+  EXPECT_EQ(ready.status, 200);
+  EXPECT_THAT(ready.body, HasSubstr("series_max"));
+  ASSERT_TRUE(process_->WaitFor("warn rcan_robots_left_out ")) << process_->text();
+  ASSERT_TRUE(process_->WaitFor("CN=hostile,OU=gateway,O=default")) << process_->text();
+  CheckFormat();
 }
 
 }  // namespace

@@ -95,6 +95,13 @@ TEST(Readiness, ReportsAStoreWithLittleSpace) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("store_space"));
 }
 
+TEST(Readiness, ReportsSeriesWithoutRoom) {
+  ReadinessFacts facts = Good();
+  facts.series_left_out = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("series_max"));
+}
+
 TEST(Readiness, ReportsALeaseThatIsNotRenewed) {
   ReadinessFacts facts = Good();
   facts.lease_failing = true;
@@ -131,7 +138,7 @@ TEST(Readiness, EveryWordIsOnceInItsList) {
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
   bad.store_went_back = true;
   bad.clock_not_vouched = bad.lease_failing = bad.relay_behind = true;
-  bad.forward_incomplete = bad.live_state_over = true;
+  bad.forward_incomplete = bad.live_state_over = bad.series_left_out = true;
   bad.broker = {.away = true,
                 .filters = true,
                 .session_lost = true,

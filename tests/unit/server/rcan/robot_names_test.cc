@@ -213,13 +213,28 @@ TEST_F(RobotNamesTest, SeriesThatAreNotWrittenTakeNoPlace) {
 }
 
 TEST_F(RobotNamesTest, ARobotThatIsLeftOutWholeIsNotIncompleteBesides) {
-  config_.series_max = 100;
+  config_.series_max = 1;
   RobotScrape scrape({clock_, fleet_, config_, faults_, probe_, logger_, {1, 2}});
   SayJoints(Robot("rcan://a"), 600);
   ASSERT_NE(scrape.Text(metrics::Format::kText, metrics::Coding::kPlain), nullptr);
   EXPECT_EQ(probe_.robots_left_out.value(), 1);
   EXPECT_EQ(probe_.robots_incomplete.value(), 0);
   EXPECT_EQ(probe_.series_over_max_total.value(), 0);
+  EXPECT_EQ(probe_.series_no_room_total.value(), 0);
+}
+
+TEST_F(RobotNamesTest, OfARobotWithoutRoomForItsNamesTheyAreLeftOutForThatAlone) {
+  config_.series_max = 100;
+  RobotScrape scrape({clock_, fleet_, config_, faults_, probe_, logger_, {1, 2}});
+  SayJoints(Robot("rcan://a"), 600);
+  ASSERT_NE(scrape.Text(metrics::Format::kText, metrics::Coding::kPlain), nullptr);
+  EXPECT_EQ(probe_.series.value(), kOfPresence);
+  EXPECT_EQ(probe_.robots_left_out.value(), 0);
+  EXPECT_EQ(probe_.robots_incomplete.value(), 1);
+  EXPECT_EQ(probe_.series_over_max_total.value(), 0);
+  EXPECT_EQ(probe_.series_no_room_total.value(), 510);
+  ASSERT_THAT(lines_, SizeIs(1));
+  EXPECT_THAT(lines_.front(), HasSubstr("rcan_robots_left_out"));
 }
 
 TEST_F(RobotNamesTest, ManyIncompleteRobotsAreNamedTenAMinute) {
@@ -237,7 +252,7 @@ TEST(NamedSeriesTest, AJointAndAComputerOfTheSameNameAreTwo) {
   SeriesNames names;
   const NameRules rules{NameHash({}), {.names_max = 10, .new_per_hour = 1}};
   page.BeginRobot("r");
-  NamedSeries series(page, names, rules, SteadyTime(hours(1)));
+  NamedSeries series(page, names, rules, {.now = SteadyTime(hours(1))});
   const std::array<std::optional<double>, 1> one = {1.0};
   series.Add(kJointPositionRad, "x", one);
   series.Add(kCpuPct, "x", one);

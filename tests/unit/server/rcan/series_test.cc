@@ -32,16 +32,16 @@ class SeriesTest : public ::testing::Test {
     page.BeginRobot("r");
     SeriesNames names;
     const NameRules rules{NameHash({}), {.names_max = robot_series_max_, .new_per_hour = 1}};
-    NamedSeries series(page, names, rules, clock_.Steady());
+    NamedSeries series(page, names, rules, {.now = clock_.Steady()});
     state_.LookAt([&](const robot::StateView& view) {
-      AddRobot("r", view,
-               {.now = clock_.System(),
-                .steady_now = clock_.Steady(),
-                .series_ttl = seconds(600),
-                .presence_timeout = limits_.timeout,
-                .extras = extras_,
-                .faults = faults_},
-               series);
+      const Shown shown = AddBasic("r", view,
+                                   {.now = clock_.System(),
+                                    .steady_now = clock_.Steady(),
+                                    .series_ttl = seconds(600),
+                                    .presence_timeout = limits_.timeout,
+                                    .faults = faults_},
+                                   page);
+      AddNamed(view, shown, extras_, series);
     });
     EXPECT_TRUE(page.EndRobot());
     std::string text;

@@ -27,8 +27,9 @@ class TwinSeriesTest : public ::testing::Test {
     page.BeginRobot("r");
     SeriesNames names;
     const NameRules rules{NameHash({}), {.names_max = series_max_, .new_per_hour = 1}};
-    NamedSeries series(page, names, rules, twin_.clock.Steady());
-    AddTwin(parts, series);
+    NamedSeries series(page, names, rules, {.now = twin_.clock.Steady()});
+    AddTwinBasic(parts, page);
+    AddTwinNamed(parts, series);
     left_out_ = series.left_out().all();
     EXPECT_TRUE(page.EndRobot());
     std::string text;
