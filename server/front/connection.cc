@@ -76,18 +76,29 @@ void Connection::BeginHttp2() {
 }
 
 void Connection::ReadPlain() {
-  while (const std::optional<std::string_view> plain = tls_->Read()) {
+  while (phase_ == Phase::kOpen) {
+    const std::optional<std::string_view> plain = tls_->Read();
+    if (!plain) break;
     if (plain->empty()) {
       // One of them costs some 10 us, and 27 bytes: each is counted before the next is read.
       OnFrame(FrameKind::kKeyUpdate);
       if (turned_away_) break;
       continue;
     }
-    if (http2_->Receive(*plain)) continue;
+    if (http2_->Receive(*plain) && AnswersGoOut()) continue;
     TurnAway(TurnedAway::kProtocol, "");
     break;
   }
   if (tls_->over()) OnReceiveEnd();
+}
+
+bool Connection::AnswersGoOut() {
+  if (turned_away_ || !http2_->flooded()) return true;
+  // They go out ahead of all else: those that still wait are what the peer does not read.
+  static_cast<void>(Flush());
+  if (phase_ != Phase::kOpen || !http2_->flooded()) return true;
+  http2_->End(NGHTTP2_ENHANCE_YOUR_CALM, kFloodedText);
+  return false;
 }
 
 void Connection::OnReceiveEnd() {
@@ -123,11 +134,17 @@ Http2Stream* Connection::OnStream(std::int32_t id) {
 
 void Connection::OnFrame(FrameKind kind) {
   const SteadyTime now = thread_.clock.Steady();
+  if (frames_.TakeForSent(kind, now)) return;
   if (!frames_.Take(kind, now)) return TurnAway(CauseOf(kind), LimitOf(kind).label);
   if (kind == FrameKind::kPing && pings_.OnPing(now) == PingStrikes::Verdict::kTooMany) {
     // The words that gRPC's clients know: they ping less from then on.
     TurnAway(TurnedAway::kPings, "too_many_pings");
   }
+}
+
+void Connection::OnSent() {
+  frames_.NoteSent(thread_.clock.Steady());
+  pings_.OnSent();
 }
 
 void Connection::OnStreamFault(std::string_view code) {

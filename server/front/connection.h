@@ -90,7 +90,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void OnFrame(FrameKind kind) override;
   void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
   void OnPong() override { calls_.TellPeerAnswered(); }
-  void OnSent() override { pings_.OnSent(); }
+  void OnSent() override;
   void OnStreamFault(std::string_view code) override;
   void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
   // CallOwner
@@ -112,6 +112,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Handshake();
   void BeginHttp2();
   void ReadPlain();
+  /// The peer reads the answers that it asks for; else its connection ends.
+  [[nodiscard]] bool AnswersGoOut();
   void SettleCalls();
   /// Writes what is to be said, as far as the peer takes it; true if anything went out.
   bool Flush();

@@ -26,9 +26,20 @@ std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
   }
 }
 
+namespace {
+
+bool IsPingOrSettings(const nghttp2_frame_hd& header) {
+  return header.type == NGHTTP2_PING || header.type == NGHTTP2_SETTINGS;
+}
+
+}  // namespace
+
 bool IsAnswer(const nghttp2_frame_hd& header) {
-  return (header.type == NGHTTP2_PING || header.type == NGHTTP2_SETTINGS) &&
-         (header.flags & NGHTTP2_FLAG_ACK) != 0;
+  return IsPingOrSettings(header) && (header.flags & NGHTTP2_FLAG_ACK) != 0;
+}
+
+bool AsksForAnswer(const nghttp2_frame_hd& header) {
+  return IsPingOrSettings(header) && (header.flags & NGHTTP2_FLAG_ACK) == 0;
 }
 
 bool IsPaddingAlone(const nghttp2_frame& frame) {

@@ -15,6 +15,8 @@ namespace uplink::front {
 [[nodiscard]] std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header);
 /// It acknowledges a PING or SETTINGS.
 [[nodiscard]] bool IsAnswer(const nghttp2_frame_hd& header);
+/// It is a PING or SETTINGS that must be acknowledged.
+[[nodiscard]] bool AsksForAnswer(const nghttp2_frame_hd& header);
 /// A whole frame is DATA that has length, and no content, and ends nothing.
 [[nodiscard]] bool IsPaddingAlone(const nghttp2_frame& frame);
 /// Whether we end a stream with this code for what its peer did. One that is refused may be one of

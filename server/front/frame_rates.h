@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -40,52 +41,73 @@ enum class FrameScope : std::uint8_t { kConnection, kStreams };
 /// How many of a kind may come. A value.
 struct FrameLimit {
   FrameKind kind = FrameKind::kReset;
-  /// Frames per second.
+  /// Frames per second; with FrameScope::kStreams one more for each stream past kRobotStreamsMax
+  /// that the connection may have: an agent opens its stream once a second at most.
   std::uint32_t rate = 0;
   /// Frames at once, after a pause; with FrameScope::kStreams of a connection that may have
   /// kRobotStreamsMax, and of others in proportion.
   std::uint32_t burst = 0;
   FrameScope scope = FrameScope::kConnection;
+  /// Frames besides, for each HEADERS or DATA frame of ours: clients answer what we send.
+  std::uint16_t per_sent = 0;
   /// The kind's value of a metric's label.
   std::string_view label;
 };
 
-/// By kind.
+/// By kind. No client answers our frames with the other kinds: SETTINGS follow the bandwidth that
+/// it measures, which doubles a dozen times at most.
 inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
-    {FrameKind::kReset, 20, 100, FrameScope::kStreams, "reset"},
-    {FrameKind::kPing, 100, 100, FrameScope::kConnection, "ping"},
-    {FrameKind::kPong, 5, 20, FrameScope::kConnection, "pong"},
-    {FrameKind::kSettings, 5, 20, FrameScope::kConnection, "settings"},
-    {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, "empty_data"},
-    {FrameKind::kPriority, 100, 200, FrameScope::kStreams, "priority"},
-    {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, "window_update"},
-    {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, "unknown"},
-    {FrameKind::kHeaders, 200, 400, FrameScope::kStreams, "headers"},
+    {FrameKind::kReset, 20, 100, FrameScope::kStreams, 0, "reset"},
+    // Source: bdp_estimator.go of grpc-go, which measures the bandwidth by a PING after DATA.
+    {FrameKind::kPing, 100, 100, FrameScope::kConnection, 1, "ping"},
+    {FrameKind::kPong, 5, 20, FrameScope::kConnection, 0, "pong"},
+    {FrameKind::kSettings, 5, 20, FrameScope::kConnection, 0, "settings"},
+    {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, 0, "empty_data"},
+    {FrameKind::kPriority, 100, 200, FrameScope::kStreams, 0, "priority"},
+    // A client may open the stream's window and the connection's for each DATA.
+    {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, 2, "window_update"},
+    {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, 0, "unknown"},
+    {FrameKind::kHeaders, 200, 400, FrameScope::kStreams, 0, "headers"},
     // Below the number with which nghttp2 ends a session for a rule that was broken.
-    {FrameKind::kContinuation, 5, 7, FrameScope::kConnection, "continuation"},
-    {FrameKind::kKeyUpdate, 1, 20, FrameScope::kConnection, "key_update"},
+    {FrameKind::kContinuation, 5, 7, FrameScope::kConnection, 0, "continuation"},
+    {FrameKind::kKeyUpdate, 1, 20, FrameScope::kConnection, 0, "key_update"},
 }};
 
 [[nodiscard]] constexpr const FrameLimit& LimitOf(FrameKind kind) {
   return kFrameLimits[static_cast<std::size_t>(kind)];
 }
 
+/// Frames of a kind that may be left over from what we sent: as many as a slow network has under
+/// way.
+inline constexpr std::uint16_t kForSentMax = 4'000;
+/// Once we have sent nothing for this long, what is left over is void: a client answers sooner.
+inline constexpr std::chrono::seconds kForSentWait{8};
+
 /// How many frames of each kind a connection's peer may still send (GCRA: per kind the one time at
-/// which all of its burst is there again). Allocates nothing. Confined to the connection's thread.
+/// which all of its burst is there again), and how many more for what we sent. Allocates nothing.
+/// Confined to the connection's thread.
 class FrameRates final {
  public:
   /// For a peer that may have so many streams; until TLS has shown which one, a robot's.
   explicit FrameRates(std::uint32_t streams_max = kRobotStreamsMax) : streams_max_(streams_max) {}
 
+  /// We sent a HEADERS or DATA frame: the peer may answer it.
+  void NoteSent(SteadyTime now);
+  /// Whether a frame that came now may be the answer to one of ours; then it costs no more than
+  /// that.
+  [[nodiscard]] bool TakeForSent(FrameKind kind, SteadyTime now);
   /// Whether a frame that came now is within its kind's limit; one that is not costs nothing.
   [[nodiscard]] bool Take(FrameKind kind, SteadyTime now);
 
  private:
   std::uint32_t streams_max_;
+  /// By kind: what NoteSent gave, and TakeForSent has not taken.
+  std::array<std::uint16_t, kFrameKinds> for_sent_{};
+  SteadyTime sent_at_;
   std::array<SteadyTime, kFrameKinds> full_at_{};
 };
 
 /// Each of 10,000 connections has one.
-static_assert(sizeof(FrameRates) <= 96);
+static_assert(sizeof(FrameRates) <= 128);
 
 }  // namespace uplink::front

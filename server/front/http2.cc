@@ -36,6 +36,7 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
     }
     return 0;
   }
+  if (AsksForAnswer(*header)) http2.OnQuestion();
   if (const std::optional<FrameKind> kind = KindOf(*header)) http2.peer().OnFrame(*kind);
   return 0;
 }
@@ -112,6 +113,7 @@ int OnStreamClose(nghttp2_session* session, std::int32_t id, std::uint32_t /*cod
 }
 
 int OnFrameSent(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
+  if (IsAnswer(frame->hd)) Self(self).OnAnswerSent();
   if (frame->hd.type == NGHTTP2_RST_STREAM && IsFault(frame->rst_stream.error_code)) {
     Self(self).peer().OnStreamFault(nghttp2_http2_strerror(frame->rst_stream.error_code));
   }
@@ -178,7 +180,10 @@ Http2Rules::Http2Rules() {
   nghttp2_session_callbacks_set_on_frame_send_callback(callbacks_, OnFrameSent);
   Done(nghttp2_option_new(&options_));
   nghttp2_option_set_no_auto_window_update(options_, 1);
-  nghttp2_option_set_max_outbound_ack(options_, kAnswersWaitingMax);
+  // Connection counts answers once what it read at once is processed, and sends them first.
+  nghttp2_option_set_max_outbound_ack(options_, kAnswersWaitingMax + kAnswersPerRecordMax);
+  // FrameRates bounds resets, by the streams that a connection may have.
+  nghttp2_option_set_stream_reset_rate_limit(options_, kNoLibraryLimit, kNoLibraryLimit);
   // Without this the library passes over frames of unknown types, and OnBeginFrame is not called.
   nghttp2_session_callbacks_set_unpack_extension_callback(callbacks_, OnExtension);
   for (unsigned type = NGHTTP2_CONTINUATION + 1; type <= 0xFF; ++type) {
@@ -215,16 +220,17 @@ bool Http2::CountHeader(std::size_t bytes) {
 }
 
 bool Http2::Receive(std::string_view bytes) {
-  const ssize_t taken = nghttp2_session_mem_recv(
-      session_, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-  if (taken >= 0) return true;
-  Done(static_cast<int>(taken));
-  if (taken == NGHTTP2_ERR_FLOODED) {
-    End(NGHTTP2_ENHANCE_YOUR_CALM, "too many frames that ask for an answer");
-  } else {
-    End(NGHTTP2_PROTOCOL_ERROR, "");
+  while (!bytes.empty()) {
+    const std::string_view part = goaway_number_.TakePart(bytes);
+    const ssize_t taken = nghttp2_session_mem_recv(
+        session_, reinterpret_cast<const std::uint8_t*>(part.data()), part.size());
+    if (taken >= 0) continue;
+    Done(static_cast<int>(taken));
+    const bool floods = taken == NGHTTP2_ERR_FLOODED;
+    End(floods ? NGHTTP2_ENHANCE_YOUR_CALM : NGHTTP2_PROTOCOL_ERROR, floods ? kFloodedText : "");
+    return false;
   }
-  return false;
+  return true;
 }
 
 void Http2::Gather(std::string& into, std::size_t bytes) {

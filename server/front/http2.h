@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "server/front/frame_rates.h"
+#include "server/front/goaway_number.h"
 #include "server/front/http2_memory.h"
+#include "server/front/limits.h"
 
 struct nghttp2_session;
 struct nghttp2_session_callbacks;
@@ -19,6 +21,9 @@ namespace uplink::front {
 
 /// Header fields that we send, in order.
 using Headers = std::vector<std::pair<std::string_view, std::string>>;
+
+/// What a peer is told that is Http2::flooded().
+inline constexpr std::string_view kFloodedText = "too many frames that ask for an answer";
 
 /// One HTTP/2 stream of a peer's, as its connection hears of it. The calls come while bytes are
 /// received or sent: none of them may destroy it.
@@ -131,12 +136,20 @@ class Http2 final {
   /// Ends the connection with a code, and a text for who looks: no stream goes on.
   void End(std::uint32_t code, std::string_view text);
 
+  /// More than kAnswersWaitingMax answers to PING and SETTINGS of the peer did not go out.
+  [[nodiscard]] bool flooded() const { return answers_waiting_ > kAnswersWaitingMax; }
+
   /// Called by nghttp2's callbacks alone, as what follows is.
   [[nodiscard]] Http2Peer& peer() { return peer_; }
   [[nodiscard]] nghttp2_session* session() { return session_; }
   /// A list of headers begins; a field of so many bytes belongs to it, false if it is a bomb.
   void BeginHeaders() { header_bytes_ = 0; }
   [[nodiscard]] bool CountHeader(std::size_t bytes);
+  /// A frame of the peer asks for an answer; one of ours goes out.
+  void OnQuestion() { ++answers_waiting_; }
+  void OnAnswerSent() {
+    if (answers_waiting_ > 0) --answers_waiting_;
+  }
   /// An answer to a PING has come; false if none of ours was open.
   [[nodiscard]] bool TakePong();
   [[nodiscard]] bool waits_for_pong() const { return pings_open_ > 0; }
@@ -144,6 +157,8 @@ class Http2 final {
  private:
   Http2Peer& peer_;
   nghttp2_session* session_ = nullptr;
+  GoawayNumber goaway_number_;
+  std::size_t answers_waiting_ = 0;
   /// Of the list of headers that arrives.
   std::size_t header_bytes_ = 0;
   /// PINGs that were not answered.

@@ -28,6 +28,11 @@ inline constexpr std::size_t kPathBytesMax = 256;
 inline constexpr std::uint32_t kRobotStreamsMax = 16;
 /// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
 inline constexpr std::size_t kAnswersWaitingMax = 64;
+/// Answers that one record of TLS can ask for, by SETTINGS without content: they go out before the
+/// next record is read.
+inline constexpr std::size_t kAnswersPerRecordMax = std::size_t{16} * 1024 / 9;
+/// Where a bound of nghttp2 must not come before ours: more than frames per second can be.
+inline constexpr std::uint64_t kNoLibraryLimit = std::uint64_t{1} << 32U;
 
 /// What a thread reads at once, over all its connections.
 inline constexpr std::size_t kSharedReadBytes = 64 * 1024;

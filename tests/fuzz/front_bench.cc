@@ -116,6 +116,7 @@ front::Http2Stream* FrontWire::OnStream(std::int32_t id) {
 
 void FrontWire::OnFrame(front::FrameKind kind) {
   const SteadyTime now = thread_.clock.Steady();
+  if (frames_.TakeForSent(kind, now)) return;
   const bool good = frames_.Take(kind, now);
   const bool pings = kind == front::FrameKind::kPing &&
                      pings_.OnPing(now) == front::PingStrikes::Verdict::kTooMany;

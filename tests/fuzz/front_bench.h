@@ -71,7 +71,10 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
   void OnFrame(front::FrameKind kind) override;
   void OnHeaderBomb() override;
   void OnPong() override { calls_.TellPeerAnswered(); }
-  void OnSent() override { pings_.OnSent(); }
+  void OnSent() override {
+    frames_.NoteSent(thread_.clock.Steady());
+    pings_.OnSent();
+  }
   void OnStreamFault(std::string_view /*code*/) override { OnFrame(front::FrameKind::kReset); }
   void OnFault() override {}
   // front::CallOwner

@@ -92,8 +92,8 @@ std::string WindowUpdate(std::uint32_t stream, std::uint32_t bytes) {
   return Frame(kWindowUpdate, kNone, stream, BytesOf(bytes, 4));
 }
 
-std::string Goaway(std::uint32_t code) {
-  return Frame(kGoaway, kNone, 0, BytesOf(0, 4) + BytesOf(code, 4));
+std::string Goaway(std::uint32_t code, std::uint32_t last_stream) {
+  return Frame(kGoaway, kNone, 0, BytesOf(last_stream, 4) + BytesOf(code, 4));
 }
 
 std::string Times(std::size_t count, std::string_view text) {

@@ -78,7 +78,7 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] std::string Pong();
 [[nodiscard]] std::string Priority(std::uint32_t stream);
 [[nodiscard]] std::string WindowUpdate(std::uint32_t stream, std::uint32_t bytes);
-[[nodiscard]] std::string Goaway(std::uint32_t code);
+[[nodiscard]] std::string Goaway(std::uint32_t code, std::uint32_t last_stream = 0);
 /// The text, so many times.
 [[nodiscard]] std::string Times(std::size_t count, std::string_view text);
 

@@ -238,5 +238,35 @@ TEST_F(HostileFrames, AGoawayOfTheClientEndsNothingByForce) {
   EXPECT_EQ(StatusOf(attacker_.At(1)), "0");
 }
 
+// grpc-go says its goodbye with the number of a stream of its own.
+TEST_F(HostileFrames, AGoawayOfTheClientEndsNothingByForceWhateverItsNumber) {
+  attacker_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+  ASSERT_TRUE(attacker_.ReadUntil([&] { return !attacker_.At(1).data.empty(); }));
+  for (const std::uint32_t last_stream : {1U, 2U, 0x7FFFFFFFU, 1U}) {
+    attacker_.Send(http2::Goaway(http2::kNoError, last_stream));
+    ASSERT_TRUE(attacker_.Sync()) << last_stream;
+  }
+  attacker_.Send(http2::Data(1, FaultsMessage(1, 3)));
+  EXPECT_TRUE(attacker_.ReadUntil([&] { return LastAck(attacker_.At(1)).through_seq() == 3; }));
+  attacker_.Send(http2::Data(1, "", http2::kEndStream));
+  EXPECT_TRUE(attacker_.ReadUntilOver(1));
+  EXPECT_EQ(StatusOf(attacker_.At(1)), "0");
+  EXPECT_TRUE(attacker_.ReadUntilEnd()) << "with its last stream";
+  EXPECT_EQ(attacker_.goaway_code().value_or(http2::kNoError), http2::kNoError);
+  EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kProtocol), 0);
+}
+
+TEST_F(HostileFrames, WhoSaysGoodbyeAndLeavesWhileACallRunsIsCountedForNothing) {
+  {
+    RawHttp2 leaver(Attacker());
+    ASSERT_TRUE(leaver.Begin());
+    leaver.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1)));
+    ASSERT_TRUE(leaver.ReadUntil([&] { return !leaver.At(1).data.empty(); }));
+    leaver.Send(http2::Goaway(http2::kNoError, 1));
+  }
+  EXPECT_TRUE(Eventually([this] { return world_.server().streams() == 1; }));
+  for (const auto& counter : world_.relay_probe.turned_away_total) EXPECT_EQ(counter.value(), 0);
+}
+
 }  // namespace
 }  // namespace uplink::testing

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace uplink::front {
+
+/// Passes a client's bytes on, with 0 in place of the number of the last stream in each GOAWAY.
+///
+/// That number is about streams that we would have opened, of which there are none: it means
+/// nothing here. Clients write any there (grpc-go one of their own streams), and nghttp2 ends a
+/// connection for one that it did not expect.
+///
+/// Source: RFC 9113, 3.4 (the preface), 4.1 (a frame's head), 6.8 (GOAWAY).
+/// Limits: keeps at most the head of one frame. Thread: confined to its connection's.
+class GoawayNumber final {
+ public:
+  /// Takes a first part off `bytes`, which must not be empty, and returns what nghttp2 reads in its
+  /// place, of the same length.
+  [[nodiscard]] std::string_view TakePart(std::string_view& bytes);
+
+ private:
+  static constexpr std::size_t kPrefaceBytes = 24;
+  static constexpr std::size_t kHeadBytes = 9;
+
+  /// The head of a frame is whole.
+  void OnHead();
+
+  /// Bytes to pass on as they are before the next head, unless the number comes first.
+  std::size_t left_ = kPrefaceBytes;
+  /// Bytes of the number that come next.
+  std::size_t number_left_ = 0;
+  std::array<std::uint8_t, kHeadBytes> head_{};
+  std::size_t head_bytes_ = 0;
+};
+
+}  // namespace uplink::front
