@@ -6,6 +6,7 @@
 #include "server/mqtt/byte_reader.h"
 #include "server/mqtt/limits.h"
 #include "server/mqtt/properties.h"
+#include "server/mqtt/reason_codes.h"
 
 namespace uplink::mqtt {
 namespace {
@@ -51,7 +52,10 @@ Decoded<Packet> DecodeConnack(Version version, std::string_view body) {
   if (present && *code != 0) {  // [MQTT-3.2.2-6]
     return Fault{EndReason::kMalformed, "CONNACK refuses, and has a session"};
   }
-  const auto found = PropertiesOf(version, PacketType::kConnack, from);
+  // A broker that knows 3.1.1 alone refuses MQTT 5 in its own form, without properties.
+  const bool in_form_of_311 = from.empty() && IsRefusalOf311(static_cast<std::uint8_t>(*code));
+  const auto found =
+      PropertiesOf(in_form_of_311 ? Version::k311 : version, PacketType::kConnack, from);
   if (const auto* fault = std::get_if<Fault>(&found)) return *fault;
   if (!from.empty()) return kGoesOn;
   const auto& properties = std::get<Properties>(found);

@@ -74,10 +74,14 @@ std::string ReasonText(std::uint8_t code, std::string_view text) {
   return Joined(found != std::end(kReasons) ? found->name : "unknown reason", code, text);
 }
 
+bool IsRefusalOf311(std::uint8_t code) { return code > 0 && code < kConnackReasons311.size(); }
+
 std::string ConnackText(Version version, std::uint8_t code, std::string_view text) {
-  if (version == Version::k5) return ReasonText(code, text);
-  const bool known = code < kConnackReasons311.size();
-  return Joined(known ? kConnackReasons311.at(code) : "unknown reason", code, text);
+  const bool of_311 = IsRefusalOf311(code);
+  if (version == Version::k5 && !of_311) return ReasonText(code, text);
+  std::string reason = Joined(of_311 ? kConnackReasons311.at(code) : "unknown reason", code, text);
+  if (version == Version::k311) return reason;
+  return reason + ": it answers by MQTT 3.1.1: set mqtt.version = \"3.1.1\" for a broker without 5";
 }
 
 std::uint8_t FarewellCode(EndReason reason) {

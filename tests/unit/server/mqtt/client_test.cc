@@ -395,6 +395,18 @@ TEST(MqttClient, ARefusalAndAPacketBeforeConnackEndTheConnection) {
   EXPECT_EQ(bench.ends[1].reason, EndReason::kUnexpectedPacket);
 }
 
+TEST(MqttClient, ABrokerThatHas311AloneIsToldOf) {
+  ClientBench bench;
+  bench.client->Start();
+  bench.Up();
+  bench.link->Bring(MqttPacket(0x20, Raw("\0\1")));
+  ASSERT_THAT(bench.ends, SizeIs(1));
+  EXPECT_EQ(bench.ends[0].reason, EndReason::kRefused);
+  EXPECT_EQ(bench.client->status().last_error,
+            "the broker refuses: unacceptable protocol version (0x01): it answers by MQTT 3.1.1: "
+            "set mqtt.version = \"3.1.1\" for a broker without 5");
+}
+
 TEST(MqttClient, ASessionThatGoesOnThoughWeAskedForNoneEndsTheConnection) {
   ClientBench bench([](ClientSettings& settings) { settings.kept_session = false; });
   bench.client->Start();

@@ -118,6 +118,10 @@ std::vector<Case> Connacks() {
       {k3, Raw("\x21\2\0\0"), "malformed"},
       {k5, Raw("\x20\3\0\0\0"), "connack 0\n"},
       {k5, Raw("\x20\2\0\0"), "malformed"},
+      {k5, Raw("\x20\2\0\1"), "connack 1\n"},  // of a broker that has 3.1.1 alone
+      {k5, Raw("\x20\2\0\5"), "connack 5\n"},
+      {k5, Raw("\x20\2\0\6"), "malformed"},
+      {k5, Raw("\x20\2\1\1"), "malformed"},
       {k5, Raw("\x20\3\1\x87\0"), "malformed"},
       {k5, Raw("\x20\4\0\0\0\0"), "malformed"},
       {k5, MqttPacket(0x20, Raw("\1\0") + MqttProperties(Raw("\x13\0\x1E\x27\0\0\1\0"))),
