@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <variant>
 
 #include <fmt/core.h>
 #include <toml++/toml.h>
@@ -191,7 +192,16 @@ class Loader {
         node.is_string()) {
       return InterpretText(setting, node.value_or(std::string_view()));
     }
-    return BadValue{fmt::format("it must be {}", AllowedText(setting))};
+    return BadValue{
+        fmt::format("{}it must be {}", QuotesText(setting, node), AllowedText(setting))};
+  }
+
+  /// A value in quotes that would be one without them: what to write instead.
+  static std::string QuotesText(const Setting& setting, const toml::node& node) {
+    if (setting.kind != Kind::kSwitch && setting.kind != Kind::kCount) return {};
+    const std::string_view text = node.value_or(std::string_view());
+    if (!std::holds_alternative<Value>(InterpretText(setting, text))) return {};
+    return fmt::format("it stands in quotes: write {} = {}; ", setting.key, text);
   }
 
   static Interpreted InterpretArray(const Setting& setting, const toml::array& array) {

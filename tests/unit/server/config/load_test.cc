@@ -74,6 +74,22 @@ TEST(ParseConfigTest, NamesValueAndLimitOfAnOutOfBoundsNumber) {
             "to 1000000");
 }
 
+TEST(ParseConfigTest, ANumberOrSwitchInQuotesIsToldHowToBeWritten) {
+  const LoadResult result = ParseWith(
+      "[limits]\nrobots_max = \"100\"\ngateway_streams_max = \"many\"\n[store]\n"
+      "migrate = \"false\"\n");
+  ASSERT_THAT(result.problems, SizeIs(3));
+  EXPECT_EQ(
+      ToText(result.problems[0]),
+      "u.toml:6: limits.robots_max: it stands in quotes: write robots_max = 100; it must be a "
+      "whole number from 1 to 1000000");
+  EXPECT_EQ(ToText(result.problems[1]),
+            "u.toml:7: limits.gateway_streams_max: it must be a whole number from 1 to 4096");
+  EXPECT_EQ(ToText(result.problems[2]),
+            "u.toml:9: store.migrate: it stands in quotes: write migrate = false; it must be true "
+            "or false");
+}
+
 TEST(ParseConfigTest, StreamsOfAGatewaysConnectionHaveTheirBounds) {
   const auto with = [](const std::string& number) {
     return ParseWith("[limits]\ngateway_streams_max = " + number + "\n");
