@@ -101,7 +101,10 @@ class Schema(EndToEnd):
         for flags, text in (
             (["store", "status"], "--config,--url"),
             (["store", "status", "--url", url, "--config", "x"], "--config,--url"),
-            (["store", "status", "--url", "sqlite:///x.db"], "not PostgreSQL"),
+            (["store", "status", "--url", "sqlite:///x.db"], "it has no server whose status could be shown"),
+            (["store", "migrate", "--url", "sqlite:///x.db"], "the server migrates it when it starts"),
+            (["store", "status", "--url", "foo"], "the URL is of no store"),
+            (["store", "migrate", "--url", "foo"], "the URL is of no store"),
             (["store", "status", "--url", url + "&colour=red"], "colour"),
             (["store", "migrate", "--url", "postgresql://me:secret@db/x"], "password_file"),
         ):

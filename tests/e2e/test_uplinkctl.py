@@ -105,6 +105,12 @@ class Config(EndToEnd):
         done = run(BIN / "uplinkctl", "robot", code=2)
         self.assertIn("no such noun: robot", done.stderr)
 
+    def test_a_wrong_verb_is_named(self):
+        for noun in ("pki", "store", "config"):
+            done = run(BIN / "uplinkctl", noun, "list", code=2)
+            self.assertIn(f"{noun} has no verb list", done.stderr)
+        self.assertNotIn("no verb", run(BIN / "uplinkctl", "pki", code=2).stderr)
+
     def test_check_reports_every_problem(self):
         server = self.server()
         path = server.configuration()

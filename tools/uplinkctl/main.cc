@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -17,6 +20,22 @@ int ExitOf(const absl::Status& status) {
 
 namespace {
 
+bool Names(const CLI::App& app, std::string_view name) {
+  return std::ranges::any_of(app.get_subcommands({}),
+                             [name](const CLI::App* each) { return each->get_name() == name; });
+}
+
+/// What the first arguments name wrongly: the library would say that a noun or a verb is missing.
+std::string WrongName(const CLI::App& app, std::span<char* const> arguments) {
+  if (arguments.empty() || arguments[0][0] == '-') return {};
+  const std::string noun = arguments[0];
+  if (!Names(app, noun)) return "no such noun: " + noun + " (uplinkctl --help names them)";
+  if (arguments.size() < 2 || arguments[1][0] == '-') return {};
+  const std::string verb = arguments[1];
+  if (Names(*app.get_subcommand(noun), verb)) return {};
+  return noun + " has no verb " + verb + " (uplinkctl " + noun + " --help names them)";
+}
+
 int Run(int argc, char** argv) {
   CLI::App app("Operate uplinkd and look into it", "uplinkctl");
   app.set_version_flag("--version", "uplinkctl " UPLINK_VERSION);
@@ -25,10 +44,9 @@ int Run(int argc, char** argv) {
   AddPki(app, action);
   AddConfig(app, action);
   AddStore(app, action);
-  // The library would say of a wrong noun that one is missing.
-  const auto named = [&](const CLI::App* noun) { return noun->get_name() == argv[1]; };
-  if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), named)) {
-    fmt::print(stderr, "uplinkctl: no such noun: {} (uplinkctl --help names them)\n", argv[1]);
+  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
+  if (const std::string wrong = WrongName(app, arguments.subspan(1)); !wrong.empty()) {
+    fmt::print(stderr, "uplinkctl: {}\n", wrong);
     return kExitWrongUse;
   }
   try {

@@ -1,5 +1,7 @@
 #include <memory>
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -7,10 +9,10 @@
 #include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "storage/postgres/admin.h"
-#include "storage/postgres/link/url.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/store_clock.h"
 #include "tools/uplinkctl/store_forget.h"
+#include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
 namespace {
@@ -45,12 +47,15 @@ absl::StatusOr<AdminOptions> AnyTarget(const Arguments& arguments) {
   return options;
 }
 
-absl::StatusOr<AdminOptions> Target(const Arguments& arguments) {
+/// The same of a PostgreSQL database; `of_sqlite` says why the verb has no use for an SQLite file.
+absl::StatusOr<AdminOptions> DatabaseTarget(const Arguments& arguments,
+                                            std::string_view of_sqlite) {
   absl::StatusOr<AdminOptions> options = AnyTarget(arguments);
   if (!options.ok()) return options;
-  if (!storage::postgres::IsPostgresUrl(options->url)) {
-    return absl::InvalidArgumentError(
-        "the store is not PostgreSQL: the server migrates an SQLite file when it starts");
+  const auto target = TargetOf(options->url, options->password_file);
+  if (!target.ok()) return target.status();
+  if (std::holds_alternative<std::string>(*target)) {
+    return absl::InvalidArgumentError(fmt::format("the store is an SQLite file: {}", of_sqlite));
   }
   return options;
 }
@@ -69,7 +74,8 @@ int Forget(const Arguments& arguments) {
 }
 
 int Migrate(const Arguments& arguments) {
-  const absl::StatusOr<AdminOptions> target = Target(arguments);
+  const absl::StatusOr<AdminOptions> target = DatabaseTarget(
+      arguments, "the server migrates it when it starts, unless store.migrate is false");
   if (!target.ok()) return ExitOf(target.status());
   const SystemClock clock;
   const auto steps = storage::postgres::MigrateStore(*target, arguments.grant_to, clock);
@@ -81,7 +87,8 @@ int Migrate(const Arguments& arguments) {
 }
 
 int Status(const Arguments& arguments) {
-  const absl::StatusOr<AdminOptions> target = Target(arguments);
+  const absl::StatusOr<AdminOptions> target = DatabaseTarget(
+      arguments, "it has no server whose status could be shown; uplinkd checks it when it starts");
   if (!target.ok()) return ExitOf(target.status());
   const SystemClock clock;
   const auto state = storage::postgres::ReadState(*target, clock);
@@ -104,30 +111,33 @@ void AddStore(CLI::App& app, Action& action) {
       "store", "The store: its schema, its robots, and the clock that it trusts");
   noun->require_subcommand(1);
   const auto arguments = std::make_shared<Arguments>();
-  const auto add = [&](const char* name, const char* text) {
+  const auto add = [&](const char* name, const char* text, const char* urls) {
     CLI::App* const verb = noun->add_subcommand(name, text);
     CLI::Option_group* const target = verb->add_option_group("target");
     target->add_option("--config", arguments->config, "The server's configuration file");
-    target->add_option("--url", arguments->url,
-                       "postgresql://owner@host:port/database, or sqlite:///path");
+    target->add_option("--url", arguments->url, urls);
     target->require_option(1);
     verb->add_option("--password-file", arguments->password_file,
                      "A file whose first line is the password");
     return verb;
   };
-  CLI::App* const migrate = add("migrate", "Apply the steps that are missing, as the owner");
+  constexpr const char* kDatabase = "postgresql://owner@host:port/database";
+  constexpr const char* kAny = "postgresql://owner@host:port/database, or sqlite:///path";
+  CLI::App* const migrate =
+      add("migrate", "Apply the steps that are missing, as the owner", kDatabase);
   migrate->add_option("--grant-to", arguments->grant_to,
                       "The role that the server logs in as: it may read and write, and no more");
   migrate->callback([arguments, &action] { action = [arguments] { return Migrate(*arguments); }; });
-  CLI::App* const status = add("status", "Show the server and the schema; 1 if steps are missing");
+  CLI::App* const status = add(
+      "status", "Show the server and the schema of a database; 1 if steps are missing", kDatabase);
   status->callback([arguments, &action] { action = [arguments] { return Status(*arguments); }; });
   CLI::App* const clock =
-      add("clock", "Show whether this machine's clock is vouched for; 1 if it is not");
+      add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny);
   clock->add_flag("--confirm", arguments->confirm,
                   "Vouch for it: the store's mark becomes this machine's time");
   clock->add_flag("--yes", arguments->yes, "Do not ask first");
   CLI::App* const forget =
-      add("forget", "Delete all that the store has of a robot; 1 if the robot stays");
+      add("forget", "Delete all that the store has of a robot; 1 if the robot stays", kAny);
   forget->add_option("ruri", arguments->ruri, "The robot: rcan://...")->required();
   forget->add_flag("--end-stream", arguments->end_stream,
                    "End the robot's stream first, and wait for its records");

@@ -27,6 +27,7 @@
 #include "storage/sqlite/forget_store.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/question.h"
+#include "tools/uplinkctl/store_comeback.h"
 #include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
@@ -293,8 +294,7 @@ int StoreForget(const StoreForgetRequest& request) {
     forgotten = Forget(*target, *found, true, clock);
   }
   if (!forgotten.ok()) return ExitOf(forgotten);
-  fmt::print("forgotten\n");
-  return kExitDone;
+  return TellRemoved(target->store->removal(), request.ruri, request.end_stream, clock);
 }
 
 }  // namespace uplink::ctl

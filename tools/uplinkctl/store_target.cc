@@ -19,7 +19,8 @@ absl::StatusOr<StoreTarget> TargetOf(const std::string& url, const std::string& 
   std::string path = config::SqlitePath(store);
   if (path.empty()) {
     return absl::InvalidArgumentError(
-        "the store's URL is sqlite:/// and the absolute path of a file, or postgresql://");
+        "the URL is of no store: it must be sqlite:/// and the absolute path of a file, or begin "
+        "with postgresql://");
   }
   return path;
 }
