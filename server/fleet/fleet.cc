@@ -46,8 +46,8 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   }
   // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
   Keep(*found->second);
-  found->second->SetFleet(id.fleet);
-  return {.robot = found->second};
+  std::optional<std::string> moved_from = found->second->SetFleet(id.fleet);
+  return {.robot = found->second, .moved_from = std::move(moved_from)};
 }
 
 Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {
@@ -61,6 +61,7 @@ Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {
 }
 
 absl::StatusOr<RobotPtr> Fleet::AdmitNew(const model::RobotId& id) {
+  odd_fleets_.Know(id.fleet);
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   if (shard.robots.contains(id.ruri)) return nullptr;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -19,6 +20,7 @@
 #include "server/config/config.h"
 #include "server/fleet/brought_in.h"
 #include "server/fleet/claim.h"
+#include "server/fleet/odd_fleets.h"
 #include "server/robot/robot.h"
 #include "storage/types.h"
 
@@ -67,11 +69,14 @@ class Fleet final {
     /// Null if it is refused.
     RobotPtr robot;
     Refusal refusal = Refusal::kNone;
+    /// The fleet that the robot was in, if the claim moved it to another one.
+    std::optional<std::string> moved_from = {};
   };
   /// The same of a stream that may be a gateway's. By its word for a fleet alone, a robot of
   /// another fleet is refused, and new robots are up to GatewayRobotsMax.
   [[nodiscard]] Admission FindOrAdmitBy(const Claim& claim);
-  /// The robot, admitted, or null if it is known already: then nothing of it changes.
+  /// The robot, which the store has, admitted, or null if it is known already: then nothing of it
+  /// changes.
   /// kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
   /// Null if it is not known, or is out of memory (RemoveLeft).
@@ -91,6 +96,9 @@ class Fleet final {
   [[nodiscard]] const std::shared_ptr<robot::LiveTotal>& live_total() const { return live_total_; }
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
+
+  /// Which names of fleets are refused; told what the store has by AdmitNew, too.
+  [[nodiscard]] OddFleets& odd_fleets() { return odd_fleets_; }
 
   /// Robots in memory by the gateway's word for its fleet alone.
   [[nodiscard]] std::size_t brought_in(const std::string& gateway) const {
@@ -216,6 +224,7 @@ class Fleet final {
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;
   BroughtIn brought_in_;
+  OddFleets odd_fleets_;
   /// Places that are taken: admitted robots, and those that are about to be.
   std::atomic<std::size_t> all_{0};
   std::atomic<std::size_t> leaving_{0};

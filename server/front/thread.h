@@ -50,7 +50,8 @@ struct Thread {
                  given.rejects,
                  given.clock_trust,
                  &door_book.pressed_flag(),
-                 given.forwards},
+                 given.forwards,
+                 given.moves},
         unfinished(unfinished_memory) {}
 
   const transport::RelayContext& relay;

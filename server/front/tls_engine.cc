@@ -240,6 +240,10 @@ TlsPeer TlsEngine::Peer() const {
     peer.ruri = peer.identity->ruri();
   } else if (peer.IsGateway()) {
     peer.gateway = peer.identity->subject;
+    // Behind its own stand those that signed it.
+    for (int i = 1; i < sk_X509_num(chain); ++i) {
+      peer.identity->constraints.Add(*sk_X509_value(chain, i));
+    }
   } else {
     peer.subject = identity::SubjectOf(*certificate);
   }

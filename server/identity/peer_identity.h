@@ -10,6 +10,8 @@
 #include <absl/status/statusor.h>
 #include <openssl/types.h>
 
+#include "server/identity/uri_constraints.h"
+
 namespace uplink::identity {
 
 /// What a certificate's subject says its holder is (protocol: Certificates). Closed.
@@ -31,10 +33,13 @@ struct PeerIdentity {
   /// Of a gateway, whom its robots, bounds and log lines name: the subject of its certificate, at
   /// most kSubjectBytesMax. Empty of all others.
   std::string subject = {};
+  /// Of a gateway: what the authorities of its chain allow in URI names.
+  UriConstraints constraints = {};
 
-  /// A gateway may speak for this robot of its fleet: its certificate names the robot, or none.
+  /// A gateway may speak for this robot of its fleet: its certificate names the robot, or none, and
+  /// its authorities may sign for the robot.
   [[nodiscard]] bool MaySpeakFor(std::string_view ruri) const {
-    return ruris.empty() || Names(ruri);
+    return (ruris.empty() || Names(ruri)) && constraints.Allow(ruri);
   }
   /// The certificate names this robot.
   [[nodiscard]] bool Names(std::string_view ruri) const {

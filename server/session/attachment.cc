@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "server/identity/unseen_characters.h"
 #include "server/robot/outcome.h"
 
 namespace uplink::session {
@@ -46,15 +47,43 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
           fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}: the "
                       "robot is of another fleet, and the certificate does not name it",
                       claim.gateway, claim.robot.ruri));
+    case fleet::Refusal::kOddFleet:
+      context_.probe.refused_identity_total.Add();
+      return absl::UnauthenticatedError(fmt::format(
+          "client certificate: its O holds U+{:04X}, which nobody sees, and the store has no robot "
+          "of that fleet",
+          static_cast<std::uint32_t>(*identity::UnseenCharacter(claim.robot.fleet))));
+    case fleet::Refusal::kFleetsUnread:
+      context_.probe.refused_identity_total.Add();
+      return absl::UnavailableError(
+          "client certificate: its O holds a character that nobody sees, and the server has not "
+          "read yet whether the store has robots of that fleet");
   }
   return absl::OkStatus();
 }
 
+fleet::Refusal Attachment::JudgeFleet() const {
+  using Verdict = fleet::OddFleets::Verdict;
+  switch (context_.fleet.odd_fleets().Judge(terms_.claim.robot.fleet)) {
+    case Verdict::kFits:
+      break;
+    case Verdict::kRefused:
+      return fleet::Refusal::kOddFleet;
+    case Verdict::kUnread:
+      return fleet::Refusal::kFleetsUnread;
+  }
+  return fleet::Refusal::kNone;
+}
+
 absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   terms_ = std::move(terms);
+  if (const fleet::Refusal refusal = JudgeFleet(); refusal != fleet::Refusal::kNone) {
+    return Refused(refusal);
+  }
   fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(terms_.claim);
   if (admission.robot == nullptr) return Refused(admission.refusal);
   robot_ = std::move(admission.robot);
+  LogMove(admission.moved_from);
   robot_->NoteHeard(context_.clock.System());
   const SteadyTime now = context_.clock.Steady();
   const auto arrival = robot_->sessions.Arrive(now, context_.limits.reconnects);
@@ -97,8 +126,18 @@ bool Attachment::ClaimFleet() {
   const fleet::Claim& claim = terms_.claim;
   if (claim.grant == fleet::Grant::kFleet) return robot_->id()->fleet == claim.robot.fleet;
   // A gateway's word may have stood between Admit and now.
-  robot_->SetFleet(claim.robot.fleet);
+  LogMove(robot_->SetFleet(claim.robot.fleet));
   return true;
+}
+
+void Attachment::LogMove(const std::optional<std::string>& from) const {
+  if (!from || context_.moves == nullptr) return;
+  const fleet::Claim& claim = terms_.claim;
+  context_.moves->Write(log::Level::kInfo, "robot_moved",
+                        {{"robot", claim.robot.ruri},
+                         {"from", *from},
+                         {"to", claim.robot.fleet},
+                         {"gateway", claim.gateway}});
 }
 
 absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,9 +28,9 @@ class Attachment final {
   /// streams of the robot come too often (robot::Reconnects).
   ///
   /// Errors: kResourceExhausted if the server admits no more robots, or no more of the gateway's,
-  /// or
-  ///         no more streams of this one may wait; kPermissionDenied if the robot is of another
-  ///         fleet than the gateway that speaks for it.
+  ///         or no more streams of this one may wait; kPermissionDenied if the robot is of another
+  ///         fleet than the gateway that speaks for it; kUnauthenticated if the fleet's name is odd
+  ///         and new (fleet::OddFleets), kUnavailable while the store was not read for that.
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
   /// With what the stream must end where it stands so; OK if it need not.
   [[nodiscard]] absl::Status EndOf(robot::Standing standing) const;
@@ -82,6 +83,10 @@ class Attachment final {
  private:
   /// Says so of the robot's fleet as its certificate lets it. False if it may not.
   [[nodiscard]] bool ClaimFleet();
+  /// By the name of its fleet.
+  [[nodiscard]] fleet::Refusal JudgeFleet() const;
+  /// The robot's certificate, or one that names it, moved it from that fleet.
+  void LogMove(const std::optional<std::string>& from) const;
   /// Counts it, and says it to the peer.
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 

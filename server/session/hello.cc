@@ -71,9 +71,12 @@ absl::Status CheckGateway(const v1::Hello& hello, const identity::PeerIdentity& 
     return AtFault("robot_ruri", fmt::format("it {}", *flaw));
   }
   if (peer.MaySpeakFor(hello.robot_ruri())) return absl::OkStatus();
-  return absl::PermissionDeniedError(
-      fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}",
-                  peer.subject, Shown(hello.robot_ruri())));
+  const bool constrained = !peer.constraints.Allow(hello.robot_ruri());
+  return absl::PermissionDeniedError(fmt::format(
+      "the certificate of gateway {} may not speak for hello.robot_ruri {}{}", peer.subject,
+      Shown(hello.robot_ruri()),
+      constrained ? ": an authority of its chain does not allow that host (name constraints)"
+                  : ""));
 }
 
 absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& peer) {

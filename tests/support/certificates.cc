@@ -116,6 +116,14 @@ void AddConstraints(X509* certificate, bool is_authority) {
                             X509V3_ADD_DEFAULT) == 1);
 }
 
+void AddNameConstraints(X509* certificate, const std::string& words) {
+  if (words.empty()) return;
+  X509_EXTENSION* extension =
+      X509V3_EXT_conf_nid(nullptr, nullptr, NID_name_constraints, words.c_str());
+  Require(extension != nullptr && X509_add_ext(certificate, extension, -1) == 1);
+  X509_EXTENSION_free(extension);
+}
+
 void SetSerial(X509* certificate) {
   unsigned char bytes[8];
   Require(RAND_bytes(bytes, sizeof(bytes)) == 1);
@@ -142,6 +150,7 @@ Certificate NewCertificate(const CertificateSpec& spec, EVP_PKEY* key, X509* iss
           1);
   Require(X509_set_pubkey(x509, key) == 1);
   AddConstraints(x509, spec.is_authority);
+  AddNameConstraints(x509, spec.name_constraints);
   AddUsages(x509, spec.key_usages);
   AddNames(x509, spec);
   Require(X509_sign(x509, issuer_key, EVP_sha256()) > 0);
@@ -188,11 +197,14 @@ TestAuthority::TestAuthority(const std::string& name) : impl_(std::make_unique<I
   impl_->pem = PemOf(impl_->certificate.get());
 }
 
-TestAuthority::TestAuthority(const std::string& name, const TestAuthority& issuer)
+TestAuthority::TestAuthority(const std::string& name, const TestAuthority& issuer,
+                             const std::string& name_constraints)
     : impl_(std::make_unique<Impl>()) {
   impl_->key = NewKey();
-  impl_->certificate = NewCertificate(AuthoritySpec(name), impl_->key.get(),
-                                      issuer.impl_->certificate.get(), issuer.impl_->key.get());
+  CertificateSpec spec = AuthoritySpec(name);
+  spec.name_constraints = name_constraints;
+  impl_->certificate = NewCertificate(spec, impl_->key.get(), issuer.impl_->certificate.get(),
+                                      issuer.impl_->key.get());
   impl_->pem = PemOf(impl_->certificate.get());
 }
 

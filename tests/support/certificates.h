@@ -23,6 +23,8 @@ struct CertificateSpec {
   long not_before_s = -3600;
   long not_after_s = 3600;
   bool is_authority = false;
+  /// In OpenSSL's words; empty: no extension.
+  std::string name_constraints = {};
   /// The kind of its key: `P-256`, `P-384`, `P-521`, `RSA` (2,048 bits), `ED25519` or `ED448`; and
   /// what nobody should have: `RSA-1024`, and curves by OpenSSL's name (`secp256k1`,
   /// `brainpoolP256r1`).
@@ -47,8 +49,10 @@ struct KeyPair {
 class TestAuthority final {
  public:
   explicit TestAuthority(const std::string& name = "test authority");
-  /// One that `issuer` has signed.
-  TestAuthority(const std::string& name, const TestAuthority& issuer);
+  /// One that `issuer` has signed, with name constraints in OpenSSL's words
+  /// (`permitted;URI:example.org,excluded;URI:.example.org`), if any.
+  TestAuthority(const std::string& name, const TestAuthority& issuer,
+                const std::string& name_constraints = {});
   ~TestAuthority();
   TestAuthority(const TestAuthority&) = delete;
   TestAuthority& operator=(const TestAuthority&) = delete;

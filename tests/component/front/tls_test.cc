@@ -228,6 +228,26 @@ TEST(Tls, AChainOfOneIntermediateMoreIsRefused) {
   EXPECT_EQ(world.relay_probe.connections.value(), 0);
 }
 
+/// TLS holds names in certificates against these, and a gateway says its robots' names later.
+TEST(Tls, AGatewayIsHeldAgainstTheNameConstraintsOfItsChain) {
+  RelayWorld world;
+  const TestAuthority hall("hall", world.authority, "permitted;URI:hall.example");
+  CertificateSpec spec;
+  spec.common_names = {"hall"};
+  spec.units = {"gateway"};
+  KeyPair keys = hall.Issue(spec);
+  keys.certificate += hall.certificate();
+  RawHttp2 client(ClientOf(world, keys));
+  ASSERT_TRUE(client.Begin());
+  client.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1, "rcan://hall.example/acme/rover/1")) +
+              OpenRelay(3) + http2::Data(3, HelloMessage(1, RuriOf(1))));
+  ASSERT_TRUE(client.ReadUntilOver(3));
+  EXPECT_EQ(StatusOf(client.At(3)), "7");
+  EXPECT_THAT(client.At(3).Trailer("grpc-message"), HasSubstr("name constraints"));
+  ASSERT_TRUE(client.ReadUntil([&] { return !FramesOf(client.At(1)).empty(); }));
+  EXPECT_TRUE(FramesOf(client.At(1)).front().has_welcome());
+}
+
 /// Whatever it asks for, who shows this is told this sentence and no more; then the connection
 /// ends.
 void ExpectToldAlone(const CertificateSpec& spec, const std::string& sentence) {

@@ -1,6 +1,8 @@
 // Streams of gateways: for whom they may speak, within which bounds, and who is told of it.
 #include <string>
 
+#include "server/identity/pem.h"
+#include "tests/support/certificates.h"
 #include "tests/unit/server/session/session_test.h"
 
 namespace uplink::session {
@@ -321,6 +323,62 @@ TEST_F(GatewayTest, AtTwiceItsShareOfTheJournalItsNextRobotIsHeldBackAndNobodyEl
   server().Commit();
   EXPECT_EQ(server().counts().stored, 6U) << "it was woken";
   EXPECT_EQ(held_back(ruris[4]), HeldBack::kNone);
+}
+
+// --- Names of fleets that nobody sees in full ---
+
+constexpr std::string_view kZeroWidth = "no\xE2\x80\x8Brth";  // U+200B
+
+TEST_F(GatewayTest, ANewFleetOfAnOddNameIsRefused) {
+  server().fleet().odd_fleets().SetRead();
+  EXPECT_EQ(ConnectOfFleet("rcan://a/1", kZeroWidth).end(),
+            "UNAUTHENTICATED: client certificate: its O holds U+200B, which nobody sees, and the "
+            "store has no robot of that fleet");
+  EXPECT_EQ(server().fleet().size(), 0U);
+  EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
+  EXPECT_EQ(ConnectOfFleet("rcan://a/1", "north").end(), "");
+}
+
+TEST_F(GatewayTest, AFleetOfAnOddNameThatTheStoreHasGoesOn) {
+  ASSERT_TRUE(
+      server().fleet().AdmitNew({.ruri = "rcan://a/1", .fleet = std::string(kZeroWidth)}).ok());
+  server().fleet().odd_fleets().SetRead();
+  EXPECT_EQ(ConnectOfFleet("rcan://a/1", kZeroWidth).end(), "");
+  EXPECT_EQ(ConnectOfFleet("rcan://a/2", kZeroWidth).end(), "") << "and takes new robots";
+}
+
+TEST_F(GatewayTest, UntilTheStoreWasReadAnOddNameWaits) {
+  EXPECT_EQ(ConnectOfFleet("rcan://a/1", kZeroWidth).end(),
+            "UNAVAILABLE: client certificate: its O holds a character that nobody sees, and the "
+            "server has not read yet whether the store has robots of that fleet");
+}
+
+// --- Name constraints ---
+
+TEST_F(GatewayTest, SpeaksForNoHostThatItsAuthoritiesMayNotSignFor) {
+  const testing::TestAuthority root;
+  const testing::TestAuthority hall("hall", root, "permitted;URI:a");
+  const auto authorities = identity::ReadCertificates({"hall", hall.certificate()});
+  ASSERT_TRUE(authorities.ok());
+  identity::PeerIdentity peer{.role = identity::Role::kGateway,
+                              .fleet = "bench",
+                              .ruris = {},
+                              .subject = std::string(kSubject)};
+  peer.constraints.Add(*authorities->front());
+  v1::RelayRequest frame = HelloFrame(SessionOf(1));
+  frame.mutable_hello()->set_robot_ruri("rcan://a/1");
+  BenchStream& within = server().OpenAs(peer);
+  within.Send(frame);
+  server().Commit();
+  EXPECT_EQ(within.end(), "");
+  frame.mutable_hello()->set_robot_ruri("rcan://b/1");
+  BenchStream& beyond = server().OpenAs(peer);
+  beyond.Send(frame);
+  server().Commit();
+  EXPECT_EQ(beyond.end(),
+            "PERMISSION_DENIED: the certificate of gateway CN=hall,OU=gateway,O=bench may not "
+            "speak for hello.robot_ruri rcan://b/1: an authority of its chain does not allow that "
+            "host (name constraints)");
 }
 
 }  // namespace

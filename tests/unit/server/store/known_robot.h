@@ -9,10 +9,11 @@
 
 namespace uplink::store {
 
-/// Opens a stream of the robot `ruri` of fleet f at `store`, whose process holds it then.
-inline void Know(storage::Store& store, const std::string& ruri, SystemTime at) {
+/// Opens a stream of the robot `ruri` at `store`, whose process holds it then.
+inline void Know(storage::Store& store, const std::string& ruri, SystemTime at,
+                 const std::string& fleet = "f") {
   const storage::OpenRequest request{
-      std::make_shared<const model::RobotId>(model::RobotId{ruri, "f"}),
+      std::make_shared<const model::RobotId>(model::RobotId{ruri, fleet}),
       model::SessionId({1}),
       0,
       at,

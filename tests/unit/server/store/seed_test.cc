@@ -67,6 +67,18 @@ TEST_F(SeedTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
   EXPECT_NE(fleet_.Find("rcan://b"), nullptr) << "it is to be judged first";
 }
 
+TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatAreForgotten) {
+  using Verdict = fleet::OddFleets::Verdict;
+  const std::string odd = "no\xE2\x80\x8Brth";  // U+200B
+  Know(store_, "rcan://a", clock_.System(), odd);
+  Seed seed({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
+  EXPECT_EQ(fleet_.odd_fleets().Judge(odd), Verdict::kUnread);
+  ASSERT_TRUE(seed.Run(2).ok());
+  EXPECT_EQ(fleet_.size(), 0U);
+  EXPECT_EQ(fleet_.odd_fleets().Judge(odd), Verdict::kFits);
+  EXPECT_EQ(fleet_.odd_fleets().Judge(odd + "2"), Verdict::kRefused);
+}
+
 TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
   Know(store_, "rcan://a", clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
