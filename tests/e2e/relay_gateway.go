@@ -166,8 +166,10 @@ func main() {
 	results := make(chan robot)
 	start := time.Now()
 	for i := 0; i < robots; i++ {
-		go func(ruri string) { results <- stream(connection, ruri, seconds, payload, start) }(
-			fmt.Sprintf("rcan://example.org/acme/rover/g%d", i))
+		// Spread over the second, or one PING would measure the DATA of all.
+		go func(ruri string, start time.Time) { results <- stream(connection, ruri, seconds, payload, start) }(
+			fmt.Sprintf("rcan://example.org/acme/rover/g%d", i),
+			start.Add(time.Second*time.Duration(i)/time.Duration(robots)))
 	}
 	total := robot{}
 	for i := 0; i < robots; i++ {
