@@ -35,7 +35,9 @@ class FleetRun(EndToEnd):
             )
 
     def test_an_undisturbed_run_agrees_to_the_message(self):
-        _, fleet = self.at_work("--robots", 10, "--faults", 10)
+        server, fleet = self.at_work("--robots", 10, "--faults", 10)
+        # By then each robot has shared something.
+        server.wait_for_status(lambda status: int(status["uplinks"]["stored"]) >= 100, WAIT_SECONDS, "all work")
         report = self.assert_agrees(fleet)
         checks = {check["what"]: check for check in report["checks"]}
         self.assertEqual(report["run"]["resent"], 0)
