@@ -29,7 +29,7 @@ std::size_t PartBytes(const std::optional<model::StatusTelemetry>& part) {
   if (!part) return 0;
   std::size_t bytes = part->status ? part->status->size() : 0;
   if (!part->estop) return bytes;
-  for (const std::string& id : part->estop->ids) bytes += sizeof(id) + id.size();
+  for (const std::string& id : part->estop->ids) bytes += sizeof(std::string) + id.size();
   return bytes;
 }
 

@@ -49,7 +49,8 @@ absl::Status RefuseEmptied(const std::string& path) {
   const std::string damaged = Damage(path).damaged_file();
   const bool has_wal = bytes_of(wal).value_or(0) > 0;
   if (!has_wal && !bytes_of(damaged)) return absl::OkStatus();
-  std::string text = "store " + path + " is empty, or was missing, and " + (has_wal ? wal : damaged);
+  std::string text =
+      "store " + path + " is empty, or was missing, and " + (has_wal ? wal : damaged);
   text += " beside it says that it was not; to begin anew, move that file away";
   return absl::FailedPreconditionError(text.append(kWhatToDo));
 }
