@@ -237,6 +237,7 @@ TEST_F(LiveBudgetTest, ManyThreadsThatGrowAtOnceStayNearIt) {
     }
   }
   std::vector<std::jthread> threads;
+  threads.reserve(kThreads);
   for (const std::vector<RobotPtr>& of_thread : robots) {
     threads.emplace_back([this, &of_thread] {
       for (const RobotPtr& robot : of_thread) Read(robot, 20);

@@ -69,7 +69,9 @@ TEST(GoawayNumber, AGoawayThatIsTooShortStaysAsItIs) {
 }
 
 TEST(GoawayNumber, TheLargestFrameHidesNothingBehindIt) {
-  const std::string large = Frame(0, 1, std::string(0xFFFFFF, 'x'));
+  std::string payload;
+  payload.resize(0xFFFFFF, 'x');
+  const std::string large = Frame(0, 1, payload);
   EXPECT_EQ(Passed(kPreface + large + Goaway(9, 0), 16'384), kPreface + large + Goaway(0, 0));
 }
 

@@ -308,6 +308,7 @@ TEST_F(GatewayTest, AtTwiceItsShareOfTheJournalItsNextRobotIsHeldBackAndNobodyEl
   const std::vector<std::string> ruris{"rcan://a/1", "rcan://a/2", "rcan://a/3", "rcan://a/4",
                                        "rcan://a/5"};
   std::vector<BenchStream*> streams;
+  streams.reserve(ruris.size());
   for (const std::string& ruri : ruris) streams.push_back(&ConnectVia(ruri));
   BenchStream& own = server().Connect(SessionOf(1), 0, 0, "rcan://own/1");
   for (BenchStream* stream : streams) stream->Send(BatchFrame({{1, Fault()}}));
