@@ -274,8 +274,7 @@ void Intake::Append(Processing& processing, TwinStream& stream,
       model::MessageSource::kCyberwave,
       cyberwave::KeptTopic(processing.publish().topic, processing.topic), context_.commits.hold());
   for (storage::CommitRecord& record : records) record.origin = origin;
-  // Of a rejected message quarantine keeps what Reject counts.
-  limits_.TakeFlow(stream, records.size(), rejected ? 0 : processing.publish().payload_bytes);
+  limits_.TakeFlow(stream, records, processing.publish().payload_bytes);
   processing.counts.in_flight += 1;
   // Before the writer can settle it, so that no scrape sees it settled and not received.
   context_.ledger.Publish(processing.counts);

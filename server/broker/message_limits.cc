@@ -62,13 +62,14 @@ bool MessageLimits::ExceedsScopeBudget(const Message& message, bool journal_shor
                               "bytes to store");
 }
 
-void MessageLimits::TakeFlow(TwinStream& stream, std::size_t records,
+void MessageLimits::TakeFlow(TwinStream& stream, std::span<const storage::CommitRecord> records,
                              std::size_t payload_bytes) const {
   if (stream.twin == nullptr) return;
   const robot::FlowLimits limits = FlowLimitsNow();
   const SteadyTime now = context_.clock.Steady();
-  for (std::size_t i = 0; i < records; ++i) {
-    stream.robot->flow.Take(i == 0 ? payload_bytes : 0, limits, now);
+  const std::size_t bytes = FlowBytes(payload_bytes, records);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    stream.robot->flow.Take(i == 0 ? bytes : 0, limits, now);
   }
 }
 

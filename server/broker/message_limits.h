@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "schema/base/clock.h"
 #include "schema/cyberwave/judge.h"
@@ -55,8 +56,9 @@ class MessageLimits final {
   /// are taken. `records` is how many it may bring (RecordsAtMost).
   [[nodiscard]] std::optional<model::RejectReason> Limit(const Message& message, TwinStream& stream,
                                                          std::size_t records);
-  /// So many records of the stream's robot, with so many bytes of payload, go to the journal.
-  void TakeFlow(TwinStream& stream, std::size_t records, std::size_t payload_bytes) const;
+  /// These records, of one message of the stream's robot, go to the journal.
+  void TakeFlow(TwinStream& stream, std::span<const storage::CommitRecord> records,
+                std::size_t payload_bytes) const;
 
  private:
   [[nodiscard]] bool ExceedsScopeBudget(const Message& message, bool journal_short);
