@@ -68,8 +68,16 @@ void MessageLimits::TakeFlow(TwinStream& stream, std::span<const storage::Commit
   const robot::FlowLimits limits = FlowLimitsNow();
   const SteadyTime now = context_.clock.Steady();
   const std::size_t bytes = FlowBytes(payload_bytes, records);
+  robot::DurableFlow& flow = stream.robot->flow;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    stream.robot->flow.Take(i == 0 ? bytes : 0, limits, now);
+    const std::size_t more = i == 0 ? bytes : 0;
+    // What passes at QoS 1 beyond the flow is kept beside it, and leaves no debt: a backlog of an
+    // outage is honest.
+    if (flow.LookAt(more, limits, now).by == robot::HeldBack::kNone) {
+      flow.Take(more, limits, now);
+    } else {
+      flow.CountKept(more);
+    }
   }
 }
 

@@ -87,6 +87,17 @@ TEST_F(FlowTest, AtQos1ABacklogPassesWhileJournalAndDiskHaveRoom) {
   EXPECT_EQ(Limited(), 1U);
 }
 
+TEST_F(FlowTest, ABacklogEmptiesTheFlowAndLeavesNoDebt) {
+  AtQos1(10 * kBurst);
+  bench_.clock.Advance(std::chrono::seconds(kBurst));
+  AtQos0(kBurst);
+  EXPECT_EQ(Limited(), 0U) << "it is full again";
+  AtQos0(1);
+  EXPECT_EQ(Limited(), 1U);
+  EXPECT_GE(FlowOf(kTwin).bytes_total(), 11 * kBurst * Bench::Event(1).size())
+      << "the rounds that look at the disk see all of it";
+}
+
 TEST_F(FlowTest, AtQos1ItIsLimitedWhileTheJournalIsOverHalfFullAndHoldsNobodyBack) {
   AtQos1(kBurst);
   bench_.over_half = true;
