@@ -17,9 +17,10 @@
 #include "tests/support/records.h"
 
 namespace uplink::testing {
-ServerWorld::ServerWorld()
+ServerWorld::ServerWorld(std::size_t robots_max)
     : logger(std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError),
       forwarding({clock, logger, shared_items, vouched_clock, 1}),
+      fleet(clock, robots_max, robot::PresenceLimits{}),
       journal(store, journal_limits, clock, ledgers.NewPage(), journal_probe,
               storage::ProcessId{1}),
       broker({.clock = clock,

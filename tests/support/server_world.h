@@ -32,9 +32,9 @@ namespace uplink::testing {
 /// What stands behind the HTTP site, on a fake store and a clock moved by hand.
 class ServerWorld {
  public:
-  static constexpr std::size_t kRobotsMax = 100;
+  static constexpr std::size_t kRobotsMax = 5;
 
-  ServerWorld();
+  explicit ServerWorld(std::size_t robots_max = kRobotsMax);
   ~ServerWorld();
 
   /// Admits a robot and writes its row.
@@ -84,7 +84,7 @@ class ServerWorld {
   config::RcanConfig rcan_config{.robot_series_max = 2'000};
   log::Logger logger;
   forward::Forwarding forwarding;
-  fleet::Fleet fleet{clock, kRobotsMax, robot::PresenceLimits{}};
+  fleet::Fleet fleet;
   journal::Journal journal;
   journal::Shards shards{{&journal}};
   cyberwave::Twins twins{kRobotsMax, fleet.live_total()};

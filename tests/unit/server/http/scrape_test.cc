@@ -41,7 +41,7 @@ TEST(Scrape, HoldsEveryMetricOfTheCatalogue) {
 TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
   testing::ServerWorld world;
   const std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_robots_limit 100\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_robots_limit 5\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_journal_bytes_limit 268435456\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_http_connections_limit 4\n"), std::string::npos);
   EXPECT_NE(text.find("uplinkd_http_reads_waiting_limit 64\n"), std::string::npos);

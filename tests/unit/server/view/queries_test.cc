@@ -27,7 +27,8 @@ class QueriesTest : public ::testing::Test {
     return page.ok() ? *std::move(page) : RobotsPage();
   }
 
-  testing::ServerWorld world_;
+  /// More than a page of them holds.
+  testing::ServerWorld world_{100};
 };
 
 TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
