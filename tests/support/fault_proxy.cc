@@ -75,9 +75,11 @@ int FaultProxy::Bound() {
 void FaultProxy::Listen() {
   listener_ = Bound();
   UPLINK_CHECK(listen(listener_, SOMAXCONN) == 0, "the proxy listens");
+  listens_.store(true);
 }
 
 void FaultProxy::StopListening() {
+  listens_.store(false);
   if (listener_ >= 0) close(listener_);
   listener_ = -1;
 }

@@ -48,6 +48,8 @@ class FaultProxy final {
   void CutNextCommit() { cut_commit_.store(true); }
   /// Connections that were cut.
   [[nodiscard]] int cuts() const { return cuts_.load(); }
+  /// It takes connections: some time after Set.
+  [[nodiscard]] bool listens() const { return listens_.load(); }
   /// Connections that were taken.
   [[nodiscard]] int connections() const { return connections_.load(); }
 
@@ -79,6 +81,7 @@ class FaultProxy final {
   void Reap();
 
   const SystemClock clock_{};
+  std::atomic<bool> listens_{false};
   const std::uint16_t target_port_;
   std::uint16_t port_ = 0;
   /// Never listens.

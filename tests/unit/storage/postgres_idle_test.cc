@@ -99,6 +99,7 @@ TEST_F(PostgresDeadReadTest, OneThatAFirewallCutCostsNoAnswer) {
   proxy_.Set(ProxyMode::kRefuse);
   ASSERT_TRUE(Eventually([&] { return proxy_.cuts() > 0; }));
   proxy_.Set(ProxyMode::kPass);
+  ASSERT_TRUE(Eventually([&] { return proxy_.listens(); }));
   const absl::Status read = Read();
   EXPECT_TRUE(read.ok()) << read;
 }
