@@ -1,7 +1,6 @@
 """The OpenAPI file of the HTTP paths, and what it says of an answer."""
 
 import json
-import re
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -42,12 +41,29 @@ def request(server, target, method="GET"):
             return Answer(answer.code, answer.headers, answer.read().decode("utf-8"))
 
 
+class OnceLoader(yaml.SafeLoader):
+    """YAML in which no name stands twice in a mapping: PyYAML takes the last one without a word."""
+
+    def construct_mapping(self, node, deep=False):
+        names = set()
+        for key, _ in node.value:
+            name = self.construct_object(key, deep=True)
+            if name in names:
+                raise ValueError(f"line {key.start_mark.line + 1}: {name!r} twice")
+            names.add(name)
+        return super().construct_mapping(node, deep)
+
+
+def read_document(path):
+    with path.open(encoding="utf-8") as file:
+        return yaml.load(file, Loader=OnceLoader)
+
+
 class Document:
     """The parsed file, with its references resolved where they are looked up."""
 
     def __init__(self):
-        with FILE.open(encoding="utf-8") as file:
-            self.root = yaml.safe_load(file)
+        self.root = read_document(FILE)
 
     def look_up(self, item):
         while "$ref" in item:
@@ -96,10 +112,6 @@ class Document:
                 for media in (item, *item.get("content", {}).values(), *item.get("headers", {}).values()):
                     if "schema" in media:
                         yield from schemas_within(f"{kind}/{name}", media["schema"])
-
-    def references(self):
-        """Every $ref of the file."""
-        return set(re.findall(r"#/components/[A-Za-z0-9/]+", json.dumps(self.root)))
 
 
 def schemas_within(where, schema):
