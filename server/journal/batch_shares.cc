@@ -13,16 +13,16 @@ void BatchShares::Taken::Add(std::size_t more) {
   bytes += more;
 }
 
-bool BatchShares::Admit(const Origin& origin) {
+BatchShares::Admission BatchShares::Admit(const Origin& origin) {
   Taken& robot = robots_[origin.client.get()];
-  if (!robot.HasRoomFor(origin.bytes, of_robot_)) return false;
+  if (!robot.HasRoomFor(origin.bytes, of_robot_)) return Admission::kRobotWaits;
   if (const GatewayUse* const use = origin.place.gateway().get()) {
     Taken& gateway = gateways_[use];
-    if (!gateway.HasRoomFor(origin.bytes, of_gateway_)) return false;
+    if (!gateway.HasRoomFor(origin.bytes, of_gateway_)) return Admission::kGatewayWaits;
     gateway.Add(origin.bytes);
   }
   robot.Add(origin.bytes);
-  return true;
+  return Admission::kAdmitted;
 }
 
 }  // namespace uplink::journal

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <unordered_map>
 
 #include "server/journal/entry.h"
@@ -20,8 +21,16 @@ class BatchShares final {
   BatchShares(const BatchShare& of_robot, const BatchShare& of_gateway)
       : of_robot_(of_robot), of_gateway_(of_gateway) {}
 
-  /// Whether the robot's next entry goes into the batch.
-  [[nodiscard]] bool Admit(const Origin& origin);
+  /// What becomes of a robot's next entry.
+  enum class Admission : std::uint8_t {
+    kAdmitted,
+    /// The robot has its share: all that it has waits for a later batch.
+    kRobotWaits,
+    /// The gateway has its share: so does all that its robots have.
+    kGatewayWaits,
+  };
+  /// Counts the entry, if it goes into the batch.
+  [[nodiscard]] Admission Admit(const Origin& origin);
 
  private:
   struct Taken {

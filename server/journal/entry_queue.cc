@@ -80,8 +80,8 @@ void EntryQueue::GiveTurns(Certificates& from, Filling& filling, std::size_t rec
   };
   while (!from.empty() && !full()) {
     const auto turn = from.begin();
-    GiveTurn(*turn, filling, passed);
-    Certificates& to = turn->lines.empty() ? done : old_;
+    const bool moved = GiveTurn(*turn, filling, passed);
+    Certificates& to = !moved || turn->lines.empty() ? done : old_;
     to.splice(to.end(), from, turn);
   }
   while (!passed.empty()) {
@@ -97,12 +97,19 @@ void EntryQueue::GiveTurns(Certificates& from, Filling& filling, std::size_t rec
   old_.splice(old_.end(), done);
 }
 
-void EntryQueue::GiveTurn(Certificate& certificate, Filling& filling, Lines& passed) {
+bool EntryQueue::GiveTurn(Certificate& certificate, Filling& filling, Lines& passed) {
+  using Admission = BatchShares::Admission;
   Lines& lines = certificate.lines;
   while (!lines.empty() && passed.size() < kPassedMax) {
     const auto line = lines.begin();
     const Origin& next = line->entries.front().origin;
-    if (!filling.held.MayCommit(next) || !filling.shares.Admit(next)) {
+    const auto admission =
+        filling.held.MayCommit(next) ? filling.shares.Admit(next) : Admission::kRobotWaits;
+    // A robot may wait in the line of a gateway and come by another one now.
+    if (admission == Admission::kGatewayWaits && next.place.gateway() == certificate.gateway) {
+      return false;
+    }
+    if (admission != Admission::kAdmitted) {
       passed.splice(passed.end(), lines, line);
       continue;
     }
@@ -114,8 +121,9 @@ void EntryQueue::GiveTurn(Certificate& certificate, Filling& filling, Lines& pas
     } else {
       lines.splice(lines.end(), lines, line);
     }
-    return;
+    return true;
   }
+  return false;
 }
 
 std::optional<SteadyTime> EntryQueue::oldest() const {

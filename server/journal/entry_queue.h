@@ -29,13 +29,14 @@ struct BatchBounds {
 
 /// Records and gaps that wait for the writer, each robot's in a line, in their order. Certificates
 /// go in turn, one message each, and so do the robots of one certificate: those of a gateway. A
-/// robot with its share of a batch, or with a gateway that has its own, is passed over. Half of a
-/// batch is for certificates of which something is left from an earlier batch, half for the others;
-/// what one half leaves is the other's. What comes of one message (Origin::continues) stays
-/// together.
+/// robot with its share of a batch is passed over, and goes behind those that were not looked at. A
+/// gateway with its share has no more turns, however many of its robots wait. Half of a batch is
+/// for certificates of which something is left from an earlier batch, half for the others; what one
+/// half leaves is the other's. What comes of one message (Origin::continues) stays together.
 ///
-/// Limits: the journal's, kept by those who append; kPassedMax lines are passed over per look at
-///         either half.
+/// Limits: the journal's, kept by those who append. A look at either half looks at a line for each
+///         message that it moves, at kPassedMax lines that it passes over, and at one of each
+///         gateway that has its share.
 /// Thread: confined to its owner's lock.
 class EntryQueue final {
  public:
@@ -77,8 +78,9 @@ class EntryQueue final {
   /// so much. Whose turn is over waits in old_.
   void GiveTurns(Certificates& from, Filling& filling, std::size_t records_max,
                  std::size_t bytes_max);
-  /// Moves one message into the batch, if one may go. Lines that may not go into `passed`.
-  void GiveTurn(Certificate& certificate, Filling& filling, Lines& passed);
+  /// Moves one message into the batch, if one may go; false if none does. Lines of which nothing
+  /// may go are moved into `passed`; once the gateway is full, the others are not looked at.
+  bool GiveTurn(Certificate& certificate, Filling& filling, Lines& passed);
 
   /// Of which nothing was left when the last batch was taken, and those that had a turn since they
   /// came.

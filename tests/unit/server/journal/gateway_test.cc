@@ -30,10 +30,12 @@ class JournalGatewayTest : public ::testing::Test, protected StepBench {
   void AppendVia(const GatewayRef& gateway, RecordingClient& client, model::Seq seq) {
     inbox.Append(client, {client.generation(), gateway}, RecordOf(client, seq), clock.Steady());
   }
-  [[nodiscard]] GatheredBatch Fill(std::size_t records_max) {
-    return writer_inbox.Fill(GatheredBatch(model::SessionId()),
-                             {.records_max = records_max, .bytes_max = 1'000'000, .robot = {}},
-                             holds.robots());
+  [[nodiscard]] GatheredBatch Fill(std::size_t records_max,
+                                   const BatchShare& share = kGatewayBatchShare) {
+    return writer_inbox.Fill(
+        GatheredBatch(model::SessionId()),
+        {.records_max = records_max, .bytes_max = 1'000'000, .robot = {}, .gateway = share},
+        holds.robots());
   }
   [[nodiscard]] std::vector<model::Seq> SeqsOfNext(std::size_t records_max) {
     return SeqsOf(Fill(records_max).batch());
@@ -145,6 +147,42 @@ TEST_F(JournalGatewayTest, HasItsShareOfABatchAndNoMore) {
   EXPECT_EQ(first.size(), kGatewayBatchShare.records_max + 1);
   EXPECT_THAT(first, Contains(1001)) << "another gateway's";
   EXPECT_THAT(SeqsOfNext(1000), ElementsAre(1000));
+}
+
+TEST_F(JournalGatewayTest, OnceItHasItsShareItsRobotsAreNotLookedAt) {
+  const GatewayRef gateway = inbox.GatewayOf("CN=hall");
+  for (std::size_t i = 1; i <= kPassedMax + 2; ++i) AppendVia(gateway, NewRobot(), i);
+  for (model::Seq i = 1; i <= 4; ++i) Append(honest_, kHonest + i);
+  EXPECT_THAT(SeqsOf(Fill(9, {.records_max = 2}).batch()),
+              ElementsAre(1, kHonest + 1, 2, kHonest + 2, kHonest + 3, kHonest + 4))
+      << "a look at each of its robots would end the batch at kPassedMax";
+  EXPECT_THAT(SeqsOf(Fill(9, {.records_max = 2}).batch()), ElementsAre(3, 4))
+      << "its robots go on in turn";
+}
+
+TEST_F(JournalGatewayTest, ARobotThatWasPassedOverGoesBehindThoseThatWereNotLookedAt) {
+  const GatewayRef gateway = inbox.GatewayOf("CN=hall");
+  RecordingClient& unopened = robots_.emplace_back("rcan://g/unopened");
+  AppendVia(gateway, unopened, 1);
+  for (model::Seq i = 0; i < 3; ++i) AppendVia(gateway, NewRobot(), 10 + i);
+  EXPECT_THAT(SeqsOf(Fill(9, {.records_max = 1}).batch()), ElementsAre(10));
+  holds.Begin(unopened, unopened.robot(), {.since = 1});
+  EXPECT_THAT(SeqsOfNext(9), ElementsAre(11, 12, 1));
+}
+
+TEST_F(JournalGatewayTest, AnotherThatHasItsShareEndsNoTurnOfThisOne) {
+  const GatewayRef yard = inbox.GatewayOf("CN=yard");
+  const GatewayRef hall = inbox.GatewayOf("CN=hall");
+  RecordingClient& of_yard = NewRobot();
+  RecordingClient& moved = NewRobot();
+  AppendVia(yard, of_yard, 20);
+  AppendVia(yard, of_yard, 21);
+  AppendVia(hall, moved, 1);
+  AppendVia(yard, moved, 2);
+  EXPECT_THAT(SeqsOfNext(2), ElementsAre(20, 1));
+  AppendVia(hall, NewRobot(), 10);
+  EXPECT_THAT(SeqsOf(Fill(9, {.records_max = 1}).batch()), ElementsAre(21, 10));
+  EXPECT_THAT(SeqsOf(Fill(9, {.records_max = 1}).batch()), ElementsAre(2));
 }
 
 /// A gateway may have 25 of 100 records, one robot 10.
