@@ -89,21 +89,25 @@ std::optional<std::size_t> LiveIntake::OverRate(const UplinkView& uplink,
 
 void LiveIntake::AddUndecoded(std::size_t kind, const UplinkView& uplink) {
   const std::size_t place = *Surplus::PlaceOf(kind);
-  if (surplus_.Put(place, uplink)) SupersedeUndecoded(place);
+  if (surplus_.Put(place, uplink)) SupersedeUnread(place);
 }
 
 void LiveIntake::SupersedeOlder(std::size_t kind) {
   if (surplus_.empty()) return;
   const std::optional<std::size_t> place = Surplus::PlaceOf(kind);
-  if (place && surplus_.Drop(*place)) SupersedeUndecoded(*place);
+  if (place && surplus_.Drop(*place)) SupersedeUnread(*place);
 }
 
-void LiveIntake::SupersedeUndecoded(std::size_t place) {
+void LiveIntake::SupersedeUnread(std::size_t place) {
   const std::size_t kind = metrics::kTelemetryKinds[place];
+  CountOverRate(place);
+  if (kind == metrics::kRcanKind && rcan_order_ != nullptr) rcan_order_->NoteUnread();
+}
+
+void LiveIntake::CountOverRate(std::size_t place) {
   CountSuperseded();
   sources_.context.probe.over_rate_total[place].Add();
-  sources_.robot.rates.CountOverRate(kind);
-  if (kind == metrics::kRcanKind && rcan_order_ != nullptr) rcan_order_->NoteUnread();
+  sources_.robot.rates.CountOverRate(metrics::kTelemetryKinds[place]);
 }
 
 std::optional<SteadyTime> LiveIntake::DecodesAt(const robot::BucketSize& rate) const {
@@ -120,7 +124,7 @@ void LiveIntake::Decode(const robot::BucketSize& rate, Processed& processed) {
       sources_.robot.rates.TakeTelemetry(rate, sources_.context.clock.Steady());
       DecodeOne(*uplink, place, processed);
     } else {
-      SupersedeUndecoded(place);
+      SupersedeUnread(place);
     }
   }
   surplus_.Shrink();
@@ -134,7 +138,8 @@ void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processe
     ++sources_.counts.records[static_cast<std::size_t>(record->variant())];
     return Add(uplink.seq, std::move(*record), processed);
   }
-  if (const auto* state = std::get_if<model::RcanState>(&judged.content)) {
+  const auto* const state = std::get_if<model::RcanState>(&judged.content);
+  if (state != nullptr) {
     const RcanOrder::Age age = See(*state);
     if (age != RcanOrder::Age::kOlder) {
       return Add(uplink.seq, std::move(judged), age, processed);
@@ -142,7 +147,9 @@ void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processe
   }
   // Its number is settled: a Reject would come too late, and it is over the rate.
   ++processed.costly;
-  SupersedeUndecoded(place);
+  if (state == nullptr) return SupersedeUnread(place);
+  // See noted its place in the order.
+  CountOverRate(place);
 }
 
 void LiveIntake::Apply() {

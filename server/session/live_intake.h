@@ -78,8 +78,10 @@ class LiveIntake final {
   void DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed);
   /// A decoded message of this kind is newer than the one that is held.
   void SupersedeOlder(std::size_t kind);
-  /// The one that was held in this place is superseded.
-  void SupersedeUndecoded(std::size_t place);
+  /// The one that was held in this place is superseded, and See never saw it.
+  void SupersedeUnread(std::size_t place);
+  /// The one that was held in this place is counted as superseded.
+  void CountOverRate(std::size_t place);
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Processed& processed);
   void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);

@@ -27,7 +27,7 @@ class RcanOrder final {
   /// The time of the state before; only where AgeOf is not kNewer.
   [[nodiscard]] std::int64_t last_timestamp_us() const { return last_timestamp_us_.value_or(0); }
 
-  /// One state was superseded unread: its number does not count as skipped.
+  /// One state was superseded without See: its number does not count as skipped.
   void NoteUnread() { ++unread_; }
   /// Sees the number of a state, whatever becomes of it, before Apply. Returns how many were
   /// skipped before it.

@@ -32,9 +32,9 @@ std::string Extras(const std::string& key) {
   return schema::Encode(extras);
 }
 
-std::string RcanState(int time) {
+std::string RcanState(int time, int seq) {
   return R"({"ruri":"rcan://bench/1","timestamp_us":)" + std::to_string(time) + R"(,"seq":)" +
-         std::to_string(time) + "}";
+         std::to_string(seq) + "}";
 }
 
 class TelemetryRateTest : public SessionTest {
@@ -53,11 +53,12 @@ class TelemetryRateTest : public SessionTest {
     stream_->Send(BatchFrame(messages));
   }
   void Send(const std::string& payload) { stream_->Send(BatchFrame({{++seq_, payload}})); }
-  void SendRcan(int time) {
+  void SendRcan(int time) { SendRcanState(RcanState(time, time)); }
+  void SendRcanState(const std::string& state) {
     v1::RelayRequest frame;
     v1::Uplink& uplink = *frame.mutable_batch()->add_uplinks();
     uplink.set_seq(++seq_);
-    uplink.set_rcan_robot_state(RcanState(time));
+    uplink.set_rcan_robot_state(state);
     stream_->Send(frame);
   }
   robot::LiveParts Parts() {
@@ -204,6 +205,37 @@ TEST_F(TelemetryRateTest, RobotStatesThatWereNotReadAreNotMissing) {
   server().Pass(10 * kPerMessage);
   SendRcan(12);
   EXPECT_EQ(server().counts().rcan_missing, 2U);
+}
+
+TEST_F(TelemetryRateTest, AnOlderRobotStateThatWaitedHidesNoneThatIsMissing) {
+  SendRcan(5);
+  SendMotions(kBurst - 1);
+  SendRcan(3);
+  server().Pass(kPerMessage);
+  EXPECT_EQ(Parts().rcan->timestamp_us, 5);
+  server().Pass(10 * kPerMessage);
+  SendRcan(7);
+  EXPECT_EQ(server().counts().rcan_missing, 1U) << "the sixth";
+}
+
+TEST_F(TelemetryRateTest, AnOlderRobotStateThatWaitedAndCountedOnIsSeenOnce) {
+  SendRcan(5);
+  SendMotions(kBurst - 1);
+  SendRcanState(RcanState(3, 6));
+  server().Pass(kPerMessage);
+  server().Pass(10 * kPerMessage);
+  SendRcan(8);
+  EXPECT_EQ(server().counts().rcan_missing, 1U) << "the seventh";
+}
+
+TEST_F(TelemetryRateTest, ARobotStateThatWaitedAndIsNotGoodIsNotMissing) {
+  SendRcan(1);
+  SendMotions(kBurst - 1);
+  SendRcanState(R"({"ruri":"rcan://bench/2","timestamp_us":2,"seq":2})");
+  server().Pass(kPerMessage);
+  server().Pass(10 * kPerMessage);
+  SendRcan(3);
+  EXPECT_EQ(server().counts().rcan_missing, 0U);
 }
 
 TEST_F(TelemetryRateTest, WhatAnotherProcessTookIsNotApplied) {
