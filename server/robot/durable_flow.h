@@ -36,14 +36,15 @@ class DurableFlow final {
   /// It is stored, whatever was said.
   void Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now);
 
-  /// The payload of a rejection is stored beside the flow.
+  /// So many bytes are stored beside the flow, whose buckets they leave as they are: the payload of
+  /// a rejection, and what a broker delivers at QoS 1 past the flow, such as a backlog.
   void CountKept(std::size_t bytes) { bytes_total_.fetch_add(bytes, std::memory_order_relaxed); }
   /// The store's disk asks for less, or for nothing: no payload of a rejection is kept.
   [[nodiscard]] bool disk_limits() const { return disk_rate_.load() != kNoLimit; }
   /// Whether anything may be stored at all, also what the flow does not count.
   [[nodiscard]] Answer LookAtDisk(SteadyTime now) const;
 
-  /// Bytes that were taken or kept since the start.
+  /// Bytes that were taken or kept beside the flow since the start.
   [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_.load(); }
   /// From now on so many bytes per second at most: at 0 none; nothing: no such limit.
   void LimitForDisk(std::optional<std::uint64_t> bytes_per_second);
