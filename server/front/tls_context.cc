@@ -7,6 +7,7 @@
 #include <openssl/ssl.h>
 
 #include "server/front/tls_engine.h"
+#include "server/identity/certificate_gate.h"
 #include "server/identity/pem.h"
 #include "server/transport/key_files.h"
 
@@ -20,6 +21,9 @@ constexpr unsigned char kHttp2[] = {2, 'h', '2'};
 constexpr char kSuitesOf12[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
 /// Intermediate certificates between a robot and an authority.
 constexpr int kChainDepthMax = 8;
+// OpenSSL's depth counts neither the robot's certificate nor the authority's, and a robot may show
+// both: the longest chain that is verified may be shown whole.
+static_assert(kChainDepthMax + 2 <= int{identity::kShownCertificatesMax});
 
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   const auto authorities = identity::ReadCertificates({"", std::string(text)});
