@@ -42,6 +42,10 @@ void HeldLive::Put(model::RcanState&& state) {
 void HeldLive::Restore(LiveParts&& before) {
   ForEachPart(
       [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
+        if (dropped_.test(Tag::kIndex)) {
+          changed_.set(Tag::kIndex);
+          return;
+        }
         if (Merge(part, std::move(earlier))) changed_.set(Tag::kIndex);
         Count(Tag::kLivePart);
       },
@@ -54,12 +58,14 @@ void HeldLive::Drop(storage::LivePart part) {
         if (Tag::kLivePart == part) each = std::remove_reference_t<decltype(each)>();
       },
       parts_);
+  dropped_.set(static_cast<std::size_t>(part));
   NoteChanged(part);
 }
 
 void HeldLive::Clear() {
   parts_ = {};
   changed_.reset();
+  dropped_.reset();
   part_bytes_ = {};
   share_.Set(0);
 }

@@ -31,9 +31,12 @@ class HeldLive final {
   /// Returns the number of keys that had to go. A body of a durable kind is a mistake of ours.
   std::size_t Put(model::Body&& body, SteadyTime arrived);
   void Put(model::RcanState&& state);
-  /// Takes over what is not known better by now. A part that the store then has neither side whole
-  /// of has changed.
+  /// Takes over what is not known better by now, and nothing of a part that was dropped: that is
+  /// older. A part that the store then has neither side whole of has changed.
   void Restore(LiveParts&& before);
+  /// What the store had is restored, if it had any. Parts that were dropped until now are not older
+  /// in the store any more.
+  void EndRestore() { dropped_.reset(); }
   /// Lets go of one part: it has changed, to nothing.
   void Drop(storage::LivePart part);
   /// Lets go of all, as if nothing had ever come.
@@ -49,6 +52,9 @@ class HeldLive final {
 
   LiveParts parts_;
   LivePartSet changed_;
+  /// Since the last EndRestore. A part stays in it though something came since: what a restore
+  /// would bring is older than the drop.
+  LivePartSet dropped_;
   LivePartBytes part_bytes_{};
   LiveShare share_;
 };

@@ -46,6 +46,8 @@ std::size_t RobotState::DropLivePart(storage::LivePart part) {
   const std::lock_guard lock(mutex_);
   const std::size_t before = live_.bytes();
   live_.Drop(part);
+  if (part == storage::LivePart::kStatus) status_arrived_ = {};
+  if (part == storage::LivePart::kRcan) rcan_arrived_ = {};
   return before - live_.bytes();
 }
 
@@ -196,7 +198,9 @@ bool RobotState::needs_restore() const {
 
 void RobotState::SetRestored(storage::Epoch held_since) {
   const std::lock_guard lock(mutex_);
-  if (held_since == held_since_) needs_restore_ = false;
+  if (held_since != held_since_) return;
+  needs_restore_ = false;
+  live_.EndRestore();
 }
 
 void RobotState::CountDropped(std::size_t fields) {

@@ -45,7 +45,7 @@ struct StateView {
   /// The robot's own stream is not read now; or when that ended. Its silence is ours.
   bool held_back = false;
   std::optional<SteadyTime> stream_held_back_until;
-  /// In this life of the server; the epoch if they did not.
+  /// In this life of the server; the epoch if they did not, or were dropped since.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
   /// Another process holds the robot: nothing but its presence is known here.
@@ -118,14 +118,16 @@ class RobotState final {
   [[nodiscard]] std::size_t live_bytes() const;
   [[nodiscard]] LivePartBytes live_part_bytes() const;
   /// Lets go of a live part, so that its memory is free; what comes next is held again. The store
-  /// forgets it too. Returns how many bytes that was.
+  /// forgets it too, and a restore that is due does not bring it back. Returns how many bytes that
+  /// was.
   std::size_t DropLivePart(storage::LivePart part);
 
   /// What changed since the last call; nothing if nothing did.
   [[nodiscard]] std::optional<LiveChanges> TakeChanges();
   /// What was taken could not be kept: it counts as changed again.
   void PutBackChanges(const LivePartSet& changed);
-  /// Takes over what is not known better by now. Presence stays as it is: it was not heard.
+  /// Takes over what is not known better by now and was not dropped. Presence stays as it is: it
+  /// was not heard.
   void Restore(LiveBefore before, storage::Epoch held_since);
 
   /// As above; what ended meanwhile is not taken.
@@ -188,7 +190,8 @@ class RobotState final {
   /// Null: it counts in none. Set before it is shared.
   std::shared_ptr<LiveTotal> live_total_;
   Reports reports_;
-  /// When the parts arrived in this life of the server; the epoch if they did not.
+  /// When the parts arrived in this life of the server; the epoch if they did not, or were dropped
+  /// since.
   SteadyTime status_arrived_;
   SteadyTime rcan_arrived_;
   /// The last sign of life or the clock's skew.

@@ -166,6 +166,63 @@ TEST_F(LiveMemoryTest, WhatIsRestoredCounts) {
   EXPECT_EQ(total_->bytes(), state_->live_bytes());
 }
 
+TEST_F(LiveMemoryTest, APartThatWasDroppedBeforeItsRestoreComesBackNoOlder) {
+  state_->BeginHold({.since = 3, .was_known = true}, clock_.Steady(), clock_.System());
+  Read("new", 1.0);
+  Apply(model::StatusTelemetry{.unix_time_ms = kNow, .status = "new"});
+  state_->DropLivePart(LivePart::kExtras);
+  state_->DropLivePart(LivePart::kStatus);
+  Read("newest", 1.0);
+  LiveBefore before;
+  PutInto(before.parts, model::StatusTelemetry{.unix_time_ms = kNow - 9, .status = "old"});
+  PutInto(before.parts, model::UsageTelemetry{.unix_time_ms = kNow - 9});
+  PutInto(before.parts,
+          model::TelemetryExtras{.unix_time_ms = kNow - 9,
+                                 .kv = {{.key = "old", .value = 1.0, .unix_time_ms = {}}}});
+  state_->Restore(std::move(before), 3);
+  state_->SetRestored(3);
+  EXPECT_FALSE(All().parts.status.has_value());
+  EXPECT_EQ(All().parts.extras.Find("old"), nullptr);
+  EXPECT_NE(All().parts.extras.Find("newest"), nullptr) << "what came after it stays";
+  EXPECT_TRUE(All().parts.usage.has_value()) << "nothing of it was dropped";
+  EXPECT_EQ(total_->bytes(), state_->live_bytes());
+  const std::optional<LiveChanges> changes = state_->TakeChanges();
+  ASSERT_TRUE(changes.has_value());
+  EXPECT_TRUE(changes->changed.test(static_cast<std::size_t>(LivePart::kStatus)))
+      << "the store forgets it";
+  EXPECT_TRUE(changes->changed.test(static_cast<std::size_t>(LivePart::kExtras)));
+}
+
+TEST_F(LiveMemoryTest, APartThatWasDroppedIsRestoredOnceTheRobotWasElsewhere) {
+  Apply(model::StatusTelemetry{.unix_time_ms = kNow, .status = "here"});
+  state_->DropLivePart(LivePart::kStatus);
+  state_->Lose();
+  state_->BeginHold({.since = 5, .was_known = true}, clock_.Steady(), clock_.System());
+  LiveBefore before;
+  PutInto(before.parts, model::StatusTelemetry{.unix_time_ms = kNow + 9, .status = "there"});
+  state_->Restore(std::move(before), 5);
+  EXPECT_EQ(All().parts.status->status, "there");
+}
+
+TEST_F(LiveMemoryTest, OfAPartThatWasDroppedNothingHasArrived) {
+  const SteadyTime now = clock_.Steady() + std::chrono::seconds(1);
+  std::vector<model::Record> records;
+  records.push_back(test::RecordOf(model::StatusTelemetry{.unix_time_ms = kNow}));
+  state_->Apply(records, now);
+  state_->Apply(model::RcanState(), now);
+  const auto arrived = [this] {
+    std::pair<SteadyTime, SteadyTime> of;
+    state_->LookAt([&of](const StateView& view) { of = {view.status_arrived, view.rcan_arrived}; });
+    return of;
+  };
+  state_->DropLivePart(LivePart::kUsage);
+  EXPECT_EQ(arrived(), std::pair(now, now));
+  state_->DropLivePart(LivePart::kStatus);
+  EXPECT_EQ(arrived(), std::pair(SteadyTime(), now));
+  state_->DropLivePart(LivePart::kRcan);
+  EXPECT_EQ(arrived(), std::pair(SteadyTime(), SteadyTime()));
+}
+
 TEST_F(LiveMemoryTest, PastTheTriggerWhoAppliesCallsWhoIsTold) {
   int calls = 0;
   total_->OnOver([&calls] { ++calls; });
