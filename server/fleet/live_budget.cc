@@ -41,6 +41,13 @@ void LiveBudget::Relieve() {
   relieving_.store(false);
 }
 
+LiveBudget::Name LiveBudget::NameOf(const robot::Robot& robot) {
+  std::optional<std::string> gateway = robot.speaker();
+  if (!gateway) return {"robots", "not_heard"};
+  if (gateway->empty()) return {"robot", robot.ruri()};
+  return {"gateway", *std::move(gateway)};
+}
+
 std::vector<LiveBudget::Holder> LiveBudget::Holders() const {
   std::map<Name, Holder> by_name;
   const auto holder_of = [&by_name](Name name, std::size_t bytes) -> Holder& {
@@ -52,10 +59,7 @@ std::vector<LiveBudget::Holder> LiveBudget::Holders() const {
   for (const RobotPtr& robot : context_.fleet.All()) {
     const std::size_t held = robot->state.live_bytes();
     if (held == 0) continue;
-    const std::string gateway = robot->speaker();
-    const bool alone = gateway.empty();
-    holder_of({alone ? "robot" : "gateway", alone ? robot->ruri() : gateway}, held)
-        .robots.push_back(robot);
+    holder_of(NameOf(*robot), held).robots.push_back(robot);
   }
   for (const cyberwave::TwinPtr& twin : context_.twins.All()) {
     holder_of({"twin", twin->id().ToText()}, twin->bytes()).twins.push_back(twin);

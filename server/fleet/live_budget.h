@@ -25,9 +25,11 @@ inline constexpr std::chrono::minutes kLiveDroppedShown{10};
 inline constexpr std::chrono::minutes kLiveLineEvery{1};
 
 /// The one budget of all live state in memory (limits.live_bytes_max), of robots and twins. Past
-/// it, whose certificate (of twins: whose id) brought most loses its largest parts.
+/// it, the certificate (of twins: the id) whose robots hold most loses their largest parts.
 ///
-/// A robot counts for the certificate of its last stream: a gateway's, or its own.
+/// A robot counts for the certificate of its last stream: a gateway's, or its own. Those without a
+/// stream in this life of the server count together: a gateway may have brought them all, and an
+/// honest robot that speaks is not to lose before them.
 /// Thread: thread-safe. It holds no lock while it looks at robots.
 class LiveBudget final {
  public:
@@ -86,6 +88,7 @@ class LiveBudget final {
     std::size_t bytes = 0;
   };
 
+  [[nodiscard]] static Name NameOf(const robot::Robot& robot);
   [[nodiscard]] std::vector<Holder> Holders() const;
   [[nodiscard]] static std::vector<Part> PartsOf(const Holder& holder);
   /// Drops parts of the one that holds most until it holds less than `next_bytes`, at least one.
@@ -105,7 +108,7 @@ class LiveBudget final {
   /// The calls of Round alone.
   SteadyTime told_at_;
   mutable std::mutex mutex_;
-  /// What was not told yet, one entry per certificate or twin.
+  /// What was not told yet, one entry per Holder.
   std::map<Name, Loss> losses_;
 };
 

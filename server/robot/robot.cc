@@ -99,7 +99,7 @@ void Robot::SetSpeaker(std::string_view gateway) {
   speaker_ = gateway;
 }
 
-std::string Robot::speaker() const {
+std::optional<std::string> Robot::speaker() const {
   const std::lock_guard lock(mutex_);
   return speaker_;
 }

@@ -49,8 +49,9 @@ class Robot final : public CommitClient {
   /// A stream of it begins: by this gateway's certificate, or by its own if that is empty. What it
   /// holds from now on, whether it has a stream or not, is what that certificate brought.
   void SetSpeaker(std::string_view gateway);
-  /// The last one. Empty, too, after a restart.
-  [[nodiscard]] std::string speaker() const;
+  /// That of its last stream, which may have ended. Nothing if none came in this life of the
+  /// server: who brought what was restored is not known.
+  [[nodiscard]] std::optional<std::string> speaker() const;
 
   // --- Leaving memory ---
 
@@ -114,7 +115,7 @@ class Robot final : public CommitClient {
   std::atomic<bool> leaves_at_once_{false};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
-  std::string speaker_;
+  std::optional<std::string> speaker_;
 };
 
 }  // namespace uplink::robot

@@ -52,6 +52,17 @@ class LiveBudgetTest : public ::testing::Test {
       robot->state.Apply(records, clock_.Steady());
     }
   }
+  /// As many readings as that, of an earlier life of the server.
+  static void Restore(const RobotPtr& robot, std::size_t count) {
+    robot::LiveBefore before;
+    for (std::size_t i = 0; i < count; ++i) {
+      robot::PutInto(before.parts, model::TelemetryExtras{.unix_time_ms = kNow,
+                                                          .kv = {{.key = std::to_string(i),
+                                                                  .value = std::string(kText, 'x'),
+                                                                  .unix_time_ms = {}}}});
+    }
+    robot->state.Restore(std::move(before), robot->state.held_since());
+  }
   void Say(const std::string& twin_id, const std::string& tail, const std::string& payload) {
     const cyberwave::TwinPtr twin =
         twins_.FindOrAdd(twin_id, *model::cyberwave::Uuid::FromText(twin_id));
@@ -167,20 +178,44 @@ TEST_F(LiveBudgetTest, WhatIsRestoredIsRelievedByTheNextRound) {
   std::vector<RobotPtr> robots;
   for (int i = 0; i < 6; ++i) {
     robots.push_back(Add(fmt::format("rcan://a/{}", i)));
-    robot::LiveBefore before;
-    for (int key = 0; key < 50; ++key) {
-      robot::PutInto(before.parts, model::TelemetryExtras{.unix_time_ms = kNow,
-                                                          .kv = {{.key = std::to_string(key),
-                                                                  .value = std::string(kText, 'x'),
-                                                                  .unix_time_ms = {}}}});
-    }
-    robots.back()->state.Restore(std::move(before), robots.back()->state.held_since());
+    Restore(robots.back(), 50);
   }
   EXPECT_GT(budget_.bytes(), kBudget);
   EXPECT_TRUE(budget_.over());
   Round();
   EXPECT_LE(budget_.bytes(), kBudget);
   EXPECT_EQ(budget_.parts_dropped(), 2U);
+}
+
+TEST_F(LiveBudgetTest, AfterARestartRobotsThatWereNotHeardCountTogether) {
+  const RobotPtr honest = Add("rcan://a");
+  std::vector<RobotPtr> not_heard;
+  for (int i = 0; i < 200; ++i) {
+    not_heard.push_back(*fleet_.FindOrAdmit({fmt::format("rcan://x/{}", i), "f"}));
+    Restore(not_heard.back(), 1);
+  }
+  // Alone it holds more than any other robot; some of the others were a gateway's, and nobody
+  // knows.
+  Read(honest, 60);
+  Round();
+  EXPECT_GT(budget_.parts_dropped(), 0U);
+  EXPECT_EQ(Readings(honest), 60U);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robots=not_heard")));
+}
+
+TEST_F(LiveBudgetTest, ARobotThatWasHeardCountsForItsCertificateAndNoMoreWithThoseThatWereNot) {
+  const RobotPtr most = Add("rcan://most", kGateway);
+  Read(most, 60);
+  std::vector<RobotPtr> robots;
+  for (int i = 0; i < 6; ++i) {
+    robots.push_back(*fleet_.FindOrAdmit({fmt::format("rcan://a/{}", i), "f"}));
+    Restore(robots.back(), 30 + static_cast<std::size_t>(i));
+  }
+  for (const RobotPtr& robot : robots) robot->SetSpeaker("");
+  Round();
+  EXPECT_EQ(budget_.parts_dropped(), 1U);
+  EXPECT_EQ(Readings(most), 0U);
+  EXPECT_EQ(Readings(robots.back()), 35U);
 }
 
 TEST_F(LiveBudgetTest, OneLineAMinuteSaysWhatAllLostSinceTheLast) {
