@@ -383,8 +383,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .min = kMiB,
      .max = 1024 * kGiB,
      .zero = "a quarter of the memory that the server may use, or 1 GiB, whichever is smaller",
-     .text = "Memory of the live state of all robots and twins. Past it, whose certificate (of "
-             "twins: whose id) brought most loses its largest parts.",
+     .text = "Memory of the live state of all robots and twins. Past it, the certificate whose "
+             "robots hold most loses their largest parts. A twin's id counts as a certificate.",
      UPLINK_BIND(limits, LimitsConfig, live_bytes_max)},
     {.section = "limits",
      .key = "session_idle",

@@ -134,9 +134,9 @@ void LiveBudget::Tell() {
                                               {"held_bytes", most.held_bytes},
                                               {"parts", most.parts},
                                               {"bytes", most.bytes},
-                                              {"others", losses.size() - 1},
-                                              {"parts_of_all", all.parts},
-                                              {"bytes_of_all", all.bytes},
+                                              {"other_holders", losses.size() - 1},
+                                              {"parts_total", all.parts},
+                                              {"bytes_total", all.bytes},
                                               {"live_bytes_max", context_.bytes_max}});
 }
 

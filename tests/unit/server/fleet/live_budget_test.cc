@@ -128,7 +128,8 @@ TEST_F(LiveBudgetTest, PastItTheGatewayThatBroughtMostLosesAndNobodyElse) {
   Round();
   EXPECT_THAT(lines_,
               ElementsAre(AllOf(HasSubstr("live_state_dropped"), HasSubstr(kGateway),
-                                HasSubstr("others=0"), HasSubstr("live_bytes_max=1000000"))));
+                                HasSubstr(" other_holders=0 parts_total="),
+                                HasSubstr(" bytes_total="), HasSubstr("live_bytes_max=1000000"))));
 }
 
 TEST_F(LiveBudgetTest, ARobotCountsForItsGatewayAfterItsStreamAndForItselfByItsOwn) {
