@@ -262,6 +262,24 @@ class Files(unittest.TestCase):
             self.assertIn(f"\n### {alert}\n", guide)
             self.assertIn(f"docs/operate/metrics.md#{alert.lower()}\n", rules)
 
+    def test_the_dashboard_shows_what_is_lost_or_grows_without_an_error(self):
+        shown = " ".join(expressions_of_the_dashboard())
+        for name in ("live_bytes", "live_bytes_limit", "telemetry_over_rate_total", "store_wal_bytes",
+                     "log_lines_waiting", "log_lines_dropped_total"):  # fmt: skip
+            self.assertRegex(shown, rf"\buplinkd_{name}\{{")
+
+    def test_no_panel_of_the_dashboard_lies_on_another(self):
+        panels = json.loads(DASHBOARD.read_text(encoding="utf-8"))["panels"]
+        self.assertEqual(len({panel["id"] for panel in panels}), len(panels))
+        taken = {}
+        for panel in panels:
+            place = panel["gridPos"]
+            self.assertLessEqual(place["x"] + place["w"], 24, panel["title"])
+            for x in range(place["x"], place["x"] + place["w"]):
+                for y in range(place["y"], place["y"] + place["h"]):
+                    self.assertNotIn((x, y), taken, panel["title"])
+                    taken[x, y] = panel["title"]
+
     def test_the_tables_of_the_reference_are_the_programs(self):
         table = run(BIN / "uplinkd", "--print-metrics").stdout
         ours = (SOURCE / "docs/reference/metrics.md").read_text(encoding="utf-8")
