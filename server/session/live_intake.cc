@@ -8,7 +8,10 @@
 namespace uplink::session {
 
 void LiveIntake::TakeRate(std::size_t kind, const robot::BucketSize& rate) {
-  if (metrics::IsTelemetry(kind)) sources_.robot.rates.TakeTelemetry(rate, arrived_);
+  if (!metrics::IsTelemetry(kind)) return;
+  robot::Rates& rates = sources_.robot.rates;
+  // What is rejected for its size passes whatever the rate, and must leave no debt.
+  if (rates.TelemetryPassesAt(rate, arrived_) <= arrived_) rates.TakeTelemetry(rate, arrived_);
 }
 
 void LiveIntake::Add(model::Seq seq, model::Record record, Processed& processed) {

@@ -167,6 +167,22 @@ TEST_F(TelemetryRateTest, TheLastOneIsAppliedWhereTheAgentHalfCloses) {
   EXPECT_EQ(server().counts().received, 60U);
 }
 
+TEST_F(TelemetryRateTest, WhatIsRejectedForItsSizeLeavesNoDebt) {
+  const std::string large = Extras(std::string(limits_.session.message_bytes_max, 'k'));
+  for (std::size_t i = 0; i < 3 * kBurst; ++i) Send(large);
+  ASSERT_EQ(
+      server().page()
+              .rejected_kinds[static_cast<std::size_t>(model::Variant::kTelemetryExtras)]
+                             [static_cast<std::size_t>(model::RejectReason::kPayloadTooLarge)] +
+          server().page().rejected_kinds[metrics::kUnknownKind][static_cast<std::size_t>(
+              model::RejectReason::kPayloadTooLarge)],
+      3 * kBurst);
+  clock_.Advance(kPerMessage);
+  Send(Motion(7.0));
+  EXPECT_EQ(Decoded(), 1U);
+  EXPECT_EQ(Latitude(), 7.0);
+}
+
 TEST_F(TelemetryRateTest, OneThatIsNotGoodIsSupersededToo) {
   SendMotions(kBurst);
   static_cast<void>(stream_->Said());
