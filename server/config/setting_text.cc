@@ -63,8 +63,11 @@ std::string NumberText(const Setting& setting, std::uint64_t number) {
 }
 
 std::string RangeText(const Setting& setting, std::string_view form) {
+  // Where values have a unit they are texts, 0 too.
+  const bool is_text = setting.kind == Kind::kBytes || setting.kind == Kind::kDuration;
   const std::string zero =
-      setting.zero.empty() ? std::string() : fmt::format(", or 0: {}", setting.zero);
+      setting.zero.empty() ? std::string()
+                           : fmt::format(", or {}: {}", is_text ? Quoted("0") : "0", setting.zero);
   return fmt::format("{} from {} to {}{}", form, NumberText(setting, setting.min),
                      NumberText(setting, setting.max), zero);
 }
