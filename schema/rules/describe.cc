@@ -53,8 +53,7 @@ Violation PositionsWithoutData(const Path& path, std::size_t count) {
           .path = &path,
           .sentence =
               [](const Violation& self) {
-                return fmt::format("a list of {} positions that holds the data of none",
-                                   self.counts[0]);
+                return fmt::format("{} positions without coordinates", self.counts[0]);
               },
           .counts = {count}};
 }

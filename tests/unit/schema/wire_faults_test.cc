@@ -248,6 +248,7 @@ TEST(WireTest, RejectsListsOfPositionsWithoutData) {
     // 160 bytes that were 32 KB in the store, and to each receiver.
     ExpectRejected(JudgeNothing(member, 2'000), RejectReason::kMalformed, "");
   }
+  EXPECT_EQ(JudgeNothing(kLineString, 16).rejection()->detail, "16 positions without coordinates");
   // One position has no more than its own size.
   const schema::Judgement one = JudgeNothing(kMultiPoint, 1);
   ExpectGood(one);
