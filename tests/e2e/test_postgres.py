@@ -101,7 +101,7 @@ class Schema(EndToEnd):
         for flags, text in (
             (["store", "status"], "--config,--url"),
             (["store", "status", "--url", url, "--config", "x"], "--config,--url"),
-            (["store", "status", "--url", "sqlite:///x.db"], "it has no server whose status could be shown"),
+            (["store", "status", "--url", "sqlite:///x.db"], "status is for PostgreSQL; an SQLite file is checked when uplinkd starts"),
             (["store", "migrate", "--url", "sqlite:///x.db"], "the server migrates it when it starts"),
             (["store", "status", "--url", "foo"], "the URL is of no store"),
             (["store", "migrate", "--url", "foo"], "the URL is of no store"),

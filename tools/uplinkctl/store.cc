@@ -88,7 +88,7 @@ int Migrate(const Arguments& arguments) {
 
 int Status(const Arguments& arguments) {
   const absl::StatusOr<AdminOptions> target = DatabaseTarget(
-      arguments, "it has no server whose status could be shown; uplinkd checks it when it starts");
+      arguments, "status is for PostgreSQL; an SQLite file is checked when uplinkd starts");
   if (!target.ok()) return ExitOf(target.status());
   const SystemClock clock;
   const auto state = storage::postgres::ReadState(*target, clock);
@@ -129,7 +129,8 @@ void AddStore(CLI::App& app, Action& action) {
                       "The role that the server logs in as: it may read and write, and no more");
   migrate->callback([arguments, &action] { action = [arguments] { return Migrate(*arguments); }; });
   CLI::App* const status = add(
-      "status", "Show the server and the schema of a database; 1 if steps are missing", kDatabase);
+      "status", "Show the server and the schema of a PostgreSQL database; 1 if steps are missing",
+      kDatabase);
   status->callback([arguments, &action] { action = [arguments] { return Status(*arguments); }; });
   CLI::App* const clock =
       add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny);
