@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -13,12 +12,6 @@
 #include "storage/sqlite/database.h"
 
 namespace uplink::storage::sqlite {
-namespace {
-
-constexpr std::string_view kWhatToDo =
-    ". What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
-
-}  // namespace
 
 void Damage::Note(std::string what) {
   {
@@ -36,7 +29,7 @@ absl::Status Damage::status() const {
   if (what_.empty()) return absl::OkStatus();
   std::string text = "store " + path_ + ": " + what_;
   text += ": nothing is acked until the server is started anew with a sound file";
-  return absl::UnavailableError(text.append(kWhatToDo));
+  return absl::UnavailableError(text.append(kIfDamaged));
 }
 
 absl::Status RefuseEmptied(const std::string& path) {
@@ -52,7 +45,7 @@ absl::Status RefuseEmptied(const std::string& path) {
   std::string text =
       "store " + path + " is empty, or was missing, and " + (has_wal ? wal : damaged);
   text += " beside it says that it was not; to begin anew, move that file away";
-  return absl::FailedPreconditionError(text.append(kWhatToDo));
+  return absl::FailedPreconditionError(text.append(kIfDamaged));
 }
 
 absl::Status RefuseDamage(Database& database, const OnDamageCheck& told) {
@@ -72,12 +65,12 @@ absl::Status RefuseDamage(Database& database, const OnDamageCheck& told) {
     ::unlink(damage->damaged_file().c_str());
     return absl::OkStatus();
   }
-  if (!found.ok() && !absl::IsDataLoss(found.status())) return found.status();
-  const std::string what = found.ok() ? *found : std::string(found.status().message());
+  // Noted already, if it is damage.
+  if (!found.ok()) return found.status();
   // So that its end moves no WAL into the file.
-  damage->Note(what);
-  std::string text = "store " + database.path() + " is damaged: " + what;
-  return absl::FailedPreconditionError(text.append(kWhatToDo));
+  damage->Note(*found);
+  std::string text = "store " + database.path() + " is damaged: " + *found;
+  return absl::FailedPreconditionError(text.append(kIfDamaged));
 }
 
 }  // namespace uplink::storage::sqlite

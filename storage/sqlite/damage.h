@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -12,6 +13,10 @@
 namespace uplink::storage::sqlite {
 
 class Database;
+
+/// Ends what is told of damage.
+inline constexpr std::string_view kIfDamaged =
+    ". What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
 
 /// What a process found wrong with the content of a store's files, by any of its connections. The
 /// first finding stands until the process ends: what SQLite reads next may look sound, and acks for

@@ -167,10 +167,11 @@ int Database::OnProgress(void* database) {
 absl::Status Database::Error(int code, std::string_view sql) const {
   absl::Status status =
       MakeStatus(code, path_, sql.substr(0, kSqlShownBytes), sqlite3_errmsg(handle_.get()));
-  if (damage_ != nullptr && absl::IsDataLoss(status)) {
-    damage_->Note(std::string(status.message()));
-  }
-  return status;
+  if (!absl::IsDataLoss(status)) return status;
+  sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  std::string text(status.message());
+  if (damage_ != nullptr) damage_->Note(text);
+  return absl::DataLossError(text.append(kIfDamaged));
 }
 
 }  // namespace uplink::storage::sqlite

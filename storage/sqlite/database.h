@@ -40,8 +40,8 @@ class Database final {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  /// From now on damage that SQLite finds is noted there; and once some is, this connection moves
-  /// no WAL into the file as it closes.
+  /// From now on damage that SQLite finds is noted there; and once some is noted, this connection
+  /// moves no WAL into the file as it closes. Nor does it once it found some itself.
   void ReportDamageTo(DamagePtr damage) { damage_ = std::move(damage); }
   [[nodiscard]] const DamagePtr& damage() const { return damage_; }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "schema/base/check.h"
+#include "storage/sqlite/damage.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -86,17 +87,19 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
   const absl::StatusOr<std::int64_t> application = database.ReadInt("PRAGMA application_id");
   if (!application.ok()) {
     if (!absl::IsDataLoss(application.status())) return application.status();
-    return Precondition(database, "is no SQLite file, or a damaged one; it is left as it is");
+    return Precondition(database, std::string("is no SQLite file, or a damaged one; it is left as "
+                                              "it is")
+                                      .append(kIfDamaged));
   }
+  constexpr const char* kOthers = "is an SQLite file of another program; it is left as it is";
+  if (*application != 0 && *application != kApplicationId) return Precondition(database, kOthers);
   const absl::StatusOr<std::int64_t> version = database.ReadInt("PRAGMA user_version");
   if (!version.ok()) return version.status();
   const absl::StatusOr<std::int64_t> tables =
       database.ReadInt("SELECT COUNT(*) FROM sqlite_schema");
   if (!tables.ok()) return tables.status();
   const bool is_empty = *application == 0 && *version == 0 && *tables == 0;
-  if (!is_empty && *application != kApplicationId) {
-    return Precondition(database, "is an SQLite file of another program; it is left as it is");
-  }
+  if (!is_empty && *application != kApplicationId) return Precondition(database, kOthers);
   const auto known = static_cast<std::int64_t>(migrations.size());
   if (*version > known) {
     return Precondition(database, "has schema version " + std::to_string(*version) +

@@ -10,8 +10,8 @@
 #include "storage/sqlite/compare.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/open_writer.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/schema.h"
 #include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
@@ -28,6 +28,9 @@ struct SqliteStore::Impl {
   Tables tables;
   /// Since TakeRunsClosed was asked last.
   std::size_t runs_closed = 0;
+
+  /// What is done on the database once it is open.
+  absl::Status Prepare();
 };
 
 SqliteStore::SqliteStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -44,35 +47,30 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
     if (!lock.ok()) return lock.status();
     impl->lock = *std::move(lock);
   }
-  if (absl::Status emptied = RefuseEmptied(path); !emptied.ok()) return emptied;
-  auto opened = Database::Open(path, Access::kWrite, options.busy_timeout);
-  if (!opened.ok()) return opened.status();
-  Database& database = **opened;
-  impl->database = *std::move(opened);
-
-  const IfOlder if_older = options.migrate ? IfOlder::kMigrate : IfOlder::kRefuse;
-  absl::Status status = RefuseDamage(database, options.on_damage_check);
-  if (status.ok()) status = CheckFile(database, Migrations());
-  if (status.ok()) status = ConfigureWriter(database);
-  if (status.ok()) status = Migrate(database, Migrations(), if_older);
-  if (status.ok() && options.pages_max) {
-    status = database.Execute("PRAGMA max_page_count = " + std::to_string(*options.pages_max));
+  auto database = OpenWriter(path, options);
+  if (!database.ok()) return database.status();
+  impl->database = *std::move(database);
+  if (absl::Status prepared = impl->Prepare(); !prepared.ok()) {
+    return StartFailed(*impl->database, prepared);
   }
-  if (status.ok()) status = impl->tables.Prepare(database);
+  return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(impl)));
+}
+
+absl::Status SqliteStore::Impl::Prepare() {
+  absl::Status status = tables.Prepare(*database);
   if (!status.ok()) return status;
-  auto files = StoreFiles::Open(database, options.disk_space);
-  if (!files.ok()) return files.status();
-  impl->files = *std::move(files);
-  const absl::StatusOr<EntryNumber> next_entry = impl->tables.deciding.NextEntry();
+  auto opened = StoreFiles::Open(*database, options.disk_space);
+  if (!opened.ok()) return opened.status();
+  files = *std::move(opened);
+  const absl::StatusOr<EntryNumber> next_entry = tables.deciding.NextEntry();
   if (!next_entry.ok()) return next_entry.status();
-  impl->files->NoteEntry(*next_entry);
+  files->NoteEntry(*next_entry);
 
   // IMMEDIATE: a transaction that may wait for another writer does so before it has read anything.
-  Preparer prepare(database);
-  prepare.Into(impl->begin, "BEGIN IMMEDIATE");
-  prepare.Into(impl->commit, "COMMIT");
-  if (!prepare.status().ok()) return prepare.status();
-  return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(impl)));
+  Preparer prepare(*database);
+  prepare.Into(begin, "BEGIN IMMEDIATE");
+  prepare.Into(commit, "COMMIT");
+  return prepare.status();
 }
 
 template <typename Result, typename Work>

@@ -25,7 +25,11 @@ namespace uplink::storage::sqlite {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+
+constexpr const char* kSaysWhatToDo =
+    "What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
 
 std::string BytesOf(const std::string& path) {
   std::ostringstream bytes;
@@ -190,6 +194,42 @@ TEST_F(SqliteIntact, AStartTellsThatItReadsTheWholeFileAndWhatItFound) {
   EXPECT_FALSE(SqliteStore::Open(path_, options).ok());
   EXPECT_THAT(told, ::testing::ElementsAre(std::pair(Step::kBegins, bytes),
                                            std::pair(Step::kFailed, bytes)));
+}
+
+// Nobody was there when the file was damaged, so no start was told to read all of it.
+TEST_F(SqliteIntact, AStartOnADamagedFileSaysWhatToDoAndLeavesItAsItIs) {
+  Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  CommitMany(1);
+  const std::string wal = BytesOf(Wal());
+  fs::copy_file(path_, aside_);
+  store_.reset();
+  const auto expect = [&](const absl::Status& status, const std::string& before) {
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(std::string(status.message()),
+                AllOf(HasSubstr(path_), HasSubstr("damaged"), HasSubstr(kSaysWhatToDo)));
+    EXPECT_EQ(BytesOf(path_), before);
+    EXPECT_EQ(BytesOf(Wal()), wal);
+  };
+  const auto bytes = static_cast<std::int64_t>(fs::file_size(aside_));
+  struct Hole {
+    std::int64_t from = 0;
+    std::int64_t to = 0;
+    bool ours = true;
+  };
+  // All but the first page, the schema's root, and the header.
+  for (const Hole& hole : {Hole{4'096, bytes}, Hole{100, 4'096}, Hole{0, 4'096, false}}) {
+    SCOPED_TRACE(hole.from);
+    CopyOver(aside_);
+    std::ofstream(Wal(), std::ios::binary | std::ios::trunc) << wal;
+    WriteZeros(path_, hole.from, static_cast<std::size_t>(hole.to - hole.from));
+    fs::remove(Mark());
+    const std::string before = BytesOf(path_);
+    expect(SqliteForgetStore::Open(path_).status(), before);
+    EXPECT_FALSE(fs::exists(Mark()));
+    expect(OpenAgain(), before);
+    EXPECT_EQ(fs::exists(Mark()), hole.ours) << "the next start reads all of it";
+    expect(OpenAgain(), before);
+  }
 }
 
 TEST_F(SqliteIntact, WhatADutyFindsDamagedEndsTheAcks) {
