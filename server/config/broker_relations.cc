@@ -83,7 +83,7 @@ void CheckPrefixes(const std::vector<std::string>& prefixes, std::vector<Breach>
 }
 
 void CheckFleet(const std::string& fleet, std::vector<Breach>& breaches) {
-  if (const auto flaw = identity::FlawOfFleet(fleet)) {
+  if (const auto flaw = identity::FlawOfNewFleet(fleet)) {
     breaches.push_back({"cyberwave", "fleet", fmt::format("it {}", *flaw)});
   } else if (fleet == identity::kAllFleets) {
     breaches.push_back({"cyberwave", "fleet", "it is *, which is no fleet's name"});

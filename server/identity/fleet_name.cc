@@ -1,10 +1,12 @@
 #include "server/identity/fleet_name.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include <fmt/core.h>
 
 #include "schema/base/utf8.h"
+#include "server/identity/unseen_characters.h"
 
 namespace uplink::identity {
 namespace {
@@ -24,6 +26,13 @@ std::optional<std::string> FlawOfFleet(std::string_view fleet) {
     return fmt::format("holds a control character: {}", PrintableUtf8(fleet, kShownBytesMax));
   }
   return std::nullopt;
+}
+
+std::optional<std::string> FlawOfNewFleet(std::string_view fleet) {
+  if (auto flaw = FlawOfFleet(fleet)) return flaw;
+  const std::optional<char32_t> unseen = UnseenCharacter(fleet);
+  if (!unseen) return std::nullopt;
+  return fmt::format("holds U+{:04X}, which nobody sees", static_cast<std::uint32_t>(*unseen));
 }
 
 }  // namespace uplink::identity

@@ -9,6 +9,7 @@
 #include "schema/base/utf8.h"
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/ids.h"
+#include "server/identity/fleet_name.h"
 
 namespace uplink::pki {
 namespace {
@@ -27,6 +28,19 @@ absl::Status CheckName(std::string_view what, std::string_view text) {
                            PrintableUtf8(text, kNameBytesMax), kNameBytesMax));
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckFleet(std::string_view fleet) {
+  if (absl::Status status = CheckName("fleet", fleet); !status.ok()) return status;
+  const auto flaw = identity::FlawOfNewFleet(fleet);
+  if (!flaw) return absl::OkStatus();
+  return Bad(fmt::format("fleet \"{}\": it {}", PrintableUtf8(fleet, kNameBytesMax), *flaw));
+}
+
+/// A fleet that robots are in.
+absl::Status CheckOneFleet(std::string_view fleet) {
+  if (fleet != identity::kAllFleets) return CheckFleet(fleet);
+  return Bad(fmt::format("fleet \"{}\": only operators may have all fleets", fleet));
 }
 
 /// A URI in a certificate is ASCII, and a comma would end it in OpenSSL's list of names.
@@ -91,7 +105,7 @@ absl::StatusOr<Profile> ServerProfile(const std::vector<std::string>& hosts) {
 absl::StatusOr<Profile> RobotProfile(const std::string& ruri, const std::string& fleet,
                                      const std::string& name) {
   for (const absl::Status& status :
-       {CheckRuri(ruri), CheckName("fleet", fleet), CheckName("name", name)}) {
+       {CheckRuri(ruri), CheckOneFleet(fleet), CheckName("name", name)}) {
     if (!status.ok()) return status;
   }
   Profile profile;
@@ -107,7 +121,7 @@ absl::StatusOr<Profile> GatewayProfile(const std::vector<std::string>& ruris,
     return Bad(fmt::format("a gateway may name at most {} robots, not {}", kGatewayRobotsMax,
                            ruris.size()));
   }
-  for (const absl::Status& status : {CheckName("fleet", fleet), CheckName("name", name)}) {
+  for (const absl::Status& status : {CheckOneFleet(fleet), CheckName("name", name)}) {
     if (!status.ok()) return status;
   }
   Profile profile;
@@ -127,7 +141,7 @@ absl::StatusOr<Profile> OperatorProfile(const std::string& role, const std::stri
     return Bad(fmt::format("role \"{}\": it must be viewer, operator or admin",
                            PrintableUtf8(role, kNameBytesMax)));
   }
-  for (const absl::Status& status : {CheckName("fleet", fleet), CheckName("name", name)}) {
+  for (const absl::Status& status : {CheckFleet(fleet), CheckName("name", name)}) {
     if (!status.ok()) return status;
   }
   Profile profile;

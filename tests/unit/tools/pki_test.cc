@@ -107,6 +107,24 @@ TEST(Profiles, NamesAtTheirLimit) {
   EXPECT_FALSE(OperatorProfile("owner", "f", "n").ok());
 }
 
+TEST(Profiles, AFleetThatTheRelayRefusesIsNamed) {
+  // U+200B, C1's U+0085, and U+0378, which is not assigned.
+  for (const char* const fleet : {"no\xE2\x80\x8Brth", "no\xC2\x85rth", "no\xCD\xB8rth"}) {
+    for (const absl::Status& status :
+         {RobotProfile("rcan://a", fleet, "n").status(), GatewayProfile({}, fleet, "n").status(),
+          OperatorProfile("viewer", fleet, "n").status()}) {
+      EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+      EXPECT_THAT(Message(status), HasSubstr("fleet \"no"));
+    }
+  }
+  EXPECT_THAT(Message(RobotProfile("rcan://a", "no\xE2\x80\x8Brth", "n").status()),
+              HasSubstr("it holds U+200B, which nobody sees"));
+  EXPECT_TRUE(RobotProfile("rcan://a", "Köln", "n").ok());
+  EXPECT_THAT(Message(RobotProfile("rcan://a", "*", "n").status()), HasSubstr("fleet \"*\""));
+  EXPECT_THAT(Message(GatewayProfile({}, "*", "n").status()), HasSubstr("fleet \"*\""));
+  EXPECT_TRUE(OperatorProfile("viewer", "*", "n").ok());
+}
+
 TEST(Profiles, HostsOfAServer) {
   const auto profile = ServerProfile({"localhost", "127.0.0.1", "::1"});
   ASSERT_TRUE(profile.ok());

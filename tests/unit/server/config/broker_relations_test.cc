@@ -163,6 +163,8 @@ TEST(BrokerRelationsTest, TheFleetIsNamedAsAnother) {
   EXPECT_THAT(OneProblem("[cyberwave]\nfleet = \"*\"\n"), HasSubstr("cyberwave.fleet: it is *"));
   EXPECT_THAT(OneProblem("[cyberwave]\nfleet = \"a\\tb\"\n"),
               HasSubstr("cyberwave.fleet: it holds a control character"));
+  EXPECT_THAT(OneProblem("[cyberwave]\nfleet = \"a\\u200Bb\"\n"),
+              HasSubstr("cyberwave.fleet: it holds U+200B, which nobody sees"));
 }
 
 }  // namespace
