@@ -17,7 +17,7 @@ namespace {
 Way WayOf(const robot::Robot& robot, const robot::SessionView& session) {
   if (robot.source() == model::MessageSource::kCyberwave) return Way::kBroker;
   if (session.connected_since == SystemTime()) return Way::kNotHeard;
-  return session.gateway.empty() ? Way::kItself : Way::kGateway;
+  return session.gateway.empty() ? Way::kOwnStream : Way::kGateway;
 }
 
 Sharer SharerOf(const robot::Robot& robot) {

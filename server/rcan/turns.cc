@@ -24,8 +24,8 @@ std::string_view ToText(Way way) {
   switch (way) {
     case Way::kGateway:
       return "gateway";
-    case Way::kItself:
-      return "itself";
+    case Way::kOwnStream:
+      return "own_stream";
     case Way::kBroker:
       return "broker";
     case Way::kNotHeard:

@@ -16,7 +16,7 @@ namespace uplink::rcan {
 enum class Way : std::uint8_t {
   kGateway,
   /// By streams of the robot's own certificate.
-  kItself,
+  kOwnStream,
   kBroker,
   /// No stream of the robot came in this life of the server.
   kNotHeard,

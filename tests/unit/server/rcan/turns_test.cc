@@ -45,7 +45,7 @@ TEST_F(ScrapeTurnsTest, WithoutRobotsThereAreNone) {
 }
 
 TEST_F(ScrapeTurnsTest, RobotsOfOneSharerComeInTheirOrder) {
-  for (std::size_t robot : {3U, 1U, 2U}) turns_.Add({.fleet = "f", .way = Way::kItself}, robot);
+  for (std::size_t robot : {3U, 1U, 2U}) turns_.Add({.fleet = "f", .way = Way::kOwnStream}, robot);
   EXPECT_THAT(Order(5), ElementsAre(3, 1, 2));
   EXPECT_THAT(Order(5), ElementsAre(3, 1, 2)) << "again at the next call";
 }
@@ -53,7 +53,7 @@ TEST_F(ScrapeTurnsTest, RobotsOfOneSharerComeInTheirOrder) {
 TEST_F(ScrapeTurnsTest, WhoHasTakenLeastIsNext) {
   for (std::size_t robot : {0U, 1U, 2U}) turns_.Add(Gateway("f", "a"), robot);
   for (std::size_t robot : {10U, 11U, 12U}) turns_.Add(Gateway("f", "b"), robot);
-  turns_.Add({.fleet = "f", .way = Way::kItself}, 20);
+  turns_.Add({.fleet = "f", .way = Way::kOwnStream}, 20);
   std::vector<std::size_t> order;
   turns_.Give([&](std::size_t robot) {
     order.push_back(robot);
@@ -73,7 +73,7 @@ TEST_F(ScrapeTurnsTest, WaysOfOneFleetShareAndGatewaysOfTheSameNameElsewhereDoNo
   turns_.Add(Gateway("a", "g"), 1);
   turns_.Add({.fleet = "a", .way = Way::kBroker}, 2);
   turns_.Add({.fleet = "a", .way = Way::kNotHeard}, 3);
-  turns_.Add({.fleet = "a", .way = Way::kItself}, 4);
+  turns_.Add({.fleet = "a", .way = Way::kOwnStream}, 4);
   turns_.Add(Gateway("b", "g"), 5);
   EXPECT_THAT(Order(1), ElementsAre(0, 5, 4, 2, 3, 1));
 }
@@ -95,7 +95,7 @@ TEST_F(ScrapeTurnsTest, NobodyIsGreedyWhereAllHaveRoom) {
 TEST_F(ScrapeTurnsTest, TheGreediestOfThoseWhoLackRoomIsNamedWithAllOfItsTurns) {
   for (std::size_t i = 0; i < 3; ++i) turns_.Add(Gateway("f", "a"), i);
   for (std::size_t i = 0; i < 5; ++i) turns_.Add(Gateway("f", "b"), i);
-  turns_.Add({.fleet = "f", .way = Way::kItself}, 9);
+  turns_.Add({.fleet = "f", .way = Way::kOwnStream}, 9);
   GiveRoom(100, 1);
   GiveRoom(50, 10);
   const auto most = turns_.Greediest();
@@ -109,7 +109,7 @@ TEST_F(ScrapeTurnsTest, TheGreediestOfThoseWhoLackRoomIsNamedWithAllOfItsTurns) 
 
 TEST(Ways, HaveAWordEach) {
   EXPECT_EQ(ToText(Way::kGateway), "gateway");
-  EXPECT_EQ(ToText(Way::kItself), "itself");
+  EXPECT_EQ(ToText(Way::kOwnStream), "own_stream");
   EXPECT_EQ(ToText(Way::kBroker), "broker");
   EXPECT_EQ(ToText(Way::kNotHeard), "not_heard");
 }
