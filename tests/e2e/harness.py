@@ -22,6 +22,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 POSTGRES = SOURCE / "tools/dev/postgres.sh"
 START_SECONDS = 30
 LOOK_SECONDS = 0.02
+LINE_SECONDS = 10
 BREAKS = re.compile(r"(\d+) breaks")
 LISTENING = re.compile(r" listening .*?relay=\"?([^ \"]+)\"? http=\"?([^ \"]+)\"?")
 
@@ -116,6 +117,10 @@ url = "{self.store_url}"
 
     def text(self):
         return self.log.read_text(encoding="utf-8", errors="replace")
+
+    def wait_for_line(self, part):
+        """Waits until the log has this: a thread of its own writes it, after what it is about."""
+        wait_until(self.process, lambda: part in self.text(), LINE_SECONDS, f"a line with {part}")
 
     def get(self, path):
         """The JSON of a path; None while the server cannot be reached."""

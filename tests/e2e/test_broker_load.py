@@ -128,7 +128,7 @@ class Flood(MessageTest):
         self.assertGreaterEqual(settled["observed"], self.AT_ONCE_BYTES // len(large))
         self.assertGreater(settled["rejected"], 0)
         self.assertEqual(self.ruris(server), {twin(B)})
-        self.assertIn(f"twin_limited id={A}", server.text())
+        server.wait_for_line(f"twin_limited id={A}")
 
     def test_what_is_stored_is_limited_only_while_the_journal_is_over_half_full(self):
         records_max = 4000

@@ -397,7 +397,7 @@ class Filters(Reading):
         self.wait(lambda: "mqtt_filters" in self.degraded(), "it is shown")
         self.assertEqual(self.mqtt("filters_refused", connection="durable"), 1)
         self.assertEqual(self.connection()["filtersRefused"], "1")
-        self.assertIn(self.REFUSED, self.running.text())
+        self.running.wait_for_line(self.REFUSED)
         self.assertIn(self.REFUSED, self.connection()["lastError"])
         # The others are served.
         self.tell_a_log_line(1)

@@ -131,7 +131,7 @@ class Descriptors(EndToEnd):
         crowd.close()
         self.assert_agrees(fleet)
         self.assertLess(self.new_robot(), GETS_IN_SECONDS)
-        self.assertIn(ATTACKER, self.running.text())
+        self.running.wait_for_line(ATTACKER)
 
     def test_where_all_are_used_it_accepts_again_without_a_restart(self):
         fleet = self.victim()

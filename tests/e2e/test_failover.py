@@ -72,7 +72,7 @@ class Failover(EndToEnd):
         self.assertTrue(campaign.clean(), "\n".join([campaign.line(), *campaign.wrong]))
         self.assertGreater(campaign.gone, 0, "the standby lagged")
         self.assertGreater(campaign.went_back, 0)
-        self.assertIn("store_went_back", campaign.server.text())
+        campaign.server.wait_for_line("store_went_back")
 
     def test_a_server_that_trusts_what_it_told_before_is_found(self):
         campaign = self.campaign_of_failovers(20, CANARY)

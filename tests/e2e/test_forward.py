@@ -45,7 +45,7 @@ class Incomplete(EndToEnd):
              RURI),
         )  # fmt: skip
         self.wait_for_word(True)
-        self.assertIn(f"forward_unreadable robot={RURI} id=pit", self.running.text())
+        self.running.wait_for_line(f"forward_unreadable robot={RURI} id=pit")
         self.assertEqual(self.running.metric("uplinkd_forward_items_unreadable"), 1)
         # From the first moment of another life, too.
         self.assertEqual(self.running.terminate(30), 0)

@@ -208,7 +208,7 @@ class SlowReads(EndToEnd):
             self.assertIn(b"store.timeout", answer)
             self.assertNotIn(self.cluster.place["folder"].encode(), answer)
             self.assertNotIn(b"57014", answer)
-            self.assertIn("http_answer_failed", server.text())
+            server.wait_for_line("http_answer_failed")
         finally:
             holder.kill()
             holder.wait(WAIT_SECONDS)

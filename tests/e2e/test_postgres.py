@@ -62,7 +62,7 @@ class Schema(EndToEnd):
         self.start_that_fails("fsync = off", "store.accept_unsafe")
         server = Server(self.folder, "accept_unsafe = true", self.cluster.url("uplinkd")).start()
         self.open_things.append(server)
-        self.assertIn("store_unsafe", server.text())
+        server.wait_for_line("store_unsafe")
         self.assertIn("store_unsafe", server.get("/readyz")["degraded"])
         with urllib.request.urlopen(f"http://{server.http}/metrics", timeout=10) as page:
             text = page.read().decode()

@@ -83,7 +83,7 @@ class StoreForget(EndToEnd):
 
         self.assertIn("forgotten", self.forget("--yes", ruris[0]).stdout)
         self.wait_for(server, lambda: sorted(self.robots(server)) == ruris[1:], "the server follows")
-        self.assertIn("forget_answered", server.text())
+        server.wait_for_line("forget_answered")
         self.assertIn("nothing of", self.forget("--yes", ruris[0], code=1).stderr)
         self.assertEqual(self.rows_of(ruris[1])[0], others)
 
