@@ -31,8 +31,8 @@ class Answer:
         return json.loads(self.body)
 
 
-def request(server, target, method="GET"):
-    asked = urllib.request.Request(f"http://{server.http}{target}", method=method)
+def request(server, target, method="GET", headers=None):
+    asked = urllib.request.Request(f"http://{server.http}{target}", method=method, headers=headers or {})
     try:
         with urllib.request.urlopen(asked, timeout=120) as answer:
             return Answer(answer.status, answer.headers, answer.read().decode("utf-8"))

@@ -84,10 +84,10 @@ class Served(EndToEnd):
             and not any(server.get(target(path, ruri))[LISTS[operation["operationId"]]] for ruri in ruris)
         ]
 
-    def assert_documented(self, server, path, ruri, parameters=None, method="GET"):
+    def assert_documented(self, server, path, ruri, parameters=None, method="GET", headers=None):
         """Requests, and holds the answer against the file; gives it."""
         operation = self.operations[path]
-        answer = request(server, target(path, ruri, parameters), method)
+        answer = request(server, target(path, ruri, parameters), method, headers)
         where = f"{method} {target(path, ruri, parameters)} {answer.status} {answer.body[:2000]}"
         self.assertIn(str(answer.status), operation["responses"], where)
         response = self.document.response(operation, answer.status)
