@@ -33,7 +33,7 @@ std::string TimeText(SystemTime time) {
                      (time - seconds).count());
 }
 
-/// `text` is printable UTF-8: only quotes and backslashes need care.
+/// Quotes and backslashes.
 void AppendEscaped(std::string_view text, std::string& to) {
   for (const char c : text) {
     if (c == '"' || c == '\\') to += '\\';
@@ -49,9 +49,12 @@ std::string Quoted(std::string_view text) {
 
 std::string TextValue(const Field& field) {
   if (field.bare()) return field.text();
-  std::string value = PrintableUtf8(field.text(), Field::kValueBytesMax);
+  // Before bytes are shown as hex, whose backslashes are none of the text's.
+  std::string escaped;
+  AppendEscaped(field.text(), escaped);
+  std::string value = PrintableUtf8(escaped, std::string::npos);
   const bool plain = !value.empty() && value.find_first_of(" \"\\=") == std::string::npos;
-  return plain ? value : Quoted(value);
+  return plain ? value : '"' + value + '"';
 }
 
 /// Of ASCII; U+007F needs no escape in JSON, but a terminal takes it for one.

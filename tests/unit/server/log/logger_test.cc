@@ -47,7 +47,15 @@ TEST(LoggerTest, ShowsForeignBytesAndControlCharactersAsHex) {
   const ManualClock clock(kNoon);
   const RecordedLog log(clock, Format::kText, Level::kDebug);
   log.logger.Info("e", {{"peer", std::string("a\nb\xff")}});
-  EXPECT_THAT(log.lines, ElementsAre("2023-11-14T22:13:20.007Z info e peer=\"a\\\\x0ab\\\\xff\""));
+  EXPECT_THAT(log.lines, ElementsAre("2023-11-14T22:13:20.007Z info e peer=\"a\\x0ab\\xff\""))
+      << "escaped once";
+}
+
+TEST(LoggerTest, ATextThatLooksLikeHexIsToldFromBytesShownSo) {
+  const ManualClock clock(kNoon);
+  const RecordedLog log(clock, Format::kText, Level::kDebug);
+  log.logger.Info("e", {{"why", std::string("\\x0a\n\"")}});
+  EXPECT_THAT(log.lines, ElementsAre(R"(2023-11-14T22:13:20.007Z info e why="\\x0a\x0a\"")"));
 }
 
 TEST(LoggerTest, CutsALongValueAtItsBound) {
