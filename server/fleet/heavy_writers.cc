@@ -66,6 +66,25 @@ std::uint64_t HeavyWriters::rate() const {
   return std::max(median() / kHourSeconds, kHeavyRateMin);
 }
 
+std::vector<HeavyWriters::Writer> HeavyWriters::Heaviest(std::size_t count) const {
+  std::vector<const Entry*> stored;
+  stored.reserve(entries_.size());
+  for (const auto& [robot, entry] : entries_) {
+    if (StoresAnything(entry)) stored.push_back(&entry);
+  }
+  const auto end = stored.begin() + static_cast<std::ptrdiff_t>(std::min(count, stored.size()));
+  std::ranges::partial_sort(stored, end, std::ranges::greater(),
+                            [](const Entry* entry) { return entry->hour_bytes; });
+  stored.erase(end, stored.end());
+  std::vector<Writer> heaviest;
+  heaviest.reserve(stored.size());
+  for (const Entry* entry : stored) {
+    const RobotPtr robot = entry->robot.lock();
+    if (robot != nullptr) heaviest.push_back({robot->ruri(), PerHour(entry->hour_bytes)});
+  }
+  return heaviest;
+}
+
 std::vector<HeavyWriters::Writer> HeavyWriters::Name() {
   const double bound = median_hour_bytes_ * kHeavyTimes;
   std::vector<Writer> heavy;

@@ -43,6 +43,9 @@ class HeavyWriters final {
   /// What a heavy robot may store, in bytes per second: as much as the median, and never nothing.
   [[nodiscard]] std::uint64_t rate() const;
 
+  /// Those that stored most of what was stored within the last hour, the heaviest first, `count` at
+  /// most.
+  [[nodiscard]] std::vector<Writer> Heaviest(std::size_t count) const;
   /// Names those that are heavy now, and more than rate() allows, until Release. Returns those that
   /// were not named before, the heaviest first.
   std::vector<Writer> Name();

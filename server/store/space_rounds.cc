@@ -40,7 +40,7 @@ void SpaceRounds::Round() {
     if (sampled) named = Sample(robots, before == SpaceState::kStopped);
     if (applies) Apply(robots);
     if (changed) {
-      Tell(named, limited);
+      Tell(limited);
     } else if (!named.empty()) {
       context_.logger.Warn("store_space_limits",
                            {{"robots", named.size()}, {"heaviest", TextOf(named)}});
@@ -102,8 +102,10 @@ void SpaceRounds::Apply(std::span<const fleet::RobotPtr> robots) const {
   }
 }
 
-void SpaceRounds::Tell(const Writers& named, std::size_t limited_before) const {
+void SpaceRounds::Tell(std::size_t limited_before) const {
   const std::uint64_t free_bytes = now_.space ? now_.space->free_bytes : 0;
+  // Slowed down or not: somebody fills the disk.
+  const auto heaviest = [this] { return TextOf(writers_.Heaviest(kHeaviestNamedMax)); };
   switch (now_.state) {
     case SpaceState::kEnough:
       context_.logger.Info("store_space_enough",
@@ -114,13 +116,13 @@ void SpaceRounds::Tell(const Writers& named, std::size_t limited_before) const {
                                                   {"free_min_bytes", now_.free_min},
                                                   {"robots_limited", now_.robots_limited},
                                                   {"bytes_per_second", writers_.rate()},
-                                                  {"heaviest", TextOf(named)}});
+                                                  {"heaviest", heaviest()}});
       return;
     case SpaceState::kStopped:
       context_.logger.Error("store_space_stopped", {{"free_bytes", free_bytes},
                                                     {"free_min_bytes", now_.free_min},
                                                     {"robots_limited", now_.robots_limited},
-                                                    {"heaviest", TextOf(named)}});
+                                                    {"heaviest", heaviest()}});
       return;
   }
 }

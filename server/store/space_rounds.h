@@ -65,7 +65,8 @@ class SpaceRounds final {
   Writers Sample(std::span<const fleet::RobotPtr> robots, bool stopped);
   /// Tells each robot what it may store.
   void Apply(std::span<const fleet::RobotPtr> robots) const;
-  void Tell(const Writers& named, std::size_t limited_before) const;
+  /// Of a change, with who stored most.
+  void Tell(std::size_t limited_before) const;
 
   const Context context_;
   std::atomic<bool> looking_{false};

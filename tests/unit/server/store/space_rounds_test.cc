@@ -17,6 +17,7 @@ using robot::HeldBack;
 using std::chrono::minutes;
 using std::chrono::seconds;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -94,8 +95,8 @@ TEST_F(SpaceRoundsTest, WhenItIsScarceTheGreedyOneIsSlowedDownToTheMedian) {
   EXPECT_THAT(lines_, ElementsAre(AllOf(HasSubstr("warn"), HasSubstr("store_space_scarce"),
                                         HasSubstr("free_bytes=" + std::to_string(kMin - 1)),
                                         HasSubstr("free_min_bytes=" + std::to_string(kMin)),
-                                        HasSubstr("robots_limited=1"), HasSubstr("rcan://greedy"),
-                                        Not(HasSubstr("rcan://a")))));
+                                        HasSubstr("robots_limited=1"),
+                                        HasSubstr("heaviest=\"rcan://greedy"))));
   // At 1,000 bytes per second, 100 times as much needs a while.
   Pass(kLook);
   EXPECT_THAT(AllHeld(), ElementsAre(HeldBack::kNone, HeldBack::kNone, HeldBack::kNone,
@@ -177,6 +178,23 @@ TEST_F(SpaceRoundsTest, ALineNamesTheHeaviestFew) {
   ASSERT_THAT(lines_, SizeIs(1));
   EXPECT_THAT(lines_.front(), AllOf(HasSubstr("robots_limited=6"), HasSubstr("rcan://heavy5"),
                                     HasSubstr("rcan://heavy1"), Not(HasSubstr("rcan://heavy0"))));
+}
+
+TEST_F(SpaceRoundsTest, RobotsThatStoreAboutTheSameAreNamedToo) {
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    Store(*robots_[i], (20 + i) * kMiB, clock_.Steady());
+  }
+  const auto idle = *fleet_.FindOrAdmit({"rcan://idle", "f"});
+  SetFree(kMin - 1);
+  clock_.Advance(kWritersEvery);
+  rounds_.Round();
+  SetFree(kMin / 2 - 1);
+  clock_.Advance(kLook);
+  rounds_.Round();
+  const auto named = AllOf(HasSubstr("robots_limited=0 "), ContainsRegex("rcan://greedy.*rcan://a"),
+                           Not(HasSubstr("rcan://idle")));
+  EXPECT_THAT(lines_, ElementsAre(AllOf(HasSubstr("store_space_scarce"), named),
+                                  AllOf(HasSubstr("store_space_stopped"), named)));
 }
 
 TEST_F(SpaceRoundsTest, WhatCannotBeKnownIsNotJudged) {
