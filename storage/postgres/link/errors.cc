@@ -39,9 +39,23 @@ constexpr auto kTable = std::to_array<Row>({
 constexpr std::string_view kPoolersState = "08P01";
 constexpr std::string_view kPoolersWords = "startup parameter";
 
+/// How the server refuses a parameter to a client that connects, beside its value.
+constexpr auto kParameterStates = std::to_array<std::string_view>({
+    "42601",  // a word in `options` is no parameter
+    "42704",  // the server does not know it
+    "55P02",  // it cannot be set by a session
+});
+/// A parameter for superusers; the same code stands for a database that the role may not use.
+constexpr std::string_view kDeniedState = "42501";
+constexpr std::string_view kDeniedWords = "to set parameter";
+
 bool RefusesParameter(const ServerError& error) {
   if (DispositionOf(error.sqlstate) == Disposition::kRefuseRow) return true;
-  return error.sqlstate == kPoolersState && error.message.find(kPoolersWords) != std::string::npos;
+  if (std::ranges::find(kParameterStates, error.sqlstate) != kParameterStates.end()) return true;
+  const auto says = [&error](std::string_view state, std::string_view words) {
+    return error.sqlstate == state && error.message.find(words) != std::string::npos;
+  };
+  return says(kPoolersState, kPoolersWords) || says(kDeniedState, kDeniedWords);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include <absl/strings/match.h>
 #include <gtest/gtest.h>
 
 #include "storage/postgres/link/errors.h"
@@ -55,6 +56,21 @@ TEST(PostgresErrorsTest, ASessionThatIsRefusedForAParameterStaysSo) {
   EXPECT_EQ(code("08006", "a startup parameter"), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code("57P03", "the database system is starting up"), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code("53300", "too many clients"), absl::StatusCode::kUnavailable);
+}
+
+TEST(PostgresErrorsTest, WhereARefusedParameterComesFromIsSaid) {
+  const auto says_where = [](std::string state, std::string message) {
+    const absl::Status refused = MakeConnectStatus({std::move(state), std::move(message)}, "db/x");
+    return absl::StrContains(refused.message(), "; the parameter comes from store.url, or");
+  };
+  EXPECT_TRUE(says_where("22023", "invalid value for parameter"));
+  EXPECT_TRUE(says_where("42601", "invalid command-line argument for server process"));
+  EXPECT_TRUE(says_where("42704", "unrecognized configuration parameter"));
+  EXPECT_TRUE(says_where("55P02", "parameter cannot be changed without restarting the server"));
+  EXPECT_TRUE(says_where("42501", "permission denied to set parameter"));
+  EXPECT_FALSE(says_where("42501", "permission denied for database"));
+  EXPECT_FALSE(says_where("28P01", "password authentication failed"));
+  EXPECT_FALSE(says_where("3D000", "database does not exist"));
 }
 
 TEST(PostgresUrlTest, ShowsThePlaceAndNotTheUser) {
