@@ -54,10 +54,7 @@ std::optional<ServerError> ServerErrorIn(std::string_view text) {
 absl::Status Refused(PGconn* connection, const std::string& where) {
   const std::string_view text = PQerrorMessage(connection);
   if (const auto error = ServerErrorIn(text)) return MakeConnectStatus(*error, where);
-  std::string sentence = "postgresql " + where + ": connect: ";
-  // What libpq says of each address that a name has stands in lines of its own.
-  for (const char c : text) sentence += c == '\n' ? ' ' : c;
-  while (sentence.ends_with(' ')) sentence.pop_back();
+  const std::string sentence = "postgresql " + where + ": connect: " + OneLine(text);
   if (PQconnectionNeedsPassword(connection) == 1) return absl::InternalError(sentence);
   return absl::UnavailableError(sentence);
 }

@@ -109,8 +109,7 @@ absl::Status Connection::Broken(std::string_view doing, std::string_view why) {
   std::string text = "postgresql " + where() + ": ";
   text += doing;
   text += ": ";
-  text += why;
-  while (text.ends_with('\n')) text.pop_back();
+  text += OneLine(why);
   return absl::UnavailableError(text);
 }
 

@@ -68,6 +68,21 @@ Disposition DispositionOf(std::string_view sqlstate) {
   return Disposition::kStop;
 }
 
+std::string OneLine(std::string_view text) {
+  std::string line;
+  line.reserve(text.size());
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n' || c == '\t' || c == '\r';
+    if (!space) {
+      line += c;
+    } else if (!line.empty() && !line.ends_with(' ')) {
+      line += ' ';
+    }
+  }
+  if (line.ends_with(' ')) line.pop_back();
+  return line;
+}
+
 absl::Status MakeStatus(const ServerError& error, std::string_view where, std::string_view doing) {
   const std::string cause = error.message + " (" + error.sqlstate + ")";
   std::string text = "postgresql ";

@@ -31,6 +31,9 @@ enum class Disposition : std::uint8_t {
 /// Source: PostgreSQL 15, Appendix A.
 [[nodiscard]] Disposition DispositionOf(std::string_view sqlstate);
 
+/// What libpq says, which has lines of its own, as one sentence.
+[[nodiscard]] std::string OneLine(std::string_view text);
+
 /// An error as the server told it.
 struct ServerError {
   std::string sqlstate;

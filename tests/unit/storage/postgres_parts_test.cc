@@ -58,6 +58,13 @@ TEST(PostgresErrorsTest, ASessionThatIsRefusedForAParameterStaysSo) {
   EXPECT_EQ(code("53300", "too many clients"), absl::StatusCode::kUnavailable);
 }
 
+TEST(PostgresErrorsTest, WhatLibpqSaysIsOneLine) {
+  EXPECT_EQ(OneLine("connection closed\n\tThis means it ended\n\tbefore the request.\n"),
+            "connection closed This means it ended before the request.");
+  EXPECT_EQ(OneLine("no lines"), "no lines");
+  EXPECT_EQ(OneLine("\n"), "");
+}
+
 TEST(PostgresErrorsTest, WhereARefusedParameterComesFromIsSaid) {
   const auto says_where = [](std::string state, std::string message) {
     const absl::Status refused = MakeConnectStatus({std::move(state), std::move(message)}, "db/x");
