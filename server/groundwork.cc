@@ -30,9 +30,9 @@ Groundwork::~Groundwork() {
 }
 
 absl::Status Groundwork::Begin() {
-  auto http = http::HttpServer::Listen(
-      {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, http_probe_, context_.clock},
-      {context_.address, context_.http.connections_max});
+  auto http = http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
+                                        *scrapes_, http_probe_, context_.clock, context_.logger},
+                                       {context_.address, context_.http.connections_max});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
   loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });

@@ -201,6 +201,12 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     const auto took = context_->server.clock.Steady() - started_;
     context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
     context_->server.probe.CountRequest(route_, answer.status);
+    const log::Logger& logger = context_->server.logger;
+    if (logger.Enabled(log::Level::kDebug)) {
+      const auto ms = std::chrono::duration_cast<milliseconds>(took).count();
+      logger.Debug("http_answered",
+                   {{"route", RouteName(route_)}, {"status", answer.status}, {"ms", ms}});
+    }
     if (method_ == Method::kHead) {
       Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
     } else if (answer.shared_body != nullptr) {

@@ -11,6 +11,7 @@
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
 #include "server/http/read_thread.h"
+#include "server/log/logger.h"
 
 namespace boost::asio {
 class io_context;
@@ -61,6 +62,8 @@ class HttpServer final {
     ReadThread& scrapes;
     HttpProbe& probe;
     const Clock& clock;
+    /// At level debug each answer is a line.
+    const log::Logger& logger;
   };
 
   /// Binds and listens; answers once the loop runs. What the context names must outlive the loop.

@@ -1,6 +1,5 @@
 #include "server/http/site.h"
 
-#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -30,8 +29,6 @@ Resolved Site::Resolve(const Request& request) const {
 }
 
 Response Site::Run(const Route& route, const RoutedRequest& request) const {
-  const log::Logger& logger = sources_.logger;
-  const SteadyTime began = logger.clock().Steady();
   Response response;
   // What a library throws under a handler (memory) ends here.
   try {
@@ -42,11 +39,6 @@ Response Site::Run(const Route& route, const RoutedRequest& request) const {
   if (!response.cause.empty()) {
     failures_.Write(log::Level::kWarn, "http_answer_failed",
                     {{"route", route.name}, {"status", response.status}, {"why", response.cause}});
-  }
-  if (logger.Enabled(log::Level::kDebug)) {
-    const auto took = std::chrono::duration_cast<milliseconds>(logger.clock().Steady() - began);
-    logger.Debug("http_answered",
-                 {{"route", route.name}, {"status", response.status}, {"ms", took.count()}});
   }
   return response;
 }

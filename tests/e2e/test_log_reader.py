@@ -8,6 +8,8 @@ import signal
 import socket
 import subprocess
 import unittest
+import urllib.error
+import urllib.request
 
 from harness import LISTENING, START_SECONDS, EndToEnd, Server, wait_until
 
@@ -177,6 +179,8 @@ class Debug(EndToEnd):
             with contextlib.suppress(OSError):
                 peer.recv(100)
         fleet.finish()
+        with contextlib.suppress(urllib.error.HTTPError):
+            urllib.request.urlopen(f"http://{server.http}/nothing", timeout=ROUND_SECONDS)
         for line in (
             r" debug connection_opened connection=\d+ peer=\S+ robot=\S*rcan://",
             r" debug connection_closed connection=\d+ ",
@@ -184,6 +188,7 @@ class Debug(EndToEnd):
             r" debug stream_opened stream=\d+ peer=\S+ robot=\S*rcan://",
             r" debug stream_(ended|broken) stream=\d+ ",
             r" debug http_answered route=status status=200 ms=\d+",
+            r" debug http_answered route=other status=404 ms=\d+",
         ):
             wait_until(server.process, lambda: re.search(line, server.text()), ROUND_SECONDS, line)
 

@@ -5,11 +5,13 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "server/http/server.h"
 #include "server/loop/event_loop.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/server_world.h"
 
 namespace uplink::http {
@@ -40,9 +42,9 @@ class HttpServerTest : public ::testing::Test {
   std::uint16_t Serve(const std::string& host = "127.0.0.1",
                       milliseconds request_wait = kRequestWait,
                       milliseconds idle_wait = kIdleWait) {
-    auto server = HttpServer::Listen(
-        {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
-        {{host, 0}, kConnectionsMax, request_wait, idle_wait});
+    auto server = HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
+                                      *scrapes_, world_.http_probe, clock_, logger_},
+                                     {{host, 0}, kConnectionsMax, request_wait, idle_wait});
     EXPECT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     loop_.Start();
@@ -51,6 +53,10 @@ class HttpServerTest : public ::testing::Test {
 
   testing::ServerWorld world_;
   SystemClock clock_;
+  /// The connections' own. Read after the loop's end.
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kDebug};
   Entrance entrance_{KnownHosts({"uplink.example.org"})};
   loop::EventLoop loop_{world_.logger};
   std::optional<ReadThread> memory_;

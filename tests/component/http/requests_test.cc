@@ -12,6 +12,7 @@
 namespace uplink::http {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using ::testing::Not;
@@ -65,6 +66,26 @@ TEST_F(HttpRequestsTest, ALineThatGoesOnEndsTheConnection) {
   ExpectRefused("GET /livez HTTP/1.1\r\n Host: localhost\r\n\r\n", 400);
   ExpectRefused(kLivez + std::string("Transfer-Encoding:\r\n chunked\r\n\r\n"), 400);
   EXPECT_EQ(Ask(kLivez + std::string("X-A: b c\r\nX-B: \r\n\r\n")).status, 200);
+}
+
+TEST_F(HttpRequestsTest, EachAnswerIsALine) {
+  ExpectRefused(kLivez + std::string("Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 400);
+  const auto ask = [this](const std::string& line, const std::string& headers) {
+    static_cast<void>(Ask(line + " HTTP/1.1\r\n" + headers + "\r\n"));
+  };
+  ask("GET /api/v1/status", "Host: localhost\r\n");
+  ask("GET /api/v1/status", "");
+  ask("GET /api/v1/status", "Host: localhost\r\nSec-Fetch-Site: cross-site\r\n");
+  ask("GET /api/v1/status", "Host: elsewhere.example\r\n");
+  ask("POST /api/v1/status", "Host: localhost\r\n");
+  ask("GET /nothing", "Host: localhost\r\n");
+  loop_.Stop();
+  const auto line = [](const std::string& of) { return HasSubstr("debug http_answered " + of); };
+  EXPECT_THAT(lines_,
+              ElementsAre(line("route=other status=400 ms="), line("route=status status=200 ms="),
+                          line("route=status status=400 ms="), line("route=status status=403 ms="),
+                          line("route=status status=421 ms="), line("route=status status=405 ms="),
+                          line("route=other status=404 ms=")));
 }
 
 TEST_F(HttpRequestsTest, BytesOneByOneAreTheSameRequest) {

@@ -366,9 +366,9 @@ TEST_F(HttpServerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
 
 TEST_F(HttpServerTest, NamesAnAddressThatIsTaken) {
   const std::uint16_t port = Serve();
-  const auto second = HttpServer::Listen(
-      {loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, world_.http_probe, clock_},
-      {{"127.0.0.1", port}, 1});
+  const auto second = HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
+                                          *scrapes_, world_.http_probe, clock_, logger_},
+                                         {{"127.0.0.1", port}, 1});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),
               HasSubstr("127.0.0.1:" + std::to_string(port)));
