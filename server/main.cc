@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <random>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,9 +43,21 @@ struct Flags {
   bool print_metrics = false;
 };
 
+bool IntoJournal() { return log::IsJournal(config::JournalStream(), STDERR_FILENO); }
+
+/// Beside the log, before there is one. Each line has its priority where the log's lines have.
+void Complain(log::Level level, std::string_view text) {
+  const std::string_view priority = IntoJournal() ? log::PriorityOf(level) : "";
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    fmt::print(stderr, "{}{}\n", priority, line);
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+}
+
 void PrintProblems(const std::vector<config::Problem>& problems) {
   for (const config::Problem& problem : problems) {
-    fmt::print(stderr, "uplinkd: {}\n", config::ToText(problem));
+    Complain(log::Level::kError, "uplinkd: " + config::ToText(problem));
   }
 }
 
@@ -60,7 +75,7 @@ int CheckConfig(const Flags& flags) {
     }
   }
   for (const config::Note& note : result.notes) {
-    fmt::print(stderr, "uplinkd: note: {}\n", config::ToText(note));
+    Complain(log::Level::kWarn, "uplinkd: note: " + config::ToText(note));
   }
   PrintProblems(result.problems);
   if (!result.problems.empty()) return kExitWrongUse;
@@ -87,10 +102,8 @@ storage::ProcessId DrawProcessId() {
 
 std::unique_ptr<log::Logger> MakeLogger(const config::LogConfig& config, const Clock& clock) {
   const log::Format format = lifecycle::LogFormatOf(config.format);
-  auto lines = log::StandardError(
-      clock, {.format = format,
-              .priorities = log::IsJournal(config::JournalStream(), STDERR_FILENO),
-              .limits = {}});
+  auto lines =
+      log::StandardError(clock, {.format = format, .priorities = IntoJournal(), .limits = {}});
   return std::make_unique<log::Logger>(std::move(lines), clock, format,
                                        lifecycle::LogLevelOf(config.level));
 }
@@ -154,7 +167,12 @@ int Main(int argc, char** argv) {
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return cli.exit(error) == 0 ? kExitDone : kExitWrongUse;
+    std::ostringstream asked;
+    std::ostringstream wrong;
+    const int code = cli.exit(error, asked, wrong);
+    fmt::print("{}", asked.str());
+    Complain(log::Level::kError, wrong.str());
+    return code == 0 ? kExitDone : kExitWrongUse;
   }
   if (flags.print_metrics) {
     fmt::print("{}\n{}", metrics::CatalogueTable(),

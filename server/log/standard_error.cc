@@ -16,21 +16,6 @@
 namespace uplink::log {
 namespace {
 
-/// As sd-daemon(3) has it: the levels of syslog.
-std::string_view PriorityOf(Level level) {
-  switch (level) {
-    case Level::kDebug:
-      return "<7>";
-    case Level::kInfo:
-      return "<6>";
-    case Level::kWarn:
-      return "<4>";
-    case Level::kError:
-      return "<3>";
-  }
-  CheckFailed(__FILE__, __LINE__, "level", "a log level that does not exist");
-}
-
 class StandardErrorSink final : public LineSink {
  public:
   StandardErrorSink(const Clock& clock, const StandardErrorOptions& options)
@@ -101,6 +86,20 @@ class StandardErrorSink final : public LineSink {
 };
 
 }  // namespace
+
+std::string_view PriorityOf(Level level) {
+  switch (level) {
+    case Level::kDebug:
+      return "<7>";
+    case Level::kInfo:
+      return "<6>";
+    case Level::kWarn:
+      return "<4>";
+    case Level::kError:
+      return "<3>";
+  }
+  CheckFailed(__FILE__, __LINE__, "level", "a log level that does not exist");
+}
 
 std::unique_ptr<LineSink> StandardError(const Clock& clock, const StandardErrorOptions& options) {
   return std::make_unique<StandardErrorSink>(clock, options);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include <unistd.h>
 
@@ -9,6 +10,10 @@
 #include "server/log/logger.h"
 
 namespace uplink::log {
+
+/// What a line begins with where journald reads it, `<4>` for a warning: the levels of syslog, as
+/// sd-daemon(3) has it.
+[[nodiscard]] std::string_view PriorityOf(Level level);
 
 struct StandardErrorOptions {
   Format format = Format::kText;

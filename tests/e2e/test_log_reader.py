@@ -11,7 +11,7 @@ import unittest
 import urllib.error
 import urllib.request
 
-from harness import LISTENING, START_SECONDS, EndToEnd, Server, wait_until
+from harness import BIN, LISTENING, START_SECONDS, EndToEnd, Server, wait_until
 
 ROUND_SECONDS = 30
 DRAIN_SECONDS = 10
@@ -163,6 +163,25 @@ class Journal(EndToEnd):
         self.assertGreater(len(lines), 4)
         for line in lines:
             self.assertIsNone(LINE.match(line).group(1), line)
+
+
+    def test_what_keeps_a_server_from_starting_has_its_priority(self):
+        wrong = self.folder / "wrong.toml"
+        wrong.write_text("[log]\nlevel = 7\nformat = 7\n")
+        path = self.folder / "stderr"
+        for arguments in (["--config", wrong], ["--config", wrong, "--check-config"],
+                          ["--config", wrong, "--print-config"], ["--nonsense"]):  # fmt: skip
+            for inode_off, begin in ((0, "<3>"), (1, "")):
+                with self.subTest(arguments=arguments, inode_off=inode_off), path.open("wb") as stream:
+                    found = path.stat()
+                    environment = {"JOURNAL_STREAM": f"{found.st_dev}:{found.st_ino + inode_off}"}
+                    done = subprocess.run([BIN / "uplinkd", *arguments], stdout=subprocess.DEVNULL, stderr=stream,
+                                          env={**os.environ, **environment}, check=False, timeout=ROUND_SECONDS)  # fmt: skip
+                    self.assertEqual(done.returncode, 2)
+                    lines = path.read_text().splitlines()
+                    self.assertGreater(len(lines), 1)
+                    for line in lines:
+                        self.assertEqual(line.startswith("<3>"), begin == "<3>", line)
 
 
 class Debug(EndToEnd):
