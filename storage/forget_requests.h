@@ -35,6 +35,9 @@ enum class ForgetAnswer : std::uint8_t {
   kRecordsWait = 3,
 };
 
+/// What stands in a store in place of an answer once the robot's rows were removed.
+inline constexpr int kForgetRemoved = 4;
+
 struct AnsweredForget {
   ForgetAnswer answer = ForgetAnswer::kNone;
   /// Of kLetGo: the epoch that the robot had when it was let go.
@@ -48,6 +51,9 @@ struct PendingForget {
   bool end_stream = false;
   /// The robot's rows are gone, or whoever asked gave up: nobody waits for an answer.
   bool finished = false;
+  /// Of a finished one: the robot's rows were removed, though it may have a row again. False of
+  /// those that an earlier build finished.
+  bool removed = false;
   /// Of its row now; nothing if there is none.
   std::optional<RobotHold> hold;
 };
@@ -67,8 +73,9 @@ class ForgetRequests {
   [[nodiscard]] virtual absl::StatusOr<std::uint64_t> Ask(std::string_view ruri,
                                                           bool end_stream) = 0;
   [[nodiscard]] virtual absl::StatusOr<AnsweredForget> AnswerTo(std::uint64_t number) = 0;
-  /// The robot's rows are gone, or nobody waits for an answer any more.
-  [[nodiscard]] virtual absl::Status Finish(std::uint64_t number) = 0;
+  /// Nobody waits for an answer any more: the robot's rows were removed, or (`removed` is false)
+  /// whoever asked gave up. Takes the place of the answer.
+  [[nodiscard]] virtual absl::Status Finish(std::uint64_t number, bool removed) = 0;
 
   // --- Servers ---
 

@@ -118,7 +118,11 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForg
 ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
   const bool is_gone = !asked.hold;  // else it stayed, or is there again
   if (told_.insert(asked.number).second && !first_look_) {
-    context_.logger.Info(is_gone ? "robot_removed" : "forget_given_up", {{"ruri", asked.ruri}});
+    if (is_gone || asked.removed) {
+      context_.logger.Info("robot_removed", {{"ruri", asked.ruri}, {"came_back", !is_gone}});
+    } else {
+      context_.logger.Info("forget_given_up", {{"ruri", asked.ruri}});
+    }
   }
   if (!is_gone) return Look::kDone;
   const fleet::RobotPtr robot = context_.fleet.Find(asked.ruri);

@@ -17,10 +17,11 @@ constexpr std::string_view kDropOldRequests =
 constexpr std::string_view kAnswerTo =
     "SELECT answer, epoch FROM uplinkd.forget_requests WHERE number = $1::bigint";
 constexpr std::string_view kFinish =
-    "UPDATE uplinkd.forget_requests SET finished = true, touched_at = now()"
+    "UPDATE uplinkd.forget_requests SET finished = true, touched_at = now(),"
+    " answer = CASE WHEN $2::int <> 0 THEN $3::int ELSE answer END"
     " WHERE number = $1::bigint";
 constexpr std::string_view kPending =
-    "SELECT f.number, f.ruri, f.end_stream, f.finished, r.owner, r.epoch"
+    "SELECT f.number, f.ruri, f.end_stream, f.finished, r.owner, r.epoch, f.answer"
     " FROM uplinkd.forget_requests AS f LEFT JOIN uplinkd.robots AS r ON r.ruri = f.ruri"
     " WHERE CASE WHEN f.finished THEN f.touched_at > now() - make_interval(secs => $1::int)"
     " ELSE f.answer = 0 AND f.touched_at > now() - make_interval(secs => $2::int) END"
@@ -61,10 +62,12 @@ absl::StatusOr<AnsweredForget> PostgresForgetRequests::AnswerTo(std::uint64_t nu
                         static_cast<Epoch>(rows.Int(0, 1))};
 }
 
-absl::Status PostgresForgetRequests::Finish(std::uint64_t number) {
+absl::Status PostgresForgetRequests::Finish(std::uint64_t number, bool removed) {
   std::vector<StoreCall> calls;
   calls.push_back({kFinish, {}});
   calls.back().parameters.Int8(static_cast<std::int64_t>(number));
+  calls.back().parameters.Int4(removed ? 1 : 0);
+  calls.back().parameters.Int4(kForgetRemoved);
   return connection_.Write(std::move(calls), "tell that a robot is forgotten").status();
 }
 
@@ -84,6 +87,7 @@ absl::StatusOr<std::vector<PendingForget>> PostgresForgetRequests::Pending() {
     one.ruri = std::string(rows.Bytes(row, 1));
     one.end_stream = rows.Bool(row, 2);
     one.finished = rows.Bool(row, 3);
+    one.removed = rows.Int(row, 6) == kForgetRemoved;
     if (rows.Null(row, 4)) continue;
     one.hold = RobotHold{rows.Uuid(row, 4).bytes(), static_cast<Epoch>(rows.Int(row, 5))};
   }

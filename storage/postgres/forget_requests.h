@@ -20,7 +20,7 @@ class PostgresForgetRequests final : public ForgetRequests {
 
   [[nodiscard]] absl::StatusOr<std::uint64_t> Ask(std::string_view ruri, bool end_stream) override;
   [[nodiscard]] absl::StatusOr<AnsweredForget> AnswerTo(std::uint64_t number) override;
-  [[nodiscard]] absl::Status Finish(std::uint64_t number) override;
+  [[nodiscard]] absl::Status Finish(std::uint64_t number, bool removed) override;
   [[nodiscard]] absl::StatusOr<std::vector<PendingForget>> Pending() override;
   [[nodiscard]] absl::Status Answer(std::uint64_t number, const AnsweredForget& answer) override;
 

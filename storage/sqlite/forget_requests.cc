@@ -38,13 +38,14 @@ absl::Status SqliteForgetRequests::Prepare(Database& database) {
                        ") RETURNING number"));
   prepare.Into(answer_to_, "SELECT answer, epoch FROM forget_requests WHERE number = ?");
   prepare.Into(finish_, WithNow("UPDATE forget_requests SET finished = 1, touched_s = ",
-                                " WHERE number = ?"));
-  prepare.Into(pending_,
-               WithNow("SELECT f.number, f.ruri, f.end_stream, f.finished, r.owner, r.epoch"
-                       " FROM forget_requests AS f LEFT JOIN robots AS r ON r.ruri = f.ruri"
-                       " WHERE f.touched_s > ",
-                       " - iif(f.finished, ?1, ?2) AND (f.finished OR f.answer = 0)"
-                       " ORDER BY f.number DESC LIMIT ?3"));
+                                ", answer = iif(?2, ?3, answer) WHERE number = ?1"));
+  prepare.Into(
+      pending_,
+      WithNow("SELECT f.number, f.ruri, f.end_stream, f.finished, r.owner, r.epoch, f.answer"
+              " FROM forget_requests AS f LEFT JOIN robots AS r ON r.ruri = f.ruri"
+              " WHERE f.touched_s > ",
+              " - iif(f.finished, ?1, ?2) AND (f.finished OR f.answer = 0)"
+              " ORDER BY f.number DESC LIMIT ?3"));
   prepare.Into(answer_,
                "UPDATE forget_requests SET answer = ?2, epoch = ?3"
                " WHERE number = ?1 AND answer = 0 AND NOT finished");
@@ -73,7 +74,9 @@ absl::StatusOr<AnsweredForget> SqliteForgetRequests::AnswerTo(std::uint64_t numb
   return AnsweredForget{static_cast<ForgetAnswer>(rows.Int(0)), static_cast<Epoch>(rows.Int(1))};
 }
 
-absl::Status SqliteForgetRequests::Finish(std::uint64_t number) { return finish_->Run(number); }
+absl::Status SqliteForgetRequests::Finish(std::uint64_t number, bool removed) {
+  return finish_->Run(number, std::int64_t{removed}, std::int64_t{kForgetRemoved});
+}
 
 absl::StatusOr<std::vector<PendingForget>> SqliteForgetRequests::Pending() {
   Rows rows = pending_->Select(std::int64_t{kSecondsTold}, std::int64_t{kSecondsAsked},
@@ -87,6 +90,7 @@ absl::StatusOr<std::vector<PendingForget>> SqliteForgetRequests::Pending() {
                        .ruri = std::string(rows.Bytes(1)),
                        .end_stream = rows.Int(2) != 0,
                        .finished = rows.Int(3) != 0,
+                       .removed = rows.Int(6) == kForgetRemoved,
                        .hold = HoldIn(rows, 4)});
   }
 }

@@ -51,19 +51,21 @@ TEST_P(ForgetRequestsContract, AreSeenByServersAndTheirAnswersByWhoeverAsked) {
   EXPECT_THAT(Pending(), IsEmpty());
 
   store_->DeleteRobotRow(robot_->ruri);
-  ASSERT_TRUE(Requests().Finish(number).ok());
+  ASSERT_TRUE(Requests().Finish(number, true).ok());
   pending = Pending();
   ASSERT_THAT(pending, SizeIs(1)) << "the others learn of it";
   EXPECT_TRUE(pending[0].finished);
+  EXPECT_TRUE(pending[0].removed);
   EXPECT_FALSE(pending[0].hold.has_value());
 }
 
 TEST_P(ForgetRequestsContract, OneThatWasGivenUpTakesNoAnswer) {
   Fresh();
   const std::uint64_t number = Ask();
-  ASSERT_TRUE(Requests().Finish(number).ok());
+  ASSERT_TRUE(Requests().Finish(number, false).ok());
   ASSERT_TRUE(Requests().Answer(number, {ForgetAnswer::kLetGo, 1}).ok());
   EXPECT_EQ(ValueOf(Requests().AnswerTo(number)).answer, ForgetAnswer::kNone);
+  EXPECT_FALSE(Pending().at(0).removed);
 }
 
 TEST_P(ForgetRequestsContract, OneWithoutAnAnswerIsNotAskedForLong) {
@@ -79,7 +81,7 @@ TEST_P(ForgetRequestsContract, OneThatIsFinishedIsToldForADay) {
   Fresh();
   const std::uint64_t number = Ask();
   Age(storage::kForgottenTold);
-  ASSERT_TRUE(Requests().Finish(number).ok());
+  ASSERT_TRUE(Requests().Finish(number, true).ok());
   Age(storage::kForgottenTold - std::chrono::seconds(10));
   EXPECT_THAT(Pending(), SizeIs(1)) << "from its end on";
   Age(std::chrono::seconds(10));

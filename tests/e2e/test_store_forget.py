@@ -118,6 +118,7 @@ class StoreForget(EndToEnd):
         self.wait_for(server, lambda: self.comes_back_after_its_removal(server, ruris[2]), "uplinkctl sees its return")
         server.wait_for_status(lambda status: status["streams"] == str(ROBOTS), DEADLINE_SECONDS, "it is back")
         self.assertEqual(sorted(self.robots(server)), ruris)
+        self.wait_for(server, lambda: f" robot_removed ruri={ruris[2]} came_back=" in server.text(), "the log says so")
         fleet.finish()
         self.assertEqual(server.terminate(DEADLINE_SECONDS), 0)
         # Without a server.

@@ -30,10 +30,11 @@ class FakeForgetRequests final : public storage::ForgetRequests {
     const auto found = requests_.find(number);
     return found == requests_.end() ? storage::AnsweredForget() : found->second.answer;
   }
-  absl::Status Finish(std::uint64_t number) override {
+  absl::Status Finish(std::uint64_t number, bool removed) override {
     if (!status.ok()) return status;
     if (const auto found = requests_.find(number); found != requests_.end()) {
       found->second.asked.finished = true;
+      found->second.asked.removed = removed;
       found->second.age = {};
     }
     return absl::OkStatus();

@@ -242,7 +242,7 @@ absl::Status Forget(Target& target, const Found& found, bool end_stream, const C
   if (!number.ok()) return number.status();
   const auto removed = RemoveNow(target, found, *number, clock);
   // Either way: the others follow, or nobody answers any more.
-  absl::Status finished = requests.Finish(*number);
+  absl::Status finished = requests.Finish(*number, removed.ok());
   if (!removed.ok()) return removed.status();
   if (!finished.ok()) return finished;
   return RemoveHistories(target.store->removal(), found.ruri, *removed);

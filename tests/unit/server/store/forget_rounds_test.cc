@@ -172,7 +172,7 @@ TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
   Come();
   Go();
   Ask(false, std::nullopt);
-  ASSERT_TRUE(requests_.Finish(asked_).ok());
+  ASSERT_TRUE(requests_.Finish(asked_, true).ok());
   for (int i = 0; i < 4; ++i) {
     rounds_.Round();
     Write();
@@ -183,7 +183,7 @@ TEST_F(ForgetRoundsTest, ARobotWhoseRowIsGoneIsFollowed) {
 TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
   Come();
   Ask(false, std::nullopt);
-  ASSERT_TRUE(requests_.Finish(asked_).ok());
+  ASSERT_TRUE(requests_.Finish(asked_, true).ok());
   for (int i = 0; i < 4; ++i) rounds_.Round();
   EXPECT_NE(Shown(), nullptr) << "it has a stream, and is about to have a row";
   Go();
@@ -195,7 +195,7 @@ TEST_F(ForgetRoundsTest, ARobotThatIsThereAgainStays) {
 TEST_F(ForgetRoundsTest, AStreamOfARobotWhoseRowWasRemovedIsOpenedAnew) {
   Come();
   Ask(false, std::nullopt);
-  static_cast<void>(requests_.Finish(asked_));
+  static_cast<void>(requests_.Finish(asked_, true));
   rounds_.Round();
   Write();
   EXPECT_EQ(Shown()->state.held_since(), 0U);
@@ -216,14 +216,39 @@ TEST_F(ForgetRoundsTest, ARobotThatIsLetGoAndSpeaksIsOnlineInTheHistoryAgain) {
 
 TEST_F(ForgetRoundsTest, ARowThatIsGoneIsALineOnceAndThoseOfBeforeTheStartAreNone) {
   Ask(false, std::nullopt);
-  static_cast<void>(requests_.Finish(asked_));
+  static_cast<void>(requests_.Finish(asked_, true));
   rounds_.Round();
   EXPECT_THAT(lines_, IsEmpty());
   Ask(false, std::nullopt);
-  static_cast<void>(requests_.Finish(asked_));
+  static_cast<void>(requests_.Finish(asked_, true));
   rounds_.Round();
   rounds_.Round();
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robot_removed ruri=rcan://r")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robot_removed ruri=rcan://r came_back=false")));
+}
+
+TEST_F(ForgetRoundsTest, ARobotThatWasRemovedAndIsThereAgainIsALine) {
+  rounds_.Round();
+  Ask(true);
+  ASSERT_TRUE(requests_.Finish(asked_, true).ok());
+  hold_ = storage::RobotHold{kSelf, kEpoch};
+  rounds_.Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robot_removed ruri=rcan://r came_back=true")));
+}
+
+TEST_F(ForgetRoundsTest, ARobotThatStayedIsALine) {
+  rounds_.Round();
+  Ask(false);
+  ASSERT_TRUE(requests_.Finish(asked_, false).ok());
+  rounds_.Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forget_given_up ruri=rcan://r")));
+}
+
+TEST_F(ForgetRoundsTest, ARobotThatAnEarlierBuildRemovedIsALine) {
+  rounds_.Round();
+  Ask(false, std::nullopt);
+  ASSERT_TRUE(requests_.Finish(asked_, false).ok());
+  rounds_.Round();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("robot_removed ruri=rcan://r came_back=false")));
 }
 
 TEST_F(ForgetRoundsTest, AStoreThatIsAwayIsAskedAgain) {
