@@ -156,6 +156,10 @@ class Reader {
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
   /// How many robots ever opened a stream.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> RobotCount() = 0;
+  /// Their fleets whose names hold characters beyond ASCII: each once, ascending by bytes, at most
+  /// `fleets_max`.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<std::string>> FleetsBeyondAscii(
+      std::uint32_t fleets_max) = 0;
 
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained) \

@@ -13,6 +13,9 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
     if (!count.ok()) return count.status();
     known = std::max(known, *count);
   }
+  if (known > rows->size()) {
+    if (absl::Status read = KnowOtherFleets(); !read.ok()) return read;
+  }
   std::size_t taken = 0;
   for (const storage::RobotRow& row : *rows) {
     context_.fleet.odd_fleets().Know(row.robot.fleet);
@@ -31,6 +34,13 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
   context_.fleet.odd_fleets().SetRead();
   done_.store(true);
   return known - taken;
+}
+
+absl::Status Seed::KnowOtherFleets() const {
+  const auto fleets = context_.reader.FleetsBeyondAscii(kFleetsReadMax);
+  if (!fleets.ok()) return fleets.status();
+  for (const std::string& fleet : *fleets) context_.fleet.odd_fleets().Know(fleet);
+  return absl::OkStatus();
 }
 
 void Seed::RestoreSession(const storage::RobotRow& row) const {

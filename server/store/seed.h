@@ -2,9 +2,11 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
@@ -13,6 +15,10 @@
 #include "storage/reader.h"
 
 namespace uplink::store {
+
+/// Fleets of robots that there was no room for whose names are read: those beyond ASCII, one of
+/// which may hold a character that nobody sees.
+inline constexpr std::uint32_t kFleetsReadMax = 10'000;
 
 /// Takes the robots that the store knows into the fleet, each as its last holder wrote it, with
 /// its last session: at the start, or as soon as the store can be reached. A robot that has come by
@@ -40,6 +46,8 @@ class Seed final {
   [[nodiscard]] bool done() const { return done_.load(); }
 
  private:
+  /// Of robots that are not among those that were read.
+  absl::Status KnowOtherFleets() const;
   void RestoreSession(const storage::RobotRow& row) const;
   void Take(robot::Robot& robot, const storage::RobotRow& row) const;
 

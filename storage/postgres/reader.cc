@@ -40,6 +40,11 @@ constexpr std::string_view kRobots =
     " ORDER BY heard_at DESC, r.ruri LIMIT $1::bigint";
 constexpr std::string_view kRobotCount =
     "SELECT count(*) FROM uplinkd.robots WHERE left(ruri, 10) <> 'cyberwave:'";
+// More bytes than characters.
+constexpr std::string_view kFleetsBeyondAscii =
+    "SELECT DISTINCT fleet COLLATE \"C\" AS name FROM uplinkd.robots"
+    " WHERE left(ruri, 10) <> 'cyberwave:' AND octet_length(fleet) > char_length(fleet)"
+    " ORDER BY name LIMIT $1::bigint";
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
@@ -156,6 +161,20 @@ absl::StatusOr<std::size_t> PostgresReader::RobotCount() {
     const auto rows = RunOne(connection, {std::string(kRobotCount), {}});
     if (!rows.ok()) return rows.status();
     return static_cast<std::size_t>(rows->Int(0, 0));
+  });
+}
+
+absl::StatusOr<std::vector<std::string>> PostgresReader::FleetsBeyondAscii(
+    std::uint32_t fleets_max) {
+  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<std::string>> {
+    OwnedStoreCall call{std::string(kFleetsBeyondAscii), {}};
+    call.parameters.Int8(std::int64_t{fleets_max});
+    const auto rows = RunOne(connection, std::move(call));
+    if (!rows.ok()) return rows.status();
+    std::vector<std::string> fleets;
+    fleets.reserve(static_cast<std::size_t>(rows->rows()));
+    for (int row = 0; row < rows->rows(); ++row) fleets.emplace_back(rows->Bytes(row, 0));
+    return fleets;
   });
 }
 

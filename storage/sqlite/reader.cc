@@ -87,6 +87,24 @@ absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
   });
 }
 
+absl::StatusOr<std::vector<std::string>> SqliteReader::FleetsBeyondAscii(std::uint32_t fleets_max) {
+  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<std::string>> {
+    auto statement = database.Prepare(
+        "SELECT DISTINCT fleet FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'"
+        // More bytes than characters.
+        " AND length(CAST(fleet AS BLOB)) > length(fleet) ORDER BY fleet LIMIT ?");
+    if (!statement.ok()) return statement.status();
+    Rows rows = (*statement)->Select(std::int64_t{fleets_max});
+    std::vector<std::string> fleets;
+    while (true) {
+      const absl::StatusOr<bool> found = rows.Next();
+      if (!found.ok()) return found.status();
+      if (!*found) return fleets;
+      fleets.emplace_back(rows.Bytes(0));
+    }
+  });
+}
+
 absl::StatusOr<DiskSpace> SqliteReader::Space() {
   absl::StatusOr<DiskSpace> space = DiskSpaceOf(pool_->path());
   if (!space.ok()) return space;

@@ -353,6 +353,34 @@ TEST_P(StoreContract, ListsRobotsByRuri) {
   EXPECT_EQ((*rows)[0].last_seen, Time(9));
 }
 
+TEST_P(StoreContract, ListsTheFleetsBeyondAsciiOnce) {
+  const auto fleets = [this](std::uint32_t most) {
+    auto read = store_->reader().FleetsBeyondAscii(most);
+    EXPECT_TRUE(read.ok()) << read.status();
+    return read.ok() ? *std::move(read) : std::vector<std::string>();
+  };
+  EXPECT_THAT(fleets(9), SizeIs(0));
+  const std::string odd = "no\xE2\x80\x8Brth";  // U+200B
+  const auto open = [this](const char* name, const std::string& fleet) {
+    storage::OpenRequest request = Request();
+    request.robot = Robot(name, fleet);
+    Open(request);
+  };
+  open("a", "north");
+  open("b", "~ plain\t");
+  open("c", "東京");
+  open("d", odd);
+  open("e", "Köln");
+  open("f", odd);
+  open("g", "Łódź");
+  open("g", "north");
+  storage::OpenRequest nobody = Request();
+  nobody.robot = std::make_shared<const model::RobotId>(model::RobotId{"cyberwave:Ö", "Ö"});
+  Open(nobody);
+  EXPECT_THAT(fleets(9), ElementsAre("Köln", odd, "東京"));
+  EXPECT_THAT(fleets(2), ElementsAre("Köln", odd));
+}
+
 TEST_P(StoreContract, ListsRobotsWithTheSessionThatWasUsedLast) {
   const auto last = [this] {
     const auto rows = store_->reader().Robots(10);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "storage/expiry.h"
@@ -89,6 +90,20 @@ absl::StatusOr<std::size_t> FakeReader::RobotCount() {
   return static_cast<std::size_t>(std::ranges::count_if(database_.robots_, [](const auto& robot) {
     return robot.second.epoch != 0 && !storage::IsNoRobot(robot.first);
   }));
+}
+
+absl::StatusOr<std::vector<std::string>> FakeReader::FleetsBeyondAscii(std::uint32_t fleets_max) {
+  const std::lock_guard lock(database_.mutex_);
+  std::set<std::string> fleets;
+  for (const auto& [ruri, robot] : database_.robots_) {
+    if (robot.epoch == 0 || storage::IsNoRobot(ruri)) continue;
+    const bool is_ascii = std::ranges::all_of(
+        robot.id.fleet, [](char byte) { return static_cast<unsigned char>(byte) < 0x80; });
+    if (!is_ascii) fleets.insert(robot.id.fleet);
+  }
+  std::vector<std::string> first(fleets.begin(), fleets.end());
+  if (first.size() > fleets_max) first.resize(fleets_max);
+  return first;
 }
 
 absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {

@@ -22,6 +22,8 @@ class FakeReader final : public storage::Reader {
   [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
       std::uint32_t robots_max) override;
   [[nodiscard]] absl::StatusOr<std::size_t> RobotCount() override;
+  [[nodiscard]] absl::StatusOr<std::vector<std::string>> FleetsBeyondAscii(
+      std::uint32_t fleets_max) override;
   // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                       \
   [[nodiscard]] absl::StatusOr<storage::Page<storage::Row>> Name(const storage::Query& query) \

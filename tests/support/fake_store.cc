@@ -260,6 +260,10 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeStore::Robots(std::uint32_t r
 
 absl::StatusOr<std::size_t> FakeStore::RobotCount() { return FakeReader(database_).RobotCount(); }
 
+absl::StatusOr<std::vector<std::string>> FakeStore::FleetsBeyondAscii(std::uint32_t fleets_max) {
+  return FakeReader(database_).FleetsBeyondAscii(fleets_max);
+}
+
 // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                      \
   absl::StatusOr<storage::Page<storage::Row>> FakeStore::Name(const storage::Query& query) { \

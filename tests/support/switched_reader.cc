@@ -60,6 +60,12 @@ absl::StatusOr<std::size_t> SwitchedReader::RobotCount() {
   return reader_.RobotCount();
 }
 
+absl::StatusOr<std::vector<std::string>> SwitchedReader::FleetsBeyondAscii(
+    std::uint32_t fleets_max) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.FleetsBeyondAscii(fleets_max);
+}
+
 absl::StatusOr<std::vector<storage::DroppedRow>> SwitchedReader::QuarantineDropped(
     const std::string& ruri) {
   if (absl::Status here = Enter(); !here.ok()) return here;

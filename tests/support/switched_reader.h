@@ -35,6 +35,7 @@ class SwitchedReader final : public storage::Reader {
 
   absl::StatusOr<std::vector<storage::RobotRow>> Robots(std::uint32_t robots_max) override;
   absl::StatusOr<std::size_t> RobotCount() override;
+  absl::StatusOr<std::vector<std::string>> FleetsBeyondAscii(std::uint32_t fleets_max) override;
   absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
       const std::string& ruri) override;
   absl::StatusOr<std::vector<storage::StoredReject>> Rejects(

@@ -79,6 +79,21 @@ TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatAreForgotten) {
   EXPECT_EQ(fleet_.odd_fleets().Judge(odd + "2"), Verdict::kRefused);
 }
 
+TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatThereIsNoRoomFor) {
+  using Verdict = fleet::OddFleets::Verdict;
+  const std::string odd = "no\xE2\x80\x8Brth";  // U+200B
+  Know(store_, "rcan://old", clock_.System(), odd);
+  clock_.Advance(std::chrono::hours(1));
+  Know(store_, "rcan://a", clock_.System());
+  Know(store_, "rcan://b", clock_.System());
+  const auto left_out = seed_.Run(2);
+  ASSERT_TRUE(left_out.ok());
+  EXPECT_EQ(*left_out, 1U);
+  EXPECT_EQ(fleet_.Find("rcan://old"), nullptr);
+  EXPECT_EQ(fleet_.odd_fleets().Judge(odd), Verdict::kFits);
+  EXPECT_EQ(fleet_.odd_fleets().Judge(odd + "2"), Verdict::kRefused);
+}
+
 TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
   Know(store_, "rcan://a", clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
