@@ -121,6 +121,8 @@ struct OpenResult {
   /// In which fleet the store has the robot, where that is another one and the request's word moves
   /// nothing.
   std::optional<std::string> other_fleet;
+  /// In which fleet the store had the robot, where this moved it to another.
+  std::optional<std::string> moved_from;
   /// The store had a row of the robot before.
   bool was_known = false;
   /// The epoch of this stream.

@@ -80,7 +80,6 @@ absl::StatusOr<Epoch> DecidingTables::DrawEpoch() {
 }
 
 absl::StatusOr<std::optional<std::string>> DecidingTables::OtherFleet(const OpenRequest& request) {
-  if (request.fleet_word == FleetWord::kMoves) return std::optional<std::string>();
   Rows rows = fleet_->Select(std::string_view(request.robot->ruri));
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok()) return found.status();

@@ -54,8 +54,7 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<LatestKindSet> LatestKinds(std::string_view ruri);
   /// Who holds the robot since when; nothing if there is no such row.
   [[nodiscard]] absl::StatusOr<std::optional<RobotHold>> HoldOf(std::string_view ruri);
-  /// In which other fleet than the request's the robot is, whose word moves nothing; nothing if the
-  /// robot may be opened.
+  /// In which other fleet than the request's the robot is; nothing if it is in that one or in none.
   [[nodiscard]] absl::StatusOr<std::optional<std::string>> OtherFleet(const OpenRequest& request);
 
   /// Creates the row if there is none; `next_entry` is its first then.

@@ -118,7 +118,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   DecidingTables& deciding = impl_->tables.deciding;
   absl::StatusOr<std::optional<std::string>> other_fleet = deciding.OtherFleet(request);
   if (!other_fleet.ok()) return other_fleet.status();
-  if (*other_fleet) {
+  if (*other_fleet && request.fleet_word == FleetWord::kMatches) {
     OpenResult refused;
     refused.taken = false;
     refused.other_fleet = *std::move(other_fleet);
@@ -132,6 +132,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
   if (!session.ok()) return session.status();
 
   OpenResult result;
+  result.moved_from = *std::move(other_fleet);
   result.was_known = robot->was_known;
   result.epoch = robot->epoch;
   result.held_since = robot->held_since;

@@ -115,6 +115,25 @@ TEST_P(FleetWordContract, AWordThatMovesDecidesFromThenOn) {
   EXPECT_TRUE(OpenOne(Through("f1")).taken);
 }
 
+TEST_P(FleetWordContract, AWordThatMovesTellsTheFormerFleet) {
+  EXPECT_FALSE(Open().moved_from) << "it is new";
+  EXPECT_FALSE(Open().moved_from) << "it stays";
+  EXPECT_FALSE(OpenOne(Through("f2")).moved_from) << "it is refused";
+  storage::OpenRequest moves = Request();
+  moves.robot = Robot("a", "f2");
+  for (const std::uint8_t process : {kProcess, kOther}) {
+    const auto results = OpenAll({moves, moves, Request(), Through("f1")}, process);
+    ASSERT_THAT(results, SizeIs(4));
+    EXPECT_THAT(results[0].moved_from, Optional(std::string("f1")));
+    EXPECT_FALSE(results[1].moved_from);
+    EXPECT_THAT(results[2].moved_from, Optional(std::string("f2")));
+    EXPECT_FALSE(results[3].moved_from);
+  }
+  moves.stream = storage::StreamState::kEnded;
+  const OpenResult ended = OpenOne(moves, kProcess);
+  EXPECT_EQ(ended.moved_from.has_value(), ended.taken);
+}
+
 TEST_P(FleetWordContract, ARobotWithoutARowIsOfNoFleet) {
   Open();
   store_->DeleteRobotRow(robot_->ruri);

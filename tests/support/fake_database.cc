@@ -233,13 +233,13 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   const bool was_known = robot.epoch != 0;
   const bool moves = was_known && robot.id.fleet != request.robot->fleet;
   OpenResult result;
-  if (moves && request.fleet_word == storage::FleetWord::kMatches) {
-    result.other_fleet = robot.id.fleet;
-  }
-  result.taken = !result.other_fleet && !(request.stream == storage::StreamState::kEnded &&
-                                          robot.owner != process && leases_.Stands(robot.owner));
+  const bool refused = moves && request.fleet_word == storage::FleetWord::kMatches;
+  if (refused) result.other_fleet = robot.id.fleet;
+  result.taken = !refused && !(request.stream == storage::StreamState::kEnded &&
+                               robot.owner != process && leases_.Stands(robot.owner));
   if (!result.taken) return result;
   if (!was_known) robot.first_seen = robot.last_seen = request.at;
+  if (moves) result.moved_from = robot.id.fleet;
   if (moves) kinds_.Move(*request.robot);
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;

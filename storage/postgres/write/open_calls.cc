@@ -32,7 +32,9 @@ constexpr std::string_view kOpenRobots =
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     // A word that moves nothing ($6) stands for no robot of another fleet.
     " AND NOT (r.ruri = ANY ($6::text[]) AND r.fleet <> excluded.fleet)"
-    " RETURNING ruri, epoch, held_since";
+    // The row as it was: only a fleet that another server changes in this very moment is missed.
+    " RETURNING ruri, epoch, held_since,"
+    " (SELECT o.fleet FROM uplinkd.robots AS o WHERE o.ruri = r.ruri)";
 // The robots' rows are locked by then, those that were not taken too. A robot that was taken is of
 // its request's fleet.
 constexpr std::string_view kReadFleets =

@@ -17,7 +17,8 @@ using Wave = std::map<std::string_view, std::size_t>;
 
 /// The place of each statement's answer among those of CallsOf.
 enum OpenAnswer : std::size_t {
-  /// RURI, epoch and held_since of robots that were taken; epoch 0 of those without a row.
+  /// RURI, epoch, held_since and former fleet of robots that were taken; epoch 0 and no fleet of
+  /// those without a row.
   kRobotsAnswer = 0,
   /// RURI and epoch of those that had no row.
   kNewRobotsAnswer = 1,

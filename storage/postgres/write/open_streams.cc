@@ -52,8 +52,12 @@ void Take(const Wave& wave, std::span<const OpenRequest> requests, std::span<con
   for (const auto& [name, index] : wave) results[index].taken = false;
   const Result& robots = answers[kRobotsAnswer];
   for (int row = 0; row < robots.rows(); ++row) {
-    OpenResult& result = result_of(robots, row);
+    const std::size_t index = wave.find(robots.Bytes(row, 0))->second;
+    OpenResult& result = results[index];
     result.taken = true;
+    if (!robots.Null(row, 3) && robots.Bytes(row, 3) != requests[index].robot->fleet) {
+      result.moved_from = std::string(robots.Bytes(row, 3));
+    }
     result.epoch = static_cast<Epoch>(robots.Int(row, 1));
     result.held_since = static_cast<Epoch>(robots.Int(row, 2));
     result.was_known = result.epoch != 0;
