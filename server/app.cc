@@ -203,7 +203,7 @@ class App::Impl {
         lifecycle::RelayOptionsOf(options_.config, health::MemoryMax()),
         {options_.clock, fleet_, journals_, session_probe_, relay_probe_, ledgers_, session_limits_,
          lifecycle::JudgeLimitsOf(options_.config.limits), allowances_, rejects_, *stores_.clock,
-         &forwarding_.source(), &options_.logger, &moves_});
+         &forwarding_.source(), &options_.logger});
     if (!relay.ok()) return relay.status();
     relay_ = *std::move(relay);
     fleet_.BeginListening();
@@ -283,7 +283,6 @@ class App::Impl {
   const session::SessionLimits session_limits_;
   session::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
-  log::RateLimited moves_{options_.logger};
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;
   transport::RelayProbe relay_probe_;

@@ -46,8 +46,8 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   }
   // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
   Keep(*found->second);
-  std::optional<std::string> moved_from = found->second->SetFleet(id.fleet);
-  return {.robot = found->second, .moved_from = std::move(moved_from)};
+  found->second->SetFleet(id.fleet);
+  return {.robot = found->second};
 }
 
 Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {

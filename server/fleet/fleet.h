@@ -69,8 +69,6 @@ class Fleet final {
     /// Null if it is refused.
     RobotPtr robot;
     Refusal refusal = Refusal::kNone;
-    /// The fleet that the robot was in, if the claim moved it to another one.
-    std::optional<std::string> moved_from = {};
   };
   /// The same of a stream that may be a gateway's. By its word for a fleet alone, a robot of
   /// another fleet is refused, and new robots are up to GatewayRobotsMax.

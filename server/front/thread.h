@@ -50,8 +50,7 @@ struct Thread {
                  given.rejects,
                  given.clock_trust,
                  &door_book.pressed_flag(),
-                 given.forwards,
-                 given.moves},
+                 given.forwards},
         unfinished(unfinished_memory) {}
 
   const transport::RelayContext& relay;

@@ -28,14 +28,18 @@ Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock
                                                    .went_back = went_back_,
                                                    .spatial_committed = spatial_committed_,
                                                    .store_reconnected = store_reconnected_,
-                                                   .slow_commit = slow_commit_},
+                                                   .slow_commit = slow_commit_,
+                                                   .moved = moved_},
                                      limits, process)) {}
 
 Journal::~Journal() = default;
 
-void Journal::Open(robot::CommitClient& client, std::uint64_t open_id,
-                   storage::OpenRequest request) {
-  inbox_.Open({.client = &client, .open_id = open_id, .request = std::move(request)});
+void Journal::Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request,
+                   std::string gateway) {
+  inbox_.Open({.client = &client,
+               .open_id = open_id,
+               .request = std::move(request),
+               .gateway = std::move(gateway)});
 }
 
 void Journal::Append(robot::CommitClient& client, const AppendedBy& by,
@@ -83,6 +87,11 @@ void Journal::OnReconnected(std::function<void(Reconnected)> told) {
 void Journal::OnSlowCommit(std::function<void(const SlowCommit&)> told) {
   UPLINK_CHECK(!slow_commit_, "one listener hears of slow commits");
   slow_commit_ = std::move(told);
+}
+
+void Journal::OnMoved(std::function<void(const Moved&)> told) {
+  UPLINK_CHECK(!moved_, "one listener hears of robots that move to another fleet");
+  moved_ = std::move(told);
 }
 
 void Journal::RequestCheckpoint() {

@@ -17,6 +17,7 @@
 #include "server/journal/gateway_use.h"
 #include "server/journal/inbox.h"
 #include "server/journal/limits.h"
+#include "server/journal/moved.h"
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
@@ -44,8 +45,8 @@ class Turns;
 ///
 /// Inbox holds what waits; Turns, the writer's side, does something with it.
 ///
-/// Thread: thread-safe; CheckpointFrom, OnSpatial, OnReconnected and OnSlowCommit come before the
-///         other threads.
+/// Thread: thread-safe; CheckpointFrom, OnSpatial, OnReconnected, OnSlowCommit and OnMoved come
+///         before the other threads.
 class Journal final {
  public:
   /// `process` numbers the changes of presence: it must differ in every life of the process.
@@ -56,8 +57,9 @@ class Journal final {
   Journal& operator=(const Journal&) = delete;
 
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
-  /// same client.
-  void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request);
+  /// same client. `gateway` as Moved's.
+  void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request,
+            std::string gateway = {});
   /// What waits here of the robots of the gateway with this subject; null if it is empty.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
   /// Appends one durable message. Always takes it: callers ask RoomFor before.
@@ -107,6 +109,9 @@ class Journal final {
   /// `told` is called after each commit that took kSlowCommit or longer, on the writer's thread:
   /// short. At most once, as OnReconnected.
   void OnSlowCommit(std::function<void(const SlowCommit&)> told);
+  /// `told` is called for each robot that an OpenStream moved to another fleet, on the writer's
+  /// thread: short. At most once, as OnReconnected.
+  void OnMoved(std::function<void(const Moved&)> told);
   /// A round of checkpoints that begins after this; until it has ended, nothing is idle(). While
   /// the store is away it is tried again.
   void RequestCheckpoint();
@@ -156,6 +161,7 @@ class Journal final {
   std::function<void()> spatial_committed_;
   std::function<void(Reconnected)> store_reconnected_;
   std::function<void(const SlowCommit&)> slow_commit_;
+  std::function<void(const Moved&)> moved_;
   const std::unique_ptr<Turns> turns_;
 };
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "server/robot/commit_client.h"
@@ -16,6 +17,8 @@ struct OpenEntry {
   robot::ClientRef client;
   std::uint64_t open_id = 0;
   storage::OpenRequest request;
+  /// As Moved's.
+  std::string gateway = {};
 };
 
 /// The streams that wait for an OpenStream, in order: at most one per robot, the newest.

@@ -33,6 +33,7 @@ class Opening final {
 
  private:
   void Tell(const OpenEntry& open, const storage::OpenResult& result);
+  void TellMove(const OpenEntry& open, const storage::OpenResult& result) const;
 
   const WriterContext context_;
   Holds& holds_;

@@ -5,6 +5,7 @@
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "server/journal/duty_error.h"
+#include "server/journal/moved.h"
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
 #include "server/journal/reconnected.h"
@@ -37,6 +38,8 @@ struct WriterContext {
   const std::function<void(Reconnected)>& store_reconnected;
   /// Journal::OnSlowCommit; empty if nothing listens.
   const std::function<void(const SlowCommit&)>& slow_commit;
+  /// Journal::OnMoved; empty if nothing listens.
+  const std::function<void(const Moved&)>& moved;
 };
 
 }  // namespace uplink::journal

@@ -85,13 +85,11 @@ storage::RobotRef Robot::id() const {
   return id_;
 }
 
-std::optional<std::string> Robot::SetFleet(std::string_view fleet) {
+void Robot::SetFleet(std::string_view fleet) {
   const std::lock_guard lock(mutex_);
-  if (id_->fleet == fleet) return std::nullopt;
-  std::string before = id_->fleet;
+  if (id_->fleet == fleet) return;
   id_ = std::make_shared<const model::RobotId>(
       model::RobotId{.ruri = ruri_, .fleet = std::string(fleet)});
-  return before;
 }
 
 void Robot::SetSpeaker(std::string_view gateway) {

@@ -38,8 +38,7 @@ class Robot final : public CommitClient {
 
   /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
   [[nodiscard]] storage::RobotRef id() const;
-  /// Returns the fleet that it was in, if that was another one.
-  std::optional<std::string> SetFleet(std::string_view fleet);
+  void SetFleet(std::string_view fleet);
   /// The same, unless it is in another fleet than `from` by now.
   void MoveFleet(std::string_view from, std::string_view to);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }

@@ -83,7 +83,6 @@ absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(terms_.claim);
   if (admission.robot == nullptr) return Refused(admission.refusal);
   robot_ = std::move(admission.robot);
-  LogMove(admission.moved_from);
   robot_->NoteHeard(context_.clock.System());
   const SteadyTime now = context_.clock.Steady();
   const auto arrival = robot_->sessions.Arrive(now, context_.limits.reconnects);
@@ -126,18 +125,8 @@ bool Attachment::ClaimFleet() {
   const fleet::Claim& claim = terms_.claim;
   if (claim.grant == fleet::Grant::kFleet) return robot_->id()->fleet == claim.robot.fleet;
   // A gateway's word may have stood between Admit and now.
-  LogMove(robot_->SetFleet(claim.robot.fleet));
+  robot_->SetFleet(claim.robot.fleet);
   return true;
-}
-
-void Attachment::LogMove(const std::optional<std::string>& from) const {
-  if (!from || context_.moves == nullptr) return;
-  const fleet::Claim& claim = terms_.claim;
-  context_.moves->Write(log::Level::kInfo, "robot_moved",
-                        {{"robot", claim.robot.ruri},
-                         {"from", *from},
-                         {"to", claim.robot.fleet},
-                         {"gateway", claim.gateway}});
 }
 
 absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
@@ -166,7 +155,8 @@ absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
                   .at = context_.clock.System(),
                   .sessions_held = robot_->sessions.Held(),
                   .rejects_max = context_.limits.open_rejects_max,
-                  .fleet_word = begun->fleet_word});
+                  .fleet_word = begun->fleet_word},
+                 terms_.claim.gateway);
   return journal::AppendedBy(begun->generation, gateway_);
 }
 

@@ -86,7 +86,6 @@ class Attachment final {
   /// By the name of its fleet.
   [[nodiscard]] fleet::Refusal JudgeFleet() const;
   /// The robot's certificate, or one that names it, moved it from that fleet.
-  void LogMove(const std::optional<std::string>& from) const;
   /// Counts it, and says it to the peer.
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 

@@ -7,7 +7,6 @@
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
-#include "server/log/rate_limited.h"
 #include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/frame_live.h"
@@ -45,8 +44,6 @@ struct SessionContext {
   const std::atomic<bool>* pressed = nullptr;
   /// What robots of a fleet share; null: nothing is forwarded.
   ForwardSource* forwards = nullptr;
-  /// Lines about robots that a certificate moves to another fleet; none if null.
-  log::RateLimited* moves = nullptr;
 };
 
 }  // namespace uplink::session

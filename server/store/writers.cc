@@ -15,8 +15,17 @@ void TellSlowCommit(const log::Logger& logger, std::size_t shard,
                                {"ms", commit.took.count()}});
 }
 
+void LogMove(log::RateLimited& log, const journal::Moved& moved) {
+  log.Write(log::Level::kInfo, "robot_moved",
+            {{"robot", moved.ruri},
+             {"from", moved.from},
+             {"to", moved.to},
+             {"gateway", moved.gateway}});
+}
+
 std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
-    std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Context& context) {
+    std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Context& context,
+    log::RateLimited* moves) {
   journal::JournalLimits limits = journal::ShareOf(context.limits, stores.size());
   std::vector<std::unique_ptr<journal::Journal>> journals;
   for (std::size_t shard = 0; shard < stores.size(); ++shard) {
@@ -35,6 +44,7 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
     journals.back()->OnSlowCommit([logger = context.logger, shard](const auto& commit) {
       TellSlowCommit(*logger, shard, commit);
     });
+    journals.back()->OnMoved([moves](const auto& moved) { LogMove(*moves, moved); });
   }
   return journals;
 }
@@ -51,7 +61,9 @@ std::vector<journal::Journal*> PointersTo(
 
 Writers::Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context)
     : context_(std::move(context)),
-      journals_(MakeJournals(stores, context_)),
+      moves_(context_.logger == nullptr ? nullptr
+                                        : std::make_unique<log::RateLimited>(*context_.logger)),
+      journals_(MakeJournals(stores, context_, moves_.get())),
       shards_(PointersTo(journals_)) {
   if (context_.checkpoint_every == milliseconds(0)) return;
   for (const auto& journal : journals_) {

@@ -14,6 +14,7 @@
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
 #include "server/log/logger.h"
+#include "server/log/rate_limited.h"
 #include "storage/types.h"
 
 namespace uplink::storage {
@@ -45,7 +46,8 @@ class Writers final {
     std::function<void()> store_reconnected = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
-    /// Told of slow commits, at level debug; null: nobody is.
+    /// Lines about robots that move to another fleet, and at level debug about slow commits; none if
+    /// null.
     const log::Logger* logger = nullptr;
   };
   /// At least one store; they outlive it.
@@ -64,6 +66,8 @@ class Writers final {
   std::uint64_t Random();
 
   const Context context_;
+  /// Null without a logger.
+  std::unique_ptr<log::RateLimited> moves_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
   /// One per journal, if there are checkpoints.

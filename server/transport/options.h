@@ -15,7 +15,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
-#include "server/log/rate_limited.h"
+#include "server/log/logger.h"
 #include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/limits.h"
@@ -101,8 +101,6 @@ struct RelayContext {
   session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;
-  /// Lines about robots that a certificate moves to another fleet; none if null.
-  log::RateLimited* moves = nullptr;
 };
 
 }  // namespace uplink::transport

@@ -1,6 +1,10 @@
 #include "server/journal/opening.h"
 
 #include <deque>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,6 +44,31 @@ TEST_F(OpeningTest, HoldsTellsAndWakesInOneCall) {
   EXPECT_EQ(holds.robots().Since(robot_), 1U);
   EXPECT_TRUE(inbox.idle());
   EXPECT_FALSE(opening_.Gather().opens);
+}
+
+TEST_F(OpeningTest, TellsOfARobotThatMovesAlsoOneThatItHeldNever) {
+  testing::FakeStore another{database, storage::ProcessId{2}};
+  ASSERT_TRUE(another.OpenStreams(std::vector{OpenOf(robot_, 1).request}).ok());
+  const auto open = [&](const std::string& fleet, storage::FleetWord word, std::string gateway) {
+    OpenEntry entry = OpenOf(robot_, 1);
+    entry.request.robot = std::make_shared<const model::RobotId>(
+        model::RobotId{.ruri = robot_.robot()->ruri, .fleet = fleet});
+    entry.request.fleet_word = word;
+    entry.gateway = std::move(gateway);
+    inbox.Open(std::move(entry));
+    static_cast<void>(opening_.Gather());
+    EXPECT_EQ(opening_.Open(), Step::kWorked);
+  };
+  const std::string before = robot_.robot()->fleet;
+  open("another", storage::FleetWord::kMatches, "CN=hall");
+  EXPECT_THAT(moves, IsEmpty()) << "it is refused";
+  open("another", storage::FleetWord::kMoves, "CN=hall");
+  open("another", storage::FleetWord::kMoves, "CN=hall");
+  ASSERT_EQ(moves.size(), 1U) << "once";
+  EXPECT_EQ(moves[0].ruri, robot_.robot()->ruri);
+  EXPECT_EQ(moves[0].from, before);
+  EXPECT_EQ(moves[0].to, "another");
+  EXPECT_EQ(moves[0].gateway, "CN=hall");
 }
 
 TEST_F(OpeningTest, SaysWhetherRecordsWait) {

@@ -32,7 +32,8 @@ struct StepBench {
             .went_back = went_back,
             .spatial_committed = spatial_committed,
             .store_reconnected = store_reconnected,
-            .slow_commit = slow_commit};
+            .slow_commit = slow_commit,
+            .moved = note_move};
   }
 
   void Open(RecordingClient& client, std::uint64_t open_id = 1) {
@@ -100,6 +101,10 @@ struct StepBench {
   std::vector<SlowCommit> slow_commits;
   std::function<void(const SlowCommit&)> slow_commit = [this](const SlowCommit& commit) {
     slow_commits.push_back(commit);
+  };
+  std::vector<Moved> moves;
+  std::function<void(const Moved&)> note_move = [this](const Moved& robot) {
+    moves.push_back(robot);
   };
   Holds holds{context()};
 };

@@ -1,7 +1,6 @@
 // A robot as one stream holds it: admitted, contested, opened, resumed, left.
 #include "server/session/attachment.h"
 
-#include "tests/unit/server/log/line_recorder.h"
 #include "tests/unit/server/session/stream_part_test.h"
 
 namespace uplink::session {
@@ -73,27 +72,6 @@ TEST_F(AttachmentTest, ARobotThatChangesHandsTooOftenIsContestedOnce) {
   ASSERT_TRUE(Attach(other_, Terms(SessionOf(2))).ok());
   EXPECT_EQ(probe_.contested_total.value(), 1);
   EXPECT_EQ(probe_.takeovers_total.value(), robot::kTakeoversPerMinuteMax + 2);
-}
-
-TEST_F(AttachmentTest, ARobotThatItsCertificateMovesIsALineOfTheLog) {
-  const log::testing::RecordedLog log(clock_, log::Format::kText, log::Level::kInfo);
-  log::RateLimited moves(log.logger);
-  context_.moves = &moves;
-  const auto come = [&](std::uint64_t stream, const std::string& fleet, const std::string& via) {
-    Attachment attachment(context_, Stream(stream));
-    ASSERT_TRUE(Attach(attachment, {.claim = {.robot = {.ruri = "rcan://bench/1", .fleet = fleet},
-                                              .grant = fleet::Grant::kNamed,
-                                              .gateway = via}})
-                    .ok());
-  };
-  come(1, "north", "");
-  come(2, "north", "CN=hall");
-  EXPECT_THAT(log.lines, IsEmpty());
-  come(3, "south", "CN=hall");
-  EXPECT_THAT(
-      log.lines,
-      ElementsAre(::testing::EndsWith(
-          " info robot_moved robot=rcan://bench/1 from=north to=south gateway=\"CN=hall\"")));
 }
 
 TEST_F(AttachmentTest, ARobotPastTheBoundIsRefusedAndCounted) {

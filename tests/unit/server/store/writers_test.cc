@@ -7,16 +7,23 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/journal/turns.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_store.h"
+#include "tests/unit/server/log/line_recorder.h"
 
 namespace uplink::store {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::IsEmpty;
 
 class WritersTest : public ::testing::Test {
  protected:
@@ -60,6 +67,31 @@ TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
   EXPECT_TRUE(testing::Eventually([&] { return writers->journals().idle(); }));
   writers->Stop();
   writers->Stop();
+}
+
+TEST_F(WritersTest, ARobotThatMovesToAnotherFleetIsALineOfTheLog) {
+  const log::testing::RecordedLog log(clock_, log::Format::kText, log::Level::kInfo);
+  Writers writers(stores_, {.clock = clock_,
+                            .ledgers = ledgers_,
+                            .probe = probe_,
+                            .fleet = fleet_,
+                            .random = [] { return std::uint64_t{0}; },
+                            .logger = &log.logger});
+  const auto come = [&](const std::string& fleet, std::string gateway) {
+    robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://bench/1", fleet});
+    journal::Journal& journal = writers.journals().Of(robot.ruri());
+    journal.Open(robot, 1, {.robot = robot.id(), .at = clock_.System()}, std::move(gateway));
+    while (journal.turns().Advance() == journal::Step::kWorked) {
+    }
+  };
+  come("north", "");
+  come("north", "CN=hall");
+  EXPECT_THAT(log.lines, IsEmpty());
+  come("south", "CN=hall");
+  EXPECT_THAT(
+      log.lines,
+      ElementsAre(EndsWith(
+          " info robot_moved robot=rcan://bench/1 from=north to=south gateway=\"CN=hall\"")));
 }
 
 class WritersReconnect : public WritersTest {
