@@ -81,12 +81,12 @@ class Attachment final {
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 
  private:
-  /// Says so of the robot's fleet as its certificate lets it. False if it may not.
+  /// Puts the robot into the fleet that its certificate names. A gateway's word for its own fleet
+  /// moves nothing: then false if the robot is in another fleet by now.
   [[nodiscard]] bool ClaimFleet();
-  /// By the name of its fleet.
+  /// Whether a stream may come with the name of this fleet (fleet::OddFleets).
   [[nodiscard]] fleet::Refusal JudgeFleet() const;
-  /// The robot's certificate, or one that names it, moved it from that fleet.
-  /// Counts it, and says it to the peer.
+  /// Counts the refusal, and returns what the peer is told.
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 
   const SessionContext& context_;
