@@ -15,7 +15,6 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
-#include "server/log/logger.h"
 #include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/limits.h"
