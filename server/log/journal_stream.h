@@ -4,10 +4,13 @@
 
 namespace uplink::log {
 
-/// Whether a descriptor leads to systemd's journal: `journal_stream`, the variable JOURNAL_STREAM
-/// of systemd.exec(5), names the device and inode of the stream that systemd made (`8:1234`). A
-/// descriptor that was turned elsewhere since, to a file or a pipe, is another one. False if
-/// the variable is empty or has another form.
+/// Whether a descriptor leads to systemd's journal. `journal_stream` is the variable
+/// JOURNAL_STREAM: the device and inode of the stream that systemd made (`8:1234`), which those of
+/// a descriptor that was redirected since do not equal. False if the variable is empty or has
+/// another form.
+///
+/// Source: systemd.exec(5).
+/// Thread: any.
 [[nodiscard]] bool IsJournal(std::string_view journal_stream, int descriptor);
 
 }  // namespace uplink::log

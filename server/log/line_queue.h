@@ -13,10 +13,10 @@
 
 namespace uplink::log {
 
-/// Finished lines between those who log and the one thread that writes, in order. A line that does
-/// not fit is dropped and counted: a log that nobody reads costs lines, and keeps nobody waiting.
+/// Finished lines between the threads that log and the one that writes, in order. A line that does
+/// not fit is dropped and counted: a reader that stalls costs lines, and no thread that logs waits.
 ///
-/// Limits: kLinesMax and kBytesMax, with those that are being written.
+/// Limits: kLinesMax and kBytesMax; lines that are being written count.
 /// Thread: thread-safe; Take is for one thread.
 class LineQueue final {
  public:
@@ -41,8 +41,8 @@ class LineQueue final {
 
   /// Appends a line, or drops it if there is no room, or after Close.
   void Push(std::string line);
-  /// All that waits; waits until there is a line or a loss. Nothing once the queue is closed and
-  /// empty. What was taken before counts as written.
+  /// Waits until there is a line or a loss, and takes all that there is. Nothing once the queue is
+  /// closed and empty. Lines that were taken before count as written.
   [[nodiscard]] std::optional<Taken> Take();
   /// A line that was taken could not be written.
   void NoteUnwritten();

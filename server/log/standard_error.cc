@@ -60,7 +60,7 @@ class StandardErrorSink final : public LineSink {
     }
   }
 
-  /// A line about those that were lost since the last such line, unless it is lost itself.
+  /// Writes how many lines were lost since it last could.
   void TellLost() {
     if (lost_ == 0) return;
     const Field lines("lines", lost_);
@@ -77,8 +77,8 @@ class StandardErrorSink final : public LineSink {
   const Clock& clock_;
   const StandardErrorOptions options_;
   LineQueue queue_;
-  /// Readable once the thread has to end. Without one (no descriptor is left) it ends with its
-  /// reader.
+  /// Readable once the thread has to end. -1 if the process had no descriptor left: then a write
+  /// that blocks ends with its reader alone.
   const int stop_;
   /// Lines that were lost and not told so far. The thread's.
   std::uint64_t lost_ = 0;

@@ -11,25 +11,27 @@
 
 namespace uplink::log {
 
-/// What a line begins with where journald reads it, `<4>` for a warning: the levels of syslog, as
-/// sd-daemon(3) has it.
+/// The priority with which a line begins where journald reads it: `<4>` for a warning. Pure.
+///
+/// Source: sd-daemon(3); the numbers are syslog's levels.
 [[nodiscard]] std::string_view PriorityOf(Level level);
 
 struct StandardErrorOptions {
+  /// Of the lines about losses, which the sink writes itself.
   Format format = Format::kText;
-  /// Each line begins with its priority, `<4>` for a warning, as journald reads it.
+  /// Whether each line begins with its priority (PriorityOf).
   bool priorities = false;
   LineQueue::Limits limits;
-  /// For tests.
+  /// Where lines go: another one in tests. It outlives the sink, which does not close it.
   int descriptor = STDERR_FILENO;
 };
 
-/// Lines to standard error, by a thread of its own, which alone waits for the reader. The lines
-/// that were dropped meanwhile are a line themselves, `log_lines_lost`, once there is room; so are
-/// those that could not be written (a full disk, a closed pipe).
+/// A sink that writes lines to standard error by a thread of its own, which alone waits for the
+/// reader. Once there is room again, a line `log_lines_lost` says how many lines were dropped
+/// meanwhile, or could not be written (a full disk, a closed pipe).
 ///
-/// Its end waits for the reader as well, kFlushWait at most. `clock` stamps the lines about losses
-/// and outlives it.
+/// Limits: LineQueue's. The sink's end waits for the reader for kFlushWait at most.
+/// Thread: the sink is thread-safe. `clock` stamps the lines about losses and outlives it.
 [[nodiscard]] std::unique_ptr<LineSink> StandardError(const Clock& clock,
                                                       const StandardErrorOptions& options);
 
