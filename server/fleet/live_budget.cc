@@ -34,8 +34,8 @@ void LiveBudget::Relieve() {
     holders.push_back(std::move(most));
     std::ranges::push_heap(holders, {}, &Holder::bytes);
   }
-  // What is no part cannot be dropped: where that alone is over the budget, further messages do not
-  // look again at once.
+  // What is no part cannot be dropped. Where that alone is over the budget, the next look comes
+  // once a further 1 / kLiveRoomShare was added, and not at each message.
   context_.fleet.live_total()->SetTrigger(
       std::max(context_.bytes_max, bytes() + context_.bytes_max / kLiveRoomShare));
   relieving_.store(false);
@@ -130,7 +130,7 @@ void LiveBudget::Tell() {
   }
   const auto& [name, most] =
       *std::ranges::max_element(losses, {}, [](const auto& each) { return each.second.bytes; });
-  context_.logger.Warn("live_state_dropped", {{name.kind, name.text},
+  context_.logger.Warn("live_state_dropped", {{name.key, name.text},
                                               {"held_bytes", most.held_bytes},
                                               {"parts", most.parts},
                                               {"bytes", most.bytes},

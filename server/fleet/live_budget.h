@@ -18,18 +18,25 @@
 
 namespace uplink::fleet {
 
-/// Past the budget this share of it is made free, so that the next look is that far away.
+/// Past the budget 1 / kLiveRoomShare of it is made free: the next look at all robots comes once
+/// that is filled again.
 inline constexpr std::size_t kLiveRoomShare = 16;
-/// How long `degraded` shows that parts were dropped, and how far lines about it are apart.
+/// How long `degraded` shows that parts were dropped, and how often at most a line says so.
 inline constexpr std::chrono::minutes kLiveDroppedShown{10};
 inline constexpr std::chrono::minutes kLiveLineEvery{1};
 
 /// The one budget of all live state in memory (limits.live_bytes_max), of robots and twins. Past
 /// it, the certificate (of twins: the id) whose robots hold most loses their largest parts.
 ///
-/// A robot counts for the certificate of its last stream: a gateway's, or its own. Those without a
+/// A robot counts for the certificate of its last stream: a gateway's, or its own. Robots without a
 /// stream in this life of the server count together: a gateway may have brought them all, and an
-/// honest robot that speaks is not to lose before them.
+/// honest robot that speaks must not lose before they do.
+///
+/// The total alone is counted as messages come (robot::LiveTotal). Who holds how much of it is
+/// added up from all robots once the total is over the budget.
+///
+/// Limits: Context::bytes_max, passed by what threads add while one of them relieves it, and by
+///         what is no part: that cannot be dropped.
 /// Thread: thread-safe. It holds no lock while it looks at robots.
 class LiveBudget final {
  public:
@@ -39,19 +46,22 @@ class LiveBudget final {
     Fleet& fleet;
     cyberwave::Twins& twins;
     const log::Logger& logger;
+    /// At least 1 (lifecycle::LiveBytesMaxOf).
     std::size_t bytes_max = 0;
   };
-  /// Before the first thread: from now on whoever applies a message past the budget relieves it.
+  /// Before the first thread: from now on a thread that applies a message past the budget calls
+  /// Relieve.
   explicit LiveBudget(const Context& context);
-  /// Nobody applies messages any more.
+  /// After the last message was applied.
   ~LiveBudget() { context_.fleet.live_total()->SetTrigger(robot::LiveTotal::kNever); }
   LiveBudget(const LiveBudget&) = delete;
   LiveBudget& operator=(const LiveBudget&) = delete;
 
-  /// Each second: relieves what came otherwise than by a message, and writes the line.
+  /// Called each second by one thread: relieves what came otherwise than by a message (a restore),
+  /// and writes the line.
   void Round();
-  /// Drops parts until the total is kLiveRoomShare below the budget. At once if the budget is not
-  /// reached, or if another thread does it already.
+  /// Drops parts until 1 / kLiveRoomShare of the budget is free, or no part is left. Does nothing
+  /// within the budget, or while another thread does it.
   void Relieve();
 
   [[nodiscard]] std::size_t bytes() const { return context_.fleet.live_total()->bytes(); }
@@ -61,17 +71,20 @@ class LiveBudget final {
   [[nodiscard]] bool over() const;
 
  private:
-  /// For whom robots and twins count, with the word of a line's key.
+  /// For whom robots and twins count, as key and value of the line: `gateway`, `robot`, `twin`, or
+  /// `robots` for those that were not heard.
   struct Name {
-    std::string kind;
+    std::string key;
     std::string text;
     friend auto operator<=>(const Name&, const Name&) = default;
   };
-  /// One part of a robot, or one table of a twin; one of the two is null.
+  /// One part of a robot, or one table of a twin.
   struct Part {
     std::size_t bytes = 0;
+    /// One of the two is null.
     RobotPtr robot;
     cyberwave::TwinPtr twin;
+    /// A storage::LivePart, or a cyberwave::TwinTable.
     std::size_t index = 0;
   };
   struct Holder {
@@ -79,11 +92,13 @@ class LiveBudget final {
     std::size_t bytes = 0;
     std::vector<RobotPtr> robots;
     std::vector<cyberwave::TwinPtr> twins;
-    /// Made when it is the first time the one that holds most; the largest last.
+    /// In ascending order of bytes. Read once this is the holder of most; nothing before.
     std::optional<std::vector<Part>> parts;
   };
   struct Loss {
+    /// What the holder held before, the most of all times since the last line.
     std::size_t held_bytes = 0;
+    /// What it lost.
     std::size_t parts = 0;
     std::size_t bytes = 0;
   };
@@ -91,13 +106,16 @@ class LiveBudget final {
   [[nodiscard]] static Name NameOf(const robot::Robot& robot);
   [[nodiscard]] std::vector<Holder> Holders() const;
   [[nodiscard]] static std::vector<Part> PartsOf(const Holder& holder);
-  /// Drops parts of the one that holds most until it holds less than `next_bytes`, at least one.
-  /// False if it has none left.
+  /// Drops the largest parts of the holder of most, at least one, until it holds no more than
+  /// `next_bytes` or the goal is reached. False if it has none left.
   bool DropLargest(Holder& most, std::size_t next_bytes);
+  /// Returns the bytes that it freed.
   [[nodiscard]] std::size_t Drop(const Part& part);
+  /// Relieve drops parts until the total is at most this.
   [[nodiscard]] std::size_t goal() const {
     return context_.bytes_max - context_.bytes_max / kLiveRoomShare;
   }
+  /// Writes the line about losses since the last one, if there are any and kLiveLineEvery is over.
   void Tell();
 
   const Context context_;
@@ -108,7 +126,7 @@ class LiveBudget final {
   /// The calls of Round alone.
   SteadyTime told_at_;
   mutable std::mutex mutex_;
-  /// What was not told yet, one entry per Holder.
+  /// Since the last line, one entry per holder.
   std::map<Name, Loss> losses_;
 };
 
