@@ -35,9 +35,10 @@ enum class Refusal : std::uint8_t {
   kGatewayFull,
   /// The robot is of another fleet than the gateway, whose certificate does not name it.
   kOtherFleet,
-  /// The fleet's name holds a character that nobody sees, and the store has no robot of it; or the
-  /// store was not read yet.
+  /// The fleet's name holds a character that is not seen, and the store has no robot of that fleet
+  /// (OddFleets).
   kOddFleet,
+  /// The same, but the store was not read yet: it may have such a robot.
   kFleetsUnread,
 };
 

@@ -73,8 +73,7 @@ class Fleet final {
   /// The same of a stream that may be a gateway's. By its word for a fleet alone, a robot of
   /// another fleet is refused, and new robots are up to GatewayRobotsMax.
   [[nodiscard]] Admission FindOrAdmitBy(const Claim& claim);
-  /// The robot, which the store has, admitted, or null if it is known already: then nothing of it
-  /// changes.
+  /// Admits a robot that the store has. Null, and nothing changes, if it is known already.
   /// kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
   /// Null if it is not known, or is out of memory (RemoveLeft).
@@ -90,12 +89,13 @@ class Fleet final {
   [[nodiscard]] std::size_t leaving() const { return leaving_.load(); }
   /// Robots that left memory, for whatever reason, since the start.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
-  /// In which the live state of each robot counts.
+  /// The memory of all live state: each robot's counts in it, and LiveBudget bounds it.
   [[nodiscard]] const std::shared_ptr<robot::LiveTotal>& live_total() const { return live_total_; }
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
 
-  /// Which names of fleets are refused; told what the store has by AdmitNew, too.
+  /// Which names of fleets are refused. It learns the fleets that the store has from store::Seed,
+  /// and from AdmitNew.
   [[nodiscard]] OddFleets& odd_fleets() { return odd_fleets_; }
 
   /// Robots in memory by the gateway's word for its fleet alone.
@@ -160,15 +160,16 @@ class Fleet final {
   /// The broker through which twins are heard was not heard until now, for so short a time maybe
   /// that no sweep was told: the silence of none of them until now counts.
   void NoteTwinsUnheard();
-  /// Another process that reaches the store knows within so long that it was replaced, and ends
-  /// streams by holds that it lost; one that does not is late by then (store::kLateAfter).
+  /// How long after the store was replaced every other process knows that, if it reaches the new
+  /// one, and has ended the streams whose holds it lost. One that does not reach it is late by then
+  /// (store::kLateAfter).
   static constexpr std::chrono::seconds kReplacedKnown{10};
   /// A look at the store that began then showed which robots other processes hold.
   void NoteStoreLooked(SteadyTime began) { store_looked_.store(began); }
-  /// The store may be another one from now on, which lacks the last commits: it may name this
-  /// process as the holder of a robot that another one hears. The silence of no robot counts until
-  /// kReplacedKnown from now; and who became offline since the last look (NoteStoreLooked) is
-  /// unknown until then, as after a stall.
+  /// From now on the store may be another one that lacks the last commits: it may name this process
+  /// as the holder of a robot that another process hears. So no robot's silence counts until
+  /// kReplacedKnown from now, and robots that became offline since the last look (NoteStoreLooked)
+  /// are unknown until then, as after a stall.
   void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }
@@ -216,8 +217,8 @@ class Fleet final {
   const BootClock* const boot_;
   /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
-  /// The latest of NoteStoreLooked. A store that one process has alone is never looked at so:
-  /// after it no robot is in doubt.
+  /// The latest of NoteStoreLooked: robots that became offline after it are in doubt. A store that
+  /// this process has alone is never looked at so; then none is in doubt.
   std::atomic<SteadyTime> store_looked_{SteadyTime::max()};
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;

@@ -10,25 +10,29 @@
 
 namespace uplink::fleet {
 
-/// Odd names of fleets that are remembered; further ones of the store are refused like new ones.
+/// Odd names that are remembered; further ones that the store has are refused like new ones.
 inline constexpr std::size_t kOddFleetsMax = 1'000;
 
-/// Fleets whose names hold a character that nobody sees, and that the store has robots of. Such a
-/// name is no new fleet's: it would look like another one's. It is judged by its own form, never by
-/// other names. Thread-safe.
+/// Which fleets may have an odd name, one with a character that is not seen
+/// (identity::UnseenCharacter): those that the store has robots of. A new fleet may not, since its
+/// name can look like another's. A name is odd by its own form; it is never compared with others.
+///
+/// Limits: kOddFleetsMax.
+/// Thread: thread-safe.
 class OddFleets final {
  public:
   enum class Verdict : std::uint8_t {
-    /// Nothing is odd, or the store has robots of this fleet.
+    /// The name is plain, or the store has robots of this fleet.
     kFits,
+    /// The name is odd, and the store has no robot of this fleet.
     kRefused,
-    /// It is odd, and the store's robots were not read yet.
+    /// The name is odd, and the store's robots were not read yet.
     kUnread,
   };
 
-  /// The store has a robot of this fleet.
+  /// The store has a robot of this fleet. A plain name is not remembered.
   void Know(std::string_view fleet);
-  /// All of the store's robots were told.
+  /// Know was called for all fleets of the store: a further odd name is new.
   void SetRead();
   [[nodiscard]] Verdict Judge(std::string_view fleet) const;
 

@@ -16,8 +16,8 @@
 
 namespace uplink::store {
 
-/// Fleets of robots that there was no room for whose names are read: those beyond ASCII, one of
-/// which may hold a character that nobody sees.
+/// Fleets that are read by name alone, where limits.robots_max leaves no room for all robots: those
+/// with a name beyond ASCII, since such a name may be odd (fleet::OddFleets).
 inline constexpr std::uint32_t kFleetsReadMax = 10'000;
 
 /// Takes the robots that the store knows into the fleet, each as its last holder wrote it, with
@@ -46,7 +46,7 @@ class Seed final {
   [[nodiscard]] bool done() const { return done_.load(); }
 
  private:
-  /// Of robots that are not among those that were read.
+  /// Tells OddFleets the names of fleets whose robots were not read.
   absl::Status KnowOtherFleets() const;
   void RestoreSession(const storage::RobotRow& row) const;
   void Take(robot::Robot& robot, const storage::RobotRow& row) const;
