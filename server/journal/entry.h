@@ -18,7 +18,7 @@ struct Origin {
   std::uint64_t generation = 0;
   SteadyTime arrived;
   std::size_t bytes = 0;
-  /// Among what waits of the gateway that its stream came through.
+  /// Counts it for the gateway that its stream came through.
   GatewayPlace place{};
   /// It was part of a commit without an answer, which may have been carried out.
   bool tried = false;

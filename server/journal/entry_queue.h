@@ -74,16 +74,17 @@ class EntryQueue final {
   /// The robot's line; an empty one that goes first or last, if it has none.
   Line& LineOf(const Origin& origin, End end);
   Certificates::iterator CertificateOf(const GatewayRef& gateway, End end);
-  /// Gives turns to the certificates of `from`, those of robots that may go, until the batch holds
-  /// so much. Whose turn is over waits in old_.
+  /// Gives turns to the certificates of `from` until the batch holds `records_max` or `bytes_max`,
+  /// or kPassedMax lines were passed over. A certificate that had its turn and has something left
+  /// waits in old_.
   void GiveTurns(Certificates& from, Filling& filling, std::size_t records_max,
                  std::size_t bytes_max);
-  /// Moves one message into the batch, if one may go; false if none does. Lines of which nothing
-  /// may go are moved into `passed`; once the gateway is full, the others are not looked at.
+  /// Moves one message into the batch; false if none may go. Moves lines that may not go into
+  /// `passed`, up to the first that finds the gateway full: the others are not looked at.
   bool GiveTurn(Certificate& certificate, Filling& filling, Lines& passed);
 
-  /// Of which nothing was left when the last batch was taken, and those that had a turn since they
-  /// came.
+  /// new_: certificates that had no turn since they came. old_: those that had one, and have
+  /// something left.
   Certificates new_;
   Certificates old_;
   bool old_first_ = false;

@@ -179,7 +179,7 @@ void Inbox::WhenRoom(robot::StreamRef stream, GatewayRef gateway) {
 
 milliseconds Inbox::oldest(SteadyTime now) const {
   const std::lock_guard lock(mutex_);
-  // What lags may be older than what was taken.
+  // What earlier batches left may be older than what the last one took.
   std::optional<SteadyTime> oldest = queue_.oldest();
   if (batch_oldest_ && (!oldest || *batch_oldest_ < *oldest)) oldest = batch_oldest_;
   return oldest ? std::chrono::duration_cast<milliseconds>(now - *oldest) : milliseconds(0);

@@ -31,7 +31,8 @@ enum class Room : std::uint8_t {
   /// The robot's share is full, or its gateway's. A robot of which nothing waits has room for one
   /// record of any size.
   kShareFull,
-  /// The journal is full; or the gateway has twice its share, and nothing of the robot waits.
+  /// The journal is full; or its gateway has kGatewaySharesMax shares, though nothing of the robot
+  /// waits.
   kFull,
 };
 
@@ -89,11 +90,11 @@ class Inbox final {
   };
 
   void Push(Entry entry);
-  /// The gateway of a robot has less than so many of its shares of the journal, with `bytes` more
-  /// at most so many.
+  /// Whether the gateway has less than `shares` times its share of the journal now, and no more
+  /// than that with `bytes` more. True for null.
   [[nodiscard]] bool IsWithin(const GatewayUse* gateway, std::size_t shares,
                               std::size_t bytes) const;
-  /// There is room for a robot of which nothing waits.
+  /// Whether a robot with nothing waiting has room.
   [[nodiscard]] bool HasRoomFor(const GatewayUse* gateway) const {
     return HasRoom() && IsWithin(gateway, kGatewaySharesMax, 0);
   }
@@ -115,7 +116,7 @@ class Inbox final {
   /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
   std::vector<storage::Deliveries> deliveries_;
   std::vector<Waiter> waiting_for_room_;
-  /// By subject; those of which no stream is here and no entry waits go with the next look-up.
+  /// By subject. Those without a stream and a waiting entry are removed at the next look-up.
   std::unordered_map<std::string, std::weak_ptr<GatewayUse>> gateways_;
   /// Each once.
   std::vector<robot::StreamRef> waiting_for_commit_;

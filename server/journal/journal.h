@@ -57,15 +57,16 @@ class Journal final {
   Journal& operator=(const Journal&) = delete;
 
   /// Queues an OpenStream, ahead of the stream's first records; it replaces a queued one of the
-  /// same client. `gateway` as Moved's.
+  /// same client. `gateway`: the subject of the one that the stream came through; empty without.
   void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request,
             std::string gateway = {});
-  /// What waits here of the robots of the gateway with this subject; null if it is empty.
+  /// Counts what waits here of all robots of the gateway with this subject; the same object for the
+  /// same subject while a stream or an entry has it. Null for an empty subject.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
   /// Appends one durable message. Always takes it: callers ask RoomFor before.
-  /// `by` has the client's generation when the record's stream began: a record that a fence
-  /// overtook on its way here must not be written, since the cursor would pass those that the fence
-  /// dropped.
+  /// `by` has the client's generation as of the stream's begin. A record of an older generation is
+  /// one that a fence overtook on its way here. It is not written: the cursor would pass the
+  /// numbers that the fence dropped.
   void Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
               SteadyTime arrived);
   /// As Append, of all that one message is, in order of the numbers: one commit has all of it.
@@ -116,8 +117,8 @@ class Journal final {
   /// the store is away it is tried again.
   void RequestCheckpoint();
 
-  /// Whether a record that costs `bytes` (CostOf) may come from a robot of which that waits,
-  /// through this gateway.
+  /// Whether a robot may append a record that costs `bytes` (CostOf). `robot` is what already waits
+  /// of it; `gateway` is that of its stream, null without.
   [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes,
                              const GatewayUse* gateway = nullptr) const {
     return inbox_.RoomFor(robot, bytes, gateway);

@@ -24,16 +24,16 @@ struct BatchShare {
   std::size_t records_max = 128;
   std::size_t bytes_max = std::size_t{256} * 1024;
 };
-/// What all robots of one gateway may have in one commit: the shares of two robots. All others wait
-/// for it, too.
+/// What all robots of one gateway may have in one commit: the shares of two robots. All other
+/// robots of the shard wait for that commit.
 inline constexpr BatchShare kGatewayBatchShare = {.records_max = 256,
                                                   .bytes_max = std::size_t{512} * 1024};
 /// Robots that are passed over while a batch is filled: they have their share of it, or are not
 /// held.
 inline constexpr std::size_t kPassedMax = 4096;
 
-/// Shares of one gateway that its robots of which nothing waits may fill: each of them may append
-/// one record though others have filled the gateway's share, up to here.
+/// Past its gateway's share a robot with nothing waiting may append one record, until all robots of
+/// the gateway have this many shares.
 inline constexpr std::size_t kGatewaySharesMax = 2;
 
 struct JournalLimits {
@@ -48,8 +48,9 @@ struct JournalLimits {
   BatchShare batch_gateway = kGatewayBatchShare;
   /// One robot may have 1 / robot_share of bytes_max and records_max (journal.robot_share).
   std::size_t robot_share = config::JournalConfig().robot_share;
-  /// All robots of one gateway may have 1 / gateway_share, or what one robot may have, if that is
-  /// more: with kGatewaySharesMax, half of the journal is left to all others.
+  /// All robots of one gateway may have 1 / gateway_share of bytes_max and records_max together, or
+  /// what one robot may have, if that is more. With kGatewaySharesMax half of the journal stays for
+  /// all others.
   std::size_t gateway_share = 4;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
   /// does.

@@ -60,7 +60,7 @@ class PresenceLog final {
   [[nodiscard]] std::size_t uncommitted() const { return uncommitted_.load(); }
 
  private:
-  /// As Follow, of a robot of which that was put back.
+  /// As Follow, of a robot whose change `put_back` is.
   bool FollowPutBack(std::vector<storage::PresenceItem>::iterator put_back,
                      const std::optional<storage::StoredPresence>& stored, Reconnected to);
 
