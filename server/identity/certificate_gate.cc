@@ -178,8 +178,7 @@ std::string_view TextOf(CertificateFlaw flaw) {
       return "names and extensions of more than 2,048 elements";
     case CertificateFlaw::kKeyKind:
       return "a key that is none of P-256, P-384, P-521 (by name: written out they are none), "
-             "Ed25519, "
-             "Ed448, RSA and RSA-PSS";
+             "Ed25519, Ed448, RSA and RSA-PSS";
     case CertificateFlaw::kKeySize:
       return "an RSA key of over 4,096 bits, or with an exponent of over 64 bits";
     case CertificateFlaw::kRelativePoint:

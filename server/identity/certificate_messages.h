@@ -33,8 +33,9 @@ class CertificateMessages final {
 
   /// What is wrong with certificates that the peer showed; kNone if nothing was.
   [[nodiscard]] CertificateFlaw flaw() const { return flaw_; }
-  /// A call on the connection failed with that of OpenSSL, the earliest of its queue: OpenSSL does
-  /// not read a Certificate message of more than kShownBytesMax, so the gate is not told of it.
+  /// A call on the connection failed; `error` is the earliest in OpenSSL's queue. It may say that a
+  /// Certificate message is larger than kShownBytesMax: OpenSSL does not read such a message, so
+  /// the gate never sees it.
   void NoteFailure(unsigned long error);  // NOLINT(google-runtime-int): the library's type
   /// Whole messages of the handshake's kind that came since the last call: once the handshake is
   /// over, new keys mostly.

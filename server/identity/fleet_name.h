@@ -18,9 +18,9 @@ inline constexpr std::string_view kAllFleets = "*";
 /// Thread: pure; any thread.
 [[nodiscard]] std::optional<std::string> FlawOfFleet(std::string_view fleet);
 
-/// As FlawOfFleet, for a name that is chosen now: it holds no character that nobody sees either.
-/// The relay takes such a name of fleets alone that the store has robots of. `fleet` must be
-/// well-formed UTF-8.
+/// As FlawOfFleet, for a name that is chosen now: a character that is not seen (UnseenCharacter) is
+/// a flaw too. The relay takes such a name only for a fleet that the store has robots of. `fleet`
+/// must be well-formed UTF-8.
 [[nodiscard]] std::optional<std::string> FlawOfNewFleet(std::string_view fleet);
 
 }  // namespace uplink::identity

@@ -11,9 +11,9 @@
 
 #include "server/identity/pem_blocks.h"
 
-/// OpenSSL's objects with an owner, and how they are read from PEM texts: by these functions
-/// alone, at a start and whenever a file is read again, so that both take and refuse the same.
-/// Nobody is ever asked for a pass phrase.
+/// OpenSSL's objects with an owner, and the only functions that read them from PEM texts: at a
+/// start and whenever a file is read again, so that both take and refuse the same. They never ask
+/// the terminal for a pass phrase.
 namespace uplink::identity {
 
 struct BioFree {
@@ -39,8 +39,9 @@ using CertificateJudge = absl::FunctionRef<std::string(X509*)>;
 /// All certificates of a text in their order, at least one, also those with OpenSSL's own notes on
 /// their trust. Blocks of other kinds count for nothing.
 ///
-/// Errors: kFailedPrecondition as of BlocksOf, or if there is none; as of CheckBlocks, which names
-///         those too that cannot be read, or that the judge finds a flaw in.
+/// Errors: kFailedPrecondition as of BlocksOf and CheckBlocks, or if there is no certificate.
+/// Blocks
+///         that cannot be read, or in which the judge finds a flaw, are named too.
 /// Thread: any, as those below; OpenSSL's queue of errors is empty after it.
 [[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem);
 [[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem,

@@ -69,8 +69,7 @@ absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& ke
   if (!Signs(*certificate)) {
     return Unfit(
         fmt::format("{}: its key is of a kind with which no TLS server signs: taken are curves "
-                    "P-256, P-384 and "
-                    "P-521, RSA, Ed25519 and Ed448",
+                    "P-256, P-384 and P-521, RSA, Ed25519 and Ed448",
                     certificate_pem.name));
   }
   return absl::OkStatus();

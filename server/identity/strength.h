@@ -9,14 +9,14 @@
 
 namespace uplink::identity {
 
-/// Keys and signatures that are too weak for OpenSSL. How strong they must be is its security
-/// level: 2 unless whoever built or runs the library says otherwise, so RSA of 2,048 bits and no
-/// SHA-1.
+// Keys and signatures that are too weak for OpenSSL. Its security level says how strong they must
+// be. That is 2 unless the library's build or its openssl.cnf says otherwise: RSA from 2,048 bits
+// on, and no SHA-1.
 
-/// What is wrong with an authority's key: no certificate behind it is trusted. Empty if it is
-/// strong enough.
+/// What is wrong with the key of an authority that is too weak: no certificate behind it would be
+/// trusted. Empty if it is strong enough.
 ///
-/// Thread: any; pure, as that below.
+/// Thread: pure; any thread, as that below.
 [[nodiscard]] std::string WeaknessOf(X509& authority);
 
 /// Whether a TLS server or client may show this chain, and use this key, both of which can be read.
