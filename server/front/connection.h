@@ -112,7 +112,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Handshake();
   void BeginHttp2();
   void ReadPlain();
-  /// The peer reads the answers that it asks for; else its connection ends.
+  /// Whether the peer reads the answers that it asks for; if not, ends its connection.
   [[nodiscard]] bool AnswersGoOut();
   void SettleCalls();
   /// Writes what is to be said, as far as the peer takes it; true if anything went out.

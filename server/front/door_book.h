@@ -48,7 +48,7 @@ class DoorBook final {
   /// A line about a call that we end for what its messages are; kInternal is gRPC's word for one
   /// that breaks its rules.
   void TellFailure(const absl::Status& status, const Origin& origin, SteadyTime now);
-  /// A line about a stream that ends with this, if it was refused, broke a rule of
+  /// Writes a line about a stream that ends with this status, if it was refused, broke a rule of
   /// the protocol, or came through a gateway and was superseded.
   void TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now);
 

@@ -1,6 +1,13 @@
 #include "server/front/frame_kinds.h"
 
 namespace uplink::front {
+namespace {
+
+bool IsPingOrSettings(const nghttp2_frame_hd& header) {
+  return header.type == NGHTTP2_PING || header.type == NGHTTP2_SETTINGS;
+}
+
+}  // namespace
 
 std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
   switch (header.type) {
@@ -25,14 +32,6 @@ std::optional<FrameKind> KindOf(const nghttp2_frame_hd& header) {
       return FrameKind::kUnknown;
   }
 }
-
-namespace {
-
-bool IsPingOrSettings(const nghttp2_frame_hd& header) {
-  return header.type == NGHTTP2_PING || header.type == NGHTTP2_SETTINGS;
-}
-
-}  // namespace
 
 bool IsAnswer(const nghttp2_frame_hd& header) {
   return IsPingOrSettings(header) && (header.flags & NGHTTP2_FLAG_ACK) != 0;

@@ -54,8 +54,8 @@ struct FrameLimit {
   std::string_view label;
 };
 
-/// By kind. No client answers our frames with the other kinds: SETTINGS follow the bandwidth that
-/// it measures, which doubles a dozen times at most.
+/// By kind. Clients answer our frames by PING and WINDOW_UPDATE alone (per_sent). SETTINGS follow
+/// the bandwidth that a client measures, which doubles a dozen times at most.
 inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
     {FrameKind::kReset, 20, 100, FrameScope::kStreams, 0, "reset"},
     // Source: bdp_estimator.go of grpc-go, which measures the bandwidth by a PING after DATA.
@@ -77,15 +77,15 @@ inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
   return kFrameLimits[static_cast<std::size_t>(kind)];
 }
 
-/// Frames of a kind that may be left over from what we sent: as many as a slow network has under
-/// way.
+/// Answers of a kind that may be outstanding to frames that we sent: as many as a slow network has
+/// under way.
 inline constexpr std::uint16_t kForSentMax = 4'000;
-/// Once we have sent nothing for this long, what is left over is void: a client answers sooner.
+/// Once we have sent nothing for this long, no answer is outstanding: a client answers sooner.
 inline constexpr std::chrono::seconds kForSentWait{8};
 
-/// How many frames of each kind a connection's peer may still send (GCRA: per kind the one time at
-/// which all of its burst is there again), and how many more for what we sent. Allocates nothing.
-/// Confined to the connection's thread.
+/// How many frames of each kind a connection's peer may still send, and how many more as answers to
+/// frames that we sent. The first is GCRA: it keeps per kind the time at which the whole burst is
+/// there again. Allocates nothing. Confined to the connection's thread.
 class FrameRates final {
  public:
   /// For a peer that may have so many streams; until TLS has shown which one, a robot's.
@@ -93,15 +93,15 @@ class FrameRates final {
 
   /// We sent a HEADERS or DATA frame: the peer may answer it.
   void NoteSent(SteadyTime now);
-  /// Whether a frame that came now may be the answer to one of ours; then it costs no more than
-  /// that.
+  /// Whether a frame that came now counts as the answer to one of ours. If so, Take must not be
+  /// asked for it too.
   [[nodiscard]] bool TakeForSent(FrameKind kind, SteadyTime now);
   /// Whether a frame that came now is within its kind's limit; one that is not costs nothing.
   [[nodiscard]] bool Take(FrameKind kind, SteadyTime now);
 
  private:
   std::uint32_t streams_max_;
-  /// By kind: what NoteSent gave, and TakeForSent has not taken.
+  /// By kind: answers outstanding, which NoteSent adds and TakeForSent takes.
   std::array<std::uint16_t, kFrameKinds> for_sent_{};
   SteadyTime sent_at_;
   std::array<SteadyTime, kFrameKinds> full_at_{};

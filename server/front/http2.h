@@ -22,7 +22,7 @@ namespace uplink::front {
 /// Header fields that we send, in order.
 using Headers = std::vector<std::pair<std::string_view, std::string>>;
 
-/// What a peer is told that is Http2::flooded().
+/// What a peer is told when its connection ends for Http2::flooded().
 inline constexpr std::string_view kFloodedText = "too many frames that ask for an answer";
 
 /// One HTTP/2 stream of a peer's, as its connection hears of it. The calls come while bytes are
@@ -136,7 +136,7 @@ class Http2 final {
   /// Ends the connection with a code, and a text for who looks: no stream goes on.
   void End(std::uint32_t code, std::string_view text);
 
-  /// More than kAnswersWaitingMax answers to PING and SETTINGS of the peer did not go out.
+  /// More than kAnswersWaitingMax answers to the peer's PING and SETTINGS wait to be sent.
   [[nodiscard]] bool flooded() const { return answers_waiting_ > kAnswersWaitingMax; }
 
   /// Called by nghttp2's callbacks alone, as what follows is.
@@ -145,8 +145,9 @@ class Http2 final {
   /// A list of headers begins; a field of so many bytes belongs to it, false if it is a bomb.
   void BeginHeaders() { header_bytes_ = 0; }
   [[nodiscard]] bool CountHeader(std::size_t bytes);
-  /// A frame of the peer asks for an answer; one of ours goes out.
+  /// A PING or SETTINGS came that must be answered.
   void OnQuestion() { ++answers_waiting_; }
+  /// The answer to one of these went out.
   void OnAnswerSent() {
     if (answers_waiting_ > 0) --answers_waiting_;
   }

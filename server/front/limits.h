@@ -28,10 +28,11 @@ inline constexpr std::size_t kPathBytesMax = 256;
 inline constexpr std::uint32_t kRobotStreamsMax = 16;
 /// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
 inline constexpr std::size_t kAnswersWaitingMax = 64;
-/// Answers that one record of TLS can ask for, by SETTINGS without content: they go out before the
-/// next record is read.
+/// Answers that one record of TLS (16 KiB) can ask for, by SETTINGS without content (9 bytes each).
+/// They go out before the next record is read.
 inline constexpr std::size_t kAnswersPerRecordMax = std::size_t{16} * 1024 / 9;
-/// Where a bound of nghttp2 must not come before ours: more than frames per second can be.
+/// Given to nghttp2 as a rate where our own bound must come first: more frames per second than can
+/// arrive.
 inline constexpr std::uint64_t kNoLibraryLimit = std::uint64_t{1} << 32U;
 
 /// What a thread reads at once, over all its connections.
@@ -65,7 +66,7 @@ inline constexpr std::size_t kGatewayConnectionsMax = 16;
 inline constexpr std::chrono::minutes kIdleWait{5};
 /// How long we read on after our last word, so that no reset destroys it on its way.
 inline constexpr std::chrono::seconds kLingerWait{1};
-/// How often we do then, kSharedReadBytes at a time: as often as in a handshake
+/// How many reads of kSharedReadBytes we do in that time: as many as a handshake may take
 /// (kHandshakeReadsMax). Without a bound a stranger's bytes cost 350 ms of CPU in that second
 /// (measured).
 inline constexpr std::size_t kLingerReadsMax = 128;
