@@ -6,11 +6,11 @@
 
 namespace uplink::journal {
 
-/// A commit that takes as long is worth a line of level debug: several times what a disk takes for
-/// its flush, and a part of what robots notice.
+/// A commit that takes this long or longer is worth a line of level debug: a disk's flush takes a
+/// fraction of it, and robots do not notice it yet.
 inline constexpr milliseconds kSlowCommit{100};
 
-/// One commit of the store. A value.
+/// A commit of the store that took kSlowCommit or longer. A value.
 struct SlowCommit {
   std::size_t records = 0;
   std::size_t presence_changes = 0;

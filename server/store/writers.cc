@@ -15,12 +15,10 @@ void TellSlowCommit(const log::Logger& logger, std::size_t shard,
                                {"ms", commit.took.count()}});
 }
 
-void LogMove(log::RateLimited& log, const journal::Moved& moved) {
-  log.Write(log::Level::kInfo, "robot_moved",
-            {{"robot", moved.ruri},
-             {"from", moved.from},
-             {"to", moved.to},
-             {"gateway", moved.gateway}});
+void TellMove(log::RateLimited& lines, const journal::Moved& moved) {
+  lines.Write(
+      log::Level::kInfo, "robot_moved",
+      {{"robot", moved.ruri}, {"from", moved.from}, {"to", moved.to}, {"gateway", moved.gateway}});
 }
 
 std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
@@ -44,7 +42,7 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
     journals.back()->OnSlowCommit([logger = context.logger, shard](const auto& commit) {
       TellSlowCommit(*logger, shard, commit);
     });
-    journals.back()->OnMoved([moves](const auto& moved) { LogMove(*moves, moved); });
+    journals.back()->OnMoved([moves](const auto& moved) { TellMove(*moves, moved); });
   }
   return journals;
 }

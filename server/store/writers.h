@@ -46,8 +46,7 @@ class Writers final {
     std::function<void()> store_reconnected = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
-    /// Lines about robots that move to another fleet, and at level debug about slow commits; none if
-    /// null.
+    /// Writes `robot_moved`, and `commit_slow` at level debug. Null: no such lines.
     const log::Logger* logger = nullptr;
   };
   /// At least one store; they outlive it.
@@ -66,7 +65,7 @@ class Writers final {
   std::uint64_t Random();
 
   const Context context_;
-  /// Null without a logger.
+  /// Writes `robot_moved` for all journals. Null without a logger; outlives the journals.
   std::unique_ptr<log::RateLimited> moves_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
