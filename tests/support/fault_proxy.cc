@@ -23,6 +23,7 @@ constexpr int kLookMs = 1;
 constexpr int kIdleMs = 1000;
 /// The tag of CommandComplete.
 constexpr std::string_view kCommit("COMMIT\0", 7);
+constexpr std::string_view kRollback("ROLLBACK\0", 9);
 
 sockaddr_in Loopback(std::uint16_t port) {
   sockaddr_in address{};
@@ -137,6 +138,10 @@ void FaultProxy::ReadInto(Pair& pair, Pipe& pipe) {
   }
   piece.resize(static_cast<std::size_t>(count));
   if (pipe.is_reply && piece.find(kCommit) != std::string::npos && cut_commit_.exchange(false)) {
+    return Cut(pair);
+  }
+  if (pipe.is_reply && piece.find(kRollback) != std::string::npos &&
+      cut_rollback_.exchange(false)) {
     return Cut(pair);
   }
   if (pipe.is_reply && cut_reply_.exchange(false)) {

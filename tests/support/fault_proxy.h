@@ -46,6 +46,8 @@ class FaultProxy final {
   /// The next reply that says COMMIT is swallowed, and its connection cut: the server has
   /// committed, and the client does not know.
   void CutNextCommit() { cut_commit_.store(true); }
+  /// The same of a reply that says ROLLBACK.
+  void CutNextRollback() { cut_rollback_.store(true); }
   /// Connections that were cut.
   [[nodiscard]] int cuts() const { return cuts_.load(); }
   /// It takes connections: some time after Set.
@@ -90,6 +92,7 @@ class FaultProxy final {
   std::atomic<ProxyMode> mode_{ProxyMode::kPass};
   std::atomic<bool> cut_reply_{false};
   std::atomic<bool> cut_commit_{false};
+  std::atomic<bool> cut_rollback_{false};
   std::atomic<int> cuts_{0};
   std::atomic<int> connections_{0};
   // The thread's own.

@@ -126,9 +126,11 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>
   // What no row is to blame for may lie in the session: a new one is looked at anew.
   if (absl::IsInternal(results.status())) broken_ = true;
   if (results.ok() || broken_ || on_error == OnError::kLeave) return results;
-  absl::Status rolled_back = RollBack();
-  // The session is unusable; the first error says why.
-  if (!rolled_back.ok()) broken_ = true;
+  // Whatever was wrong: nobody goes on by this session.
+  if (absl::Status rolled_back = RollBack(); !rolled_back.ok()) {
+    broken_ = true;
+    return absl::UnavailableError(rolled_back.message());
+  }
   return results;
 }
 
@@ -267,7 +269,10 @@ absl::Status Connection::RunScript(const std::string& sql, std::string_view doin
   if (!error) return absl::OkStatus();
   if (EndsSession(*error)) return Broken(doing, error->message);
   absl::Status failed = MakeStatus(*error, where(), doing);
-  if (absl::Status rolled_back = RollBack(); !rolled_back.ok()) broken_ = true;
+  if (absl::Status rolled_back = RollBack(); !rolled_back.ok()) {
+    broken_ = true;
+    return absl::UnavailableError(rolled_back.message());
+  }
   return failed;
 }
 

@@ -1,7 +1,9 @@
+#include <fstream>
 #include <memory>
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,12 +12,15 @@
 #include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_trust.h"
+#include "tests/support/fault_proxy.h"
 #include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/support/temp_folder.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
+using testing::FaultProxy;
 using testing::PostgresDatabase;
 using testing::PostgresShell;
 
@@ -25,6 +30,9 @@ class PostgresBatchTest : public ::testing::Test {
   std::unique_ptr<PostgresStore> Store(std::uint8_t process) {
     StoreOptions options;
     options.url = database_.url();
+    return Store(process, std::move(options));
+  }
+  std::unique_ptr<PostgresStore> Store(std::uint8_t process, StoreOptions options) {
     options.process = {process};
     options.rules.clock = &trust_;
     auto opened = PostgresStore::Open(std::move(options), clock_);
@@ -74,6 +82,30 @@ TEST_F(PostgresBatchTest, ABatchWithoutTroubleIsWrittenAtOnce) {
             (std::vector{OutcomeKind::kStored, OutcomeKind::kStored}));
   // A duplicate needs the look, which fails now: so the first went without.
   EXPECT_FALSE(store->Commit(BatchOf({Note(2, held)})).ok());
+}
+
+// The database says that it must be read first, and is gone before the transaction is rolled back.
+TEST_F(PostgresBatchTest, AConnectionThatEndsWithARollbackIsNotUsedAgain) {
+  FaultProxy proxy(static_cast<std::uint16_t>(std::stoi(database_.cluster().port)));
+  const testing::TempFolder folder;
+  StoreOptions options;
+  options.url = "postgresql://uplinkd@127.0.0.1:" + std::to_string(proxy.port()) + "/" +
+                database_.name() + "?sslmode=disable&gssencmode=disable";
+  options.password_file = folder.File("password");
+  std::ofstream(options.password_file) << "uplinkd\n";
+  const auto store = Store(1, std::move(options));
+  const Epoch held = Open(*store).held_since;
+  ASSERT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
+  proxy.CutNextRollback();
+  // A duplicate, so that the batch cannot be written at once.
+  const auto cut = store->Commit(BatchOf({Note(1, held), Note(2, held)}));
+  EXPECT_TRUE(absl::IsUnavailable(cut.status())) << cut.status();
+  EXPECT_EQ(proxy.cuts(), 1);
+  ASSERT_TRUE(store->InDoubt());
+  ASSERT_TRUE(store->Compare({}).ok());
+  store->EndDoubt();
+  EXPECT_EQ(Kinds(store->Commit(BatchOf({Note(1, held), Note(2, held)}))),
+            (std::vector{OutcomeKind::kDuplicate, OutcomeKind::kStored}));
 }
 
 TEST_F(PostgresBatchTest, RowsLieInThePartitionOfTheirDay) {
