@@ -31,8 +31,8 @@ enum class Room : std::uint8_t {
   /// The robot's share is full, or its gateway's. A robot of which nothing waits has room for one
   /// record of any size.
   kShareFull,
-  /// The journal is full; or its gateway has kGatewaySharesMax shares, though nothing of the robot
-  /// waits.
+  /// The journal is full; or its gateway has kGatewaySharesMax shares, though no entry of the
+  /// robot waits.
   kFull,
 };
 

@@ -126,7 +126,7 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>
   // What no row is to blame for may lie in the session: a new one is looked at anew.
   if (absl::IsInternal(results.status())) broken_ = true;
   if (results.ok() || broken_ || on_error == OnError::kLeave) return results;
-  // Whatever was wrong: nobody goes on by this session.
+  // The session is lost, so no caller may go on with it, whatever the first error allows.
   if (absl::Status rolled_back = RollBack(); !rolled_back.ok()) {
     broken_ = true;
     return absl::UnavailableError(rolled_back.message());
