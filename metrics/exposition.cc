@@ -80,7 +80,7 @@ void Exposition::AddHistogram(MetricId id, std::span<const double> bounds,
 }
 
 void Exposition::AddLedger(const Ledger::Page& sum) {
-  const UplinkCounts& uplinks = sum.uplinks;
+  const MessageCounts& uplinks = sum.messages;
   Add(MetricId::kUplinksReceived, Number(uplinks.received));
   Add(MetricId::kUplinksSettled, Number(uplinks.stored), {"stored"});
   Add(MetricId::kUplinksSettled, Number(uplinks.applied), {"applied"});

@@ -9,28 +9,24 @@ std::uint64_t AddSaturating(std::uint64_t a, std::uint64_t b) {
   return a + b < a ? ~std::uint64_t{0} : a + b;
 }
 
+void AddTo(ReasonCounts& sum, const ReasonCounts& counts) {
+  for (std::size_t kind = 0; kind < counts.size(); ++kind) {
+    for (std::size_t r = 0; r < counts[kind].size(); ++r) sum[kind][r] += counts[kind][r];
+  }
+}
+
 void AddPage(Ledger::Page& sum, const Ledger::Page& page) {
-  sum.uplinks += page.uplinks;
-  for (std::size_t v = 0; v < page.dropped.size(); ++v) {
-    for (std::size_t r = 0; r < page.dropped[v].size(); ++r)
-      sum.dropped[v][r] += page.dropped[v][r];
-  }
-  for (std::size_t k = 0; k < page.rejected_kinds.size(); ++k) {
-    for (std::size_t r = 0; r < page.rejected_kinds[k].size(); ++r)
-      sum.rejected_kinds[k][r] += page.rejected_kinds[k][r];
-  }
+  sum.messages += page.messages;
+  AddTo(sum.dropped, page.dropped);
+  AddTo(sum.rejected_kinds, page.rejected_kinds);
   sum.odd += page.odd;
 }
 
 }  // namespace
 
-UplinkCounts& UplinkCounts::operator+=(const UplinkCounts& other) {
+MessageCounts& MessageCounts::operator+=(const MessageCounts& other) {
   received += other.received;
-  stored += other.stored;
-  applied += other.applied;
-  superseded += other.superseded;
-  duplicate += other.duplicate;
-  rejected += other.rejected;
+  for (const BecameColumn& column : kBecame) this->*column.count += other.*column.count;
   in_flight += other.in_flight;
   missing = AddSaturating(missing, other.missing);
   for (std::size_t i = 0; i < rejects.size(); ++i) rejects[i] += other.rejects[i];
@@ -40,8 +36,9 @@ UplinkCounts& UplinkCounts::operator+=(const UplinkCounts& other) {
   return *this;
 }
 
-bool UplinkCounts::Balanced() const {
-  const auto settled = stored + applied + superseded + duplicate + rejected;
+bool MessageCounts::Balanced() const {
+  std::uint64_t settled = 0;
+  for (const BecameColumn& column : kBecame) settled += this->*column.count;
   return static_cast<std::int64_t>(received) == static_cast<std::int64_t>(settled) + in_flight;
 }
 
@@ -52,9 +49,9 @@ OddCounts& OddCounts::operator+=(const OddCounts& other) {
   return *this;
 }
 
-void Ledger::Publish(const UplinkCounts& delta) {
+void Ledger::Publish(const MessageCounts& delta) {
   const std::lock_guard lock(mutex_);
-  page_.uplinks += delta;
+  page_.messages += delta;
 }
 
 void Ledger::CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields) {
@@ -77,15 +74,17 @@ Ledger::Page Ledger::Read() const {
   return page_;
 }
 
-Ledger& LedgerBook::NewPage() {
+Ledger& LedgerBook::NewPage(model::MessageSource source) {
   const std::lock_guard lock(mutex_);
-  return *pages_.emplace_back(std::make_unique<Ledger>());
+  return *pages_.emplace_back(SourcePage{source, std::make_unique<Ledger>()}).ledger;
 }
 
-Ledger::Page LedgerBook::Sum() const {
+Ledger::Page LedgerBook::Sum(std::optional<model::MessageSource> source) const {
   const std::lock_guard lock(mutex_);
   Ledger::Page sum;
-  for (const auto& page : pages_) AddPage(sum, page->Read());
+  for (const SourcePage& page : pages_) {
+    if (!source || page.source == *source) AddPage(sum, page.ledger->Read());
+  }
   return sum;
 }
 

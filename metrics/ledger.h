@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string_view>
 #include <vector>
 
+#include "schema/model/message_source.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 
@@ -18,17 +21,41 @@ inline constexpr std::size_t kKinds = model::kVariants + 1;
 /// Of a message that could not be read so far; also of one without content.
 inline constexpr std::size_t kUnknownKind = kKinds;
 
-/// What happened to uplink messages: the columns of the conservation law
-/// received = stored + applied + superseded + duplicate + rejected + in flight. A value.
-struct UplinkCounts {
+/// What became of a message. Closed; views and metrics have the names of kBecame.
+enum class Became : std::uint8_t {
+  /// All that it brought is committed.
+  kStored,
+  /// It is live, and what it says is held.
+  kApplied,
+  /// It is live, and a newer one of its kind is held.
+  kSuperseded,
+  /// It came before, and waits or is settled.
+  kDuplicate,
+  /// For a reason; its row of quarantine is committed, if it has one.
+  kRejected,
+  /// Not taken, through no fault of its own: no room, too many robots, or another server holds its
+  /// robot. Its source delivers it again, if it keeps messages until they are acked.
+  kRefused,
+  /// Only counted, or answered at once: of a broker a command, signalling, media or a ping.
+  kObserved,
+  /// It is none of ours: of a broker a retained one, or one on a topic that we do not know.
+  kIgnored,
+};
+
+/// What happened to messages: the columns of the conservation law
+/// received = the sum of what they became + in flight. A value.
+struct MessageCounts {
   std::uint64_t received = 0;
   std::uint64_t stored = 0;
   std::uint64_t applied = 0;
   std::uint64_t superseded = 0;
   std::uint64_t duplicate = 0;
   std::uint64_t rejected = 0;
-  /// Change of the number of messages that ack windows hold: counted from the windows, never from
-  /// the other columns, so that a lost settlement shows.
+  std::uint64_t refused = 0;
+  std::uint64_t observed = 0;
+  std::uint64_t ignored = 0;
+  /// Change of the number of messages that were received and are not settled: counted from what
+  /// waits, never from the other columns, so that a lost settlement shows.
   std::int64_t in_flight = 0;
   /// Numbers that agents skipped.
   std::uint64_t missing = 0;
@@ -41,16 +68,36 @@ struct UplinkCounts {
   /// Numbers of `seq` that Robot States skipped.
   std::uint64_t rcan_missing = 0;
 
-  UplinkCounts& operator+=(const UplinkCounts& other);
+  void Count(Became became);
+  MessageCounts& operator+=(const MessageCounts& other);
   /// True when the law holds.
   [[nodiscard]] bool Balanced() const;
 };
 
-/// Fields of live messages that were dropped, by kind and reason.
-using DroppedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds>;
+/// The column of what a message became.
+struct BecameColumn {
+  std::string_view name;
+  std::uint64_t MessageCounts::*count;
+};
 
-/// Messages that judgement rejected, by kind (kUnknownKind included) and reason.
-using RejectedCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds + 1>;
+/// The columns, in order of Became.
+inline constexpr auto kBecame = std::to_array<BecameColumn>({
+    {"stored", &MessageCounts::stored},
+    {"applied", &MessageCounts::applied},
+    {"superseded", &MessageCounts::superseded},
+    {"duplicate", &MessageCounts::duplicate},
+    {"rejected", &MessageCounts::rejected},
+    {"refused", &MessageCounts::refused},
+    {"observed", &MessageCounts::observed},
+    {"ignored", &MessageCounts::ignored},
+});
+
+inline void MessageCounts::Count(Became became) {
+  ++(this->*kBecame[static_cast<std::size_t>(became)].count);
+}
+
+/// Counts by kind (kUnknownKind included) and reason.
+using ReasonCounts = std::array<std::array<std::uint64_t, model::kRejectReasons + 1>, kKinds + 1>;
 
 /// What messages hold that is no violation and not kept as it is. A value.
 struct OddCounts {
@@ -71,17 +118,17 @@ struct OddCounts {
 /// on every page at every moment and so in their sum. Thread-safe; one writer in practice.
 class Ledger final {
  public:
-  void Publish(const UplinkCounts& delta);
-  /// `kind`: a variant's number, or kRcanKind.
+  void Publish(const MessageCounts& delta);
+  /// Fields that live messages went without. `kind`: a variant's number, kRcanKind or kUnknownKind.
   void CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields = 1);
-  /// `kind`: as above, or kUnknownKind.
+  /// A message that judgement rejected. `kind`: as above.
   void CountRejected(std::size_t kind, model::RejectReason reason);
   void CountOdd(const OddCounts& delta);
 
   struct Page {
-    UplinkCounts uplinks;
-    DroppedCounts dropped{};
-    RejectedCounts rejected_kinds{};
+    MessageCounts messages;
+    ReasonCounts dropped{};
+    ReasonCounts rejected_kinds{};
     OddCounts odd;
   };
   [[nodiscard]] Page Read() const;
@@ -91,16 +138,21 @@ class Ledger final {
   Page page_;
 };
 
-/// All pages of the process. Thread-safe; pages live as long as the book.
+/// All pages of the process, each of one source. Thread-safe; pages live as long as the book.
 class LedgerBook final {
  public:
-  [[nodiscard]] Ledger& NewPage();
-  /// The sum of all pages.
-  [[nodiscard]] Ledger::Page Sum() const;
+  [[nodiscard]] Ledger& NewPage(model::MessageSource source = model::MessageSource::kUplink);
+  /// The sum of all pages of a source; of all sources if none is given.
+  [[nodiscard]] Ledger::Page Sum(std::optional<model::MessageSource> source = std::nullopt) const;
 
  private:
+  struct SourcePage {
+    model::MessageSource source;
+    std::unique_ptr<Ledger> ledger;
+  };
+
   mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Ledger>> pages_;
+  std::vector<SourcePage> pages_;
 };
 
 }  // namespace uplink::metrics

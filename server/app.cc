@@ -183,7 +183,6 @@ class App::Impl {
             .stop_adopting = [this] { leases_.StopAdopting(); },
             .drain_broker = [this] { broker_side_.BeginDrain(); },
             .leave_broker = [this] { broker_side_.EndDrain(); },
-            .broker_waits = [this] { return broker_side_.waiting(); },
             .stop = [this] { Stop(); },
             .timeout = options_.config.drain.timeout};
   }
@@ -299,8 +298,8 @@ class App::Impl {
   store::SeedRounds seed_rounds_;
   store::LeaseRounds leases_;
   BrokerSide broker_side_{
-      {options_.clock, options_.logger, options_.config, fleet_, journals_, journal_limits_,
-       *stores_.reader, leases_, options_.process, options_.random, allowances_},
+      {options_.clock, options_.logger, options_.config, fleet_, journals_, ledgers_,
+       journal_limits_, *stores_.reader, leases_, options_.process, options_.random, allowances_},
       std::move(stores_.topic_leases)};
   fleet::LiveBudget live_budget_{
       {options_.clock, fleet_, broker_side_.twins(), options_.logger,

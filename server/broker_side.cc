@@ -69,6 +69,7 @@ struct BrokerSide::Parts {
             .logger = context.logger,
             .fleet = context.fleet,
             .journals = context.journals,
+            .ledger = context.ledgers.NewPage(model::MessageSource::kCyberwave),
             .twins = twins,
             .clients = ClientsOf(context.config),
             .terms = lifecycle::JudgeTermsOf(context.config.cyberwave),
@@ -147,8 +148,6 @@ void BrokerSide::Reread() {
   if (parts_ == nullptr) return;
   parts_->loop.Post([this] { parts_->broker.Reread(); });
 }
-
-std::size_t BrokerSide::waiting() const { return parts_ == nullptr ? 0 : parts_->broker.waiting(); }
 
 void BrokerSide::Stop() {
   if (parts_ == nullptr) return;

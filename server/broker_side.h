@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "metrics/exposition.h"
+#include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/cyberwave/twins.h"
@@ -34,6 +35,7 @@ class BrokerSide final {
     const config::Config& config;
     fleet::Fleet& fleet;
     const journal::Shards& journals;
+    metrics::LedgerBook& ledgers;
     /// Of all journals together.
     journal::JournalLimits journal_limits;
     storage::Reader& reader;
@@ -62,8 +64,6 @@ class BrokerSide final {
 
   /// The store was connected to anew, and may lack what it told was committed.
   void Reread();
-  /// Messages whose records wait for their commit.
-  [[nodiscard]] std::size_t waiting() const;
   /// What is heard; empty without a broker.
   [[nodiscard]] const cyberwave::Twins& twins() const { return twins_; }
   [[nodiscard]] cyberwave::Twins& twins() { return twins_; }

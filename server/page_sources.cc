@@ -17,7 +17,7 @@ namespace uplink {
 std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
   return {
       [parts](auto& page) { parts.broker.AddSamples(page); },
-      [parts](auto& page) { page.AddLedger(parts.ledgers.Sum()); },
+      [parts](auto& page) { page.AddLedger(parts.ledgers.Sum(model::MessageSource::kUplink)); },
       [parts](auto& page) { session::AddSamples(parts.sessions, page); },
       [parts](auto& page) { fleet::AddSamples(parts.fleet, page); },
       [parts](auto& page) { fleet::AddSamples(parts.live_budget, page); },

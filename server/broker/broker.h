@@ -20,7 +20,6 @@
 #include "server/broker/intake.h"
 #include "server/broker/lease_view.h"
 #include "server/broker/limited_log.h"
-#include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
 #include "server/broker/rereading.h"
 #include "server/broker/stray_prefixes.h"
@@ -48,6 +47,8 @@ class Broker final : private SubscriberEvents {
     log::Logger& logger;
     fleet::Fleet& fleet;
     const journal::Shards& journals;
+    /// What becomes of the messages: a page of model::MessageSource::kCyberwave.
+    metrics::Ledger& ledger;
     cyberwave::Twins& twins;
     /// In the order of cyberwave::Connection; without media if nobody counts them.
     std::vector<mqtt::ClientSettings> clients;
@@ -94,14 +95,15 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] bool holds_lease() const { return probe_.lease_held.value() != 0; }
   /// Messages whose records wait for their commit.
   [[nodiscard]] std::size_t waiting() const {
-    return static_cast<std::size_t>(std::max<std::int64_t>(ledger_.Read().in_flight, 0));
+    return static_cast<std::size_t>(
+        std::max<std::int64_t>(context_.ledger.Read().messages.in_flight, 0));
   }
   /// Waits until nothing waits for its commit, or until `deadline`.
   void WaitSettled(SteadyTime deadline) {
     std::unique_lock lock(mutex_);
     settled_.wait_until(lock, deadline, [this] { return waiting() == 0; });
   }
-  [[nodiscard]] const MessageLedger& ledger() const { return ledger_; }
+  [[nodiscard]] const metrics::Ledger& ledger() const { return context_.ledger; }
   [[nodiscard]] const BrokerProbe& probe() const { return probe_; }
   [[nodiscard]] const cyberwave::Twins& twins() const { return context_.twins; }
   [[nodiscard]] std::size_t unacked_max() const { return context_.clients.front().unacked_max; }
@@ -158,7 +160,6 @@ class Broker final : private SubscriberEvents {
 
   const Context context_;
   LeaseView* lease_ = nullptr;
-  MessageLedger ledger_;
   BrokerProbe probe_;
   ConnectionLog connection_log_;
   log::RateLimited refused_log_;

@@ -172,12 +172,12 @@ void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
     }
     if (message.ack) due_.push_back(*message.ack);
     context_.probe.ack_seconds.ObserveSince(message.arrived, now);
-    Count(reason ? Became::kRejected : Became::kStored, reason);
+    Count(reason ? metrics::Became::kRejected : metrics::Became::kStored, reason);
   }
 }
 
-void Commits::Count(Became became, std::optional<model::RejectReason> reason) {
-  MessageCounts counts{.in_flight = -1};
+void Commits::Count(metrics::Became became, std::optional<model::RejectReason> reason) {
+  metrics::MessageCounts counts{.in_flight = -1};
   counts.Count(became);
   if (reason) ++counts.rejects[static_cast<std::size_t>(*reason)];
   context_.ledger.Publish(counts);
@@ -187,7 +187,7 @@ void Commits::Fence(TwinStream& stream) {
   for (const WaitingMessage& message : stream.waiting) {
     if (message.packet_id != 0) redeliveries_.Drop(message.packet_id, message.number);
     for (const auto& [packet_id, number] : message.brought) redeliveries_.Drop(packet_id, number);
-    Count(Became::kRefused, std::nullopt);
+    Count(metrics::Became::kRefused, std::nullopt);
   }
   stream.waiting.clear();
   // They come again before those, and must be stored before those again.

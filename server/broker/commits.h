@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/model/rejection.h"
 #include "server/broker/acks_after_commit.h"
 #include "server/broker/limits.h"
-#include "server/broker/message_counts.h"
 #include "server/broker/probe.h"
 #include "server/broker/redeliveries.h"
 #include "server/broker/twin_streams.h"
@@ -33,7 +33,7 @@ class Commits final {
   /// The references outlive it.
   struct Context {
     TwinStreams& streams;
-    MessageLedger& ledger;
+    metrics::Ledger& ledger;
     BrokerProbe& probe;
     const Clock& clock;
     /// Whose commits show that the store has what it told, and AcksAfterCommit's `answered`:
@@ -111,7 +111,7 @@ class Commits final {
   void NoteSettled(TwinStream& stream, std::uint16_t packet_id);
   void AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHandle>& ack);
   void Settle(TwinStream& stream, const robot::Progress& progress);
-  void Count(Became became, std::optional<model::RejectReason> reason);
+  void Count(metrics::Became became, std::optional<model::RejectReason> reason);
   void Fence(TwinStream& stream);
 
   const Context context_;

@@ -26,7 +26,7 @@ struct Intake::Processing {
   cyberwave::Topic topic{};
   /// Where it is written to; null while that is not known.
   TwinStream* stream = nullptr;
-  MessageCounts counts{};
+  metrics::MessageCounts counts{};
   /// That it brings no record is a matter of which faults the store has, as remembered here.
   bool rests_on_store = false;
 
@@ -74,15 +74,15 @@ Intake::Processed Intake::ProcessOne(Processing& processing) {
 
 void Intake::DropHeldBack() {
   context_.probe.held_back.Set(0);
-  MessageCounts counts;
+  metrics::MessageCounts counts;
   counts.in_flight = -1;
-  counts.Count(Became::kRefused);
+  counts.Count(metrics::Became::kRefused);
   context_.ledger.Publish(counts);
 }
 
 void Intake::Refuse() {
-  MessageCounts counts{.received = 1};
-  counts.Count(Became::kRefused);
+  metrics::MessageCounts counts{.received = 1};
+  counts.Count(metrics::Became::kRefused);
   context_.ledger.Publish(counts);
 }
 
@@ -93,19 +93,19 @@ void Intake::WakeWhenRoom(robot::StreamRef stream) const {
 bool Intake::WasBefore(Processing& processing) {
   if (processing.message.again) {
     // This connection delivered it before, and one release is enough.
-    processing.counts.Count(Became::kDuplicate);
+    processing.counts.Count(metrics::Became::kDuplicate);
     context_.ledger.Publish(processing.counts);
     return true;
   }
   if (processing.publish().retained) {
     // It may be of any age.
-    Settle(processing, Became::kIgnored);
+    Settle(processing, metrics::Became::kIgnored);
     return true;
   }
   if (processing.delivered.packet_id == 0) return false;
   processing.delivered.digest = DigestOf(processing.publish());
   if (!processing.publish().dup || !context_.commits.IsKnown(processing.delivered)) return false;
-  processing.counts.Count(Became::kDuplicate);
+  processing.counts.Count(metrics::Became::kDuplicate);
   context_.ledger.Publish(processing.counts);
   return true;
 }
@@ -119,7 +119,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
   }
   was_stray_ = processing.topic.kind == TopicKind::kOther;
   if (was_stray_) {
-    Settle(processing, Became::kIgnored);
+    Settle(processing, metrics::Became::kIgnored);
     return Processed::kDone;
   }
   if (processing.topic.kind == TopicKind::kPing) {
@@ -128,7 +128,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
   }
   const auto place = context_.streams.PlaceOf(processing.judgement);
   if (!place) {
-    Settle(processing, Became::kObserved);
+    Settle(processing, metrics::Became::kObserved);
     return Processed::kDone;
   }
   if (place->stream == nullptr) return WriteNowhere(processing, *place);
@@ -146,12 +146,12 @@ void Intake::AnswerPing(Processing& processing) {
     return RejectUnkept(processing, rejection->reason);
   }
   pongs_.Answer(processing.topic, processing.publish().correlation, processing.arrived);
-  Settle(processing, Became::kObserved);
+  Settle(processing, metrics::Became::kObserved);
 }
 
 void Intake::RejectUnkept(Processing& processing, model::RejectReason reason) {
   ++processing.counts.rejects[static_cast<std::size_t>(reason)];
-  Settle(processing, Became::kRejected);
+  Settle(processing, metrics::Became::kRejected);
 }
 
 Intake::Processed Intake::RejectLimited(Processing& processing) {
@@ -171,7 +171,7 @@ Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams
   }
   const bool durable = processing.judgement.message_class == MessageClass::kDurable;
   if (!durable) {
-    Settle(processing, Became::kRefused);
+    Settle(processing, metrics::Became::kRefused);
     return Processed::kDone;
   }
   const TwinStreams::Opened stand_in = context_.streams.FindOrOpenStandIn(processing.topic.prefix);
@@ -186,7 +186,7 @@ Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams
 
 Intake::Processed Intake::Wait(Processing& processing) {
   if (processing.delivered.packet_id != 0) return Processed::kHeldBack;
-  Settle(processing, Became::kRefused);
+  Settle(processing, metrics::Became::kRefused);
   return Processed::kDone;
 }
 
@@ -232,7 +232,7 @@ Intake::Processed Intake::Write(Processing& processing, TwinStream& stream) {
   } else if (const model::Rejection* rejection = processing.judgement.rejection()) {
     Reject(processing, stream, *rejection);
   } else {
-    CountOdd(processing.judgement, processing.counts, context_.probe);
+    CountOdd(processing.judgement, context_.ledger);
     Apply(processing, stream);
   }
   return Processed::kDone;
@@ -256,9 +256,7 @@ void Intake::Apply(Processing& processing, TwinStream& stream) {
       stream.twin == nullptr
           ? cyberwave::ApplyToNoRobot(std::move(processing.judgement))
           : context_.twins.Apply(*stream.twin, std::move(processing.judgement), processing.arrived);
-  for (const model::DroppedField& field : applied.dropped) {
-    ++processing.counts.dropped[static_cast<std::size_t>(field.reason)];
-  }
+  CountDropped(applied.dropped, context_.ledger);
   stream.robot->state.CountDropped(applied.without_room);
   processing.rests_on_store = processing.topic.kind == TopicKind::kMetrics;
   if (applied.records.empty()) return Settle(processing, BecameOf(applied.outcome));
@@ -280,13 +278,13 @@ void Intake::Append(Processing& processing, TwinStream& stream,
   context_.ledger.Publish(processing.counts);
   if (context_.commits.Append(stream, processing.delivered, std::move(records), rejected)) return;
   // Another process adopted the robot since. A message at QoS 1 comes again.
-  MessageCounts counts;
+  metrics::MessageCounts counts;
   counts.in_flight = -1;
-  counts.Count(Became::kRefused);
+  counts.Count(metrics::Became::kRefused);
   context_.ledger.Publish(counts);
 }
 
-void Intake::Settle(Processing& processing, Became became) {
+void Intake::Settle(Processing& processing, metrics::Became became) {
   processing.counts.Count(became);
   context_.ledger.Publish(processing.counts);
   if (processing.rests_on_store) {

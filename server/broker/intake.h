@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "schema/cyberwave/judge.h"
 #include "schema/cyberwave/records.h"
 #include "server/broker/commits.h"
 #include "server/broker/held_back_message.h"
 #include "server/broker/limited_log.h"
-#include "server/broker/message_counts.h"
 #include "server/broker/message_limits.h"
 #include "server/broker/payload_judge.h"
 #include "server/broker/pongs.h"
@@ -35,7 +35,7 @@ class Intake final {
     cyberwave::Twins& twins;
     TwinStreams& streams;
     Commits& commits;
-    MessageLedger& ledger;
+    metrics::Ledger& ledger;
     BrokerProbe& probe;
     /// Of twins that are too many, and of those that send too much: none silences another.
     log::RateLimited& refused_log;
@@ -103,7 +103,7 @@ class Intake final {
               std::vector<storage::CommitRecord> records,
               std::optional<model::RejectReason> rejected);
   /// It is settled now.
-  void Settle(Processing& processing, Became became);
+  void Settle(Processing& processing, metrics::Became became);
 
   const Context context_;
   Pongs pongs_;

@@ -2,32 +2,37 @@
 
 namespace uplink::broker {
 
-Became BecameOf(cyberwave::Outcome outcome) {
+metrics::Became BecameOf(cyberwave::Outcome outcome) {
   switch (outcome) {
     case cyberwave::Outcome::kApplied:
-      return Became::kApplied;
+      return metrics::Became::kApplied;
     case cyberwave::Outcome::kSuperseded:
-      return Became::kSuperseded;
+      return metrics::Became::kSuperseded;
     case cyberwave::Outcome::kObserved:
-      return Became::kObserved;
+      return metrics::Became::kObserved;
     case cyberwave::Outcome::kStored:
-      return Became::kStored;
+      return metrics::Became::kStored;
     case cyberwave::Outcome::kRejected:  // it does not come so far
     case cyberwave::Outcome::kIgnored:
       break;
   }
-  return Became::kIgnored;
+  return metrics::Became::kIgnored;
 }
 
-void CountOdd(const cyberwave::Judgement& judgement, MessageCounts& counts, BrokerProbe& probe) {
-  for (const model::DroppedField& field : judgement.dropped) {
-    ++counts.dropped[static_cast<std::size_t>(field.reason)];
-  }
+void CountOdd(const cyberwave::Judgement& judgement, metrics::Ledger& ledger) {
+  CountDropped(judgement.dropped, ledger);
   for (const model::UntoldFields& fields : judgement.untold) {
-    counts.dropped[static_cast<std::size_t>(fields.reason)] += fields.fields;
+    ledger.CountDropped(metrics::kUnknownKind, fields.reason, fields.fields);
   }
-  if (judgement.times_unknown > 0) probe.times_unknown.Add(judgement.times_unknown);
-  if (judgement.control_characters > 0) probe.control_characters.Add(judgement.control_characters);
+  const metrics::OddCounts odd{.times_unknown = judgement.times_unknown,
+                               .control_characters = judgement.control_characters};
+  if (odd.any()) ledger.CountOdd(odd);
+}
+
+void CountDropped(std::span<const model::DroppedField> dropped, metrics::Ledger& ledger) {
+  for (const model::DroppedField& field : dropped) {
+    ledger.CountDropped(metrics::kUnknownKind, field.reason);
+  }
 }
 
 }  // namespace uplink::broker

@@ -9,7 +9,7 @@
 
 namespace uplink::broker {
 
-/// What the reading of a broker counts, beside its messages (MessageLedger) and its connections
+/// What the reading of a broker counts, beside its messages (metrics::Ledger) and its connections
 /// (mqtt::ClientProbe). Thread-safe.
 struct BrokerProbe {
   /// Messages by what their topic is.
@@ -30,9 +30,6 @@ struct BrokerProbe {
   metrics::Cell twins_lost;
   /// Streams of robots that are open.
   metrics::Cell streams;
-  /// Times that were taken as unknown, and control characters that were replaced.
-  metrics::Cell times_unknown;
-  metrics::Cell control_characters;
   /// 1 while this process has the lease of its topics; how often it took it.
   metrics::Cell lease_held;
   metrics::Cell lease_taken;

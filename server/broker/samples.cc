@@ -9,18 +9,21 @@ namespace {
 
 using enum metrics::MetricId;
 
-void AddMessages(const MessageCounts& counts, metrics::Exposition& page) {
+void AddMessages(const metrics::Ledger::Page& ledger, metrics::Exposition& page) {
+  const metrics::MessageCounts& counts = ledger.messages;
   page.Add(kMqttReceived, counts.received);
-  for (std::size_t i = 0; i < counts.became.size(); ++i) {
-    page.Add(kMqttSettled, counts.became[i], {kBecameNames[i]});
+  for (const metrics::BecameColumn& column : metrics::kBecame) {
+    page.Add(kMqttSettled, counts.*column.count, {column.name});
   }
   page.Add(kMqttInFlight, counts.in_flight);
   for (const model::RejectReason each : model::kAllRejectReasons) {
     const std::string_view reason = model::ToText(each);
     const auto place = static_cast<std::size_t>(each);
     page.Add(kMqttRejects, counts.rejects[place], {reason});
-    page.Add(kMqttFieldsDropped, counts.dropped[place], {reason});
+    page.Add(kMqttFieldsDropped, ledger.dropped[metrics::kUnknownKind][place], {reason});
   }
+  page.Add(kMqttTimesUnknown, ledger.odd.times_unknown);
+  page.Add(kMqttControlCharacters, ledger.odd.control_characters);
 }
 
 void AddTwins(const Broker& broker, metrics::Exposition& page) {
@@ -31,8 +34,6 @@ void AddTwins(const Broker& broker, metrics::Exposition& page) {
              {cyberwave::ToText(static_cast<cyberwave::TopicKind>(i))});
   }
   page.Add(kMqttRecords, probe.records);
-  page.Add(kMqttTimesUnknown, probe.times_unknown);
-  page.Add(kMqttControlCharacters, probe.control_characters);
   page.Add(kMqttAckSeconds, probe.ack_seconds);
   page.Add(kMqttPongs, probe.pongs);
   page.Add(kMqttPongsWithheld, probe.pongs_withheld);

@@ -63,10 +63,7 @@ void Drain::WaitForJournals(SteadyTime deadline) {
     context_.signal.Pause(kIdleLook);
 }
 
-std::int64_t Drain::Unsettled() const {
-  return context_.ledgers.Sum().uplinks.in_flight +
-         static_cast<std::int64_t>(context_.broker_waits());
-}
+std::int64_t Drain::Unsettled() const { return context_.ledgers.Sum().messages.in_flight; }
 
 void Drain::EndUnfinished() {
   context_.logger.Warn("stopped_unsettled", {{"uplinks", Unsettled()}});

@@ -52,8 +52,6 @@ class Drain final {
     std::function<void()> drain_broker = [] {};
     /// Takes leave of it once what waits is committed, after a short while at most.
     std::function<void()> leave_broker = [] {};
-    /// Messages of it that wait for their commit.
-    std::function<std::size_t()> broker_waits = [] { return std::size_t{0}; };
     /// Stops everything, at the end.
     std::function<void()> stop;
     milliseconds timeout{0};

@@ -8,7 +8,7 @@ namespace uplink::robot {
 namespace {
 
 void CountRejected(model::RejectReason reason, std::size_t messages,
-                   metrics::UplinkCounts& counts) {
+                   metrics::MessageCounts& counts) {
   counts.rejected += messages;
   counts.rejects[static_cast<std::size_t>(reason)] += messages;
 }
@@ -16,7 +16,7 @@ void CountRejected(model::RejectReason reason, std::size_t messages,
 }  // namespace
 
 void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& rejects,
-                  metrics::UplinkCounts& counts) {
+                  metrics::MessageCounts& counts) {
   switch (settled.outcome.kind) {
     case storage::OutcomeKind::kStored:
       if (settled.rejected_for) {
@@ -43,8 +43,8 @@ void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& re
   UPLINK_CHECK(false, "fenced records are told by OnFenced");
 }
 
-metrics::UplinkCounts SupersededCounts(std::size_t messages) {
-  metrics::UplinkCounts counts;
+metrics::MessageCounts SupersededCounts(std::size_t messages) {
+  metrics::MessageCounts counts;
   counts.superseded += messages;
   counts.in_flight -= static_cast<std::int64_t>(messages);
   return counts;

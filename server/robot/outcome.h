@@ -15,9 +15,9 @@ namespace uplink::robot {
 ///
 /// Thread: confined to the owner's lock of `rejects`.
 void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& rejects,
-                  metrics::UplinkCounts& counts);
+                  metrics::MessageCounts& counts);
 
 /// So many messages that waited are void.
-[[nodiscard]] metrics::UplinkCounts SupersededCounts(std::size_t messages);
+[[nodiscard]] metrics::MessageCounts SupersededCounts(std::size_t messages);
 
 }  // namespace uplink::robot

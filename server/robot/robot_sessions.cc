@@ -216,7 +216,7 @@ StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResu
 }
 
 StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) {
-  metrics::UplinkCounts counts;
+  metrics::MessageCounts counts;
   StreamRef wake;
   {
     const std::lock_guard lock(mutex_);

@@ -249,7 +249,7 @@ class RobotSessions final {
   /// The session of the robot's stream, or of its last one; null if it is not held. Under the lock.
   [[nodiscard]] const SessionMemory* CurrentSession() const;
   /// Counts messages of the relay.
-  void Publish(const metrics::UplinkCounts& counts, metrics::Ledger& ledger) const {
+  void Publish(const metrics::MessageCounts& counts, metrics::Ledger& ledger) const {
     if (source_ == model::MessageSource::kUplink) ledger.Publish(counts);
   }
   /// All that waits is void, and the stream must stop. Returns it.

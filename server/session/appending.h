@@ -25,7 +25,7 @@ class Appending final {
     const SessionContext& context;
     robot::Robot& robot;
     NumberRun& numbers;
-    metrics::UplinkCounts& counts;
+    metrics::MessageCounts& counts;
     model::SessionId session;
     journal::AppendedBy by;
   };

@@ -115,7 +115,7 @@ class Intake final {
 
   PendingBatch batch_;
   NumberRun numbers_;
-  metrics::UplinkCounts counts_;
+  metrics::MessageCounts counts_;
   Appending appending_;
   LiveIntake live_;
   /// What every robot may send, and of which version of it that is.

@@ -29,7 +29,7 @@ class LiveIntake final {
   struct Sources {
     const SessionContext& context;
     robot::Robot& robot;
-    metrics::UplinkCounts& counts;
+    metrics::MessageCounts& counts;
     model::SessionId session;
   };
   explicit LiveIntake(const Sources& sources) : sources_(sources), id_(sources.robot.id()) {}

@@ -129,6 +129,29 @@ TextMembers TextsOf(const RobotView& robot, const PartSet& parts) {
   return texts;
 }
 
+namespace {
+
+using Counts = google::protobuf::Map<std::string, std::int64_t>;
+
+void SetRejects(const metrics::MessageCounts& counts, Counts& rejects) {
+  for (const model::RejectReason reason : model::kAllRejectReasons) {
+    rejects[std::string(model::ToText(reason))] =
+        Signed(counts.rejects[static_cast<std::size_t>(reason)]);
+  }
+}
+
+void SetMessages(const metrics::MessageCounts& counts, v1::MessageCounts& message) {
+  Counts& fates = *message.mutable_counts();
+  fates["received"] = Signed(counts.received);
+  fates["inFlight"] = counts.in_flight;
+  for (const metrics::BecameColumn& column : metrics::kBecame) {
+    fates[std::string(column.name)] = Signed(counts.*column.count);
+  }
+  SetRejects(counts, *message.mutable_rejects_by_reason());
+}
+
+}  // namespace
+
 v1::ServerStatus ToMessage(const StatusView& status, const std::vector<std::string>& degraded) {
   v1::ServerStatus message;
   message.set_version(status.version);
@@ -139,19 +162,24 @@ v1::ServerStatus ToMessage(const StatusView& status, const std::vector<std::stri
   robots["offline"] = status.robots.offline;
   robots["unknown"] = status.robots.unknown;
   message.set_streams(status.streams);
+  const metrics::MessageCounts& relayed =
+      status.messages[static_cast<std::size_t>(model::MessageSource::kUplink)];
   auto& uplinks = *message.mutable_uplinks();
-  uplinks["received"] = Signed(status.uplinks.received);
-  uplinks["stored"] = Signed(status.uplinks.stored);
-  uplinks["applied"] = Signed(status.uplinks.applied);
-  uplinks["superseded"] = Signed(status.uplinks.superseded);
-  uplinks["duplicate"] = Signed(status.uplinks.duplicate);
-  uplinks["rejected"] = Signed(status.uplinks.rejected);
-  uplinks["inFlight"] = status.uplinks.in_flight;
-  auto& rejects = *message.mutable_rejects_by_reason();
-  for (const model::RejectReason reason : model::kAllRejectReasons) {
-    rejects[std::string(model::ToText(reason))] =
-        Signed(status.uplinks.rejects[static_cast<std::size_t>(reason)]);
+  uplinks["received"] = Signed(relayed.received);
+  uplinks["stored"] = Signed(relayed.stored);
+  uplinks["applied"] = Signed(relayed.applied);
+  uplinks["superseded"] = Signed(relayed.superseded);
+  uplinks["duplicate"] = Signed(relayed.duplicate);
+  uplinks["rejected"] = Signed(relayed.rejected);
+  uplinks["inFlight"] = relayed.in_flight;
+  SetRejects(relayed, *message.mutable_rejects_by_reason());
+  metrics::MessageCounts all;
+  for (const model::MessageSource source : model::kAllMessageSources) {
+    const metrics::MessageCounts& counts = status.messages[static_cast<std::size_t>(source)];
+    SetMessages(counts, (*message.mutable_messages_by_source())[std::string(ToText(source))]);
+    all += counts;
   }
+  SetMessages(all, *message.mutable_messages());
   message.set_journal_records(Signed(status.journal_records));
   message.set_journal_bytes(Signed(status.journal_bytes));
   message.set_journal_oldest_ms(status.journal_oldest.count());

@@ -213,7 +213,9 @@ StatusView Queries::Status() const {
     }
   }
   status.streams = sources_.streams.value();
-  status.uplinks = sources_.ledgers.Sum().uplinks;
+  for (const model::MessageSource source : model::kAllMessageSources) {
+    status.messages[static_cast<std::size_t>(source)] = sources_.ledgers.Sum(source).messages;
+  }
   status.journal_records = sources_.journals.records();
   status.journal_bytes = sources_.journals.bytes();
   status.journal_oldest = sources_.journals.oldest(sources_.clock.Steady());

@@ -86,8 +86,8 @@ struct StatusView {
   SystemTime now;
   fleet::PresenceCounts robots;
   std::int64_t streams = 0;
-  /// Taken together: the conservation law holds on it.
-  metrics::UplinkCounts uplinks;
+  /// By model::MessageSource. The conservation law holds on each.
+  std::array<metrics::MessageCounts, model::kAllMessageSources.size()> messages{};
   std::size_t journal_records = 0;
   std::size_t journal_bytes = 0;
   milliseconds journal_oldest{0};

@@ -266,6 +266,12 @@ class RetainedOrMalformed(MessageTest):
         counted = numbers(server)
         self.assertEqual(labelled(counted, "rejects_total"), {"malformed": 4})
         self.assertEqual(labelled(counted, "fields_dropped_total"), {})
+        status = server.get("/api/v1/status")
+        heard = status["messagesBySource"]["cyberwave"]
+        found = {column: count for column, count in heard["counts"].items() if count != "0"}
+        self.assertEqual(found, {"received": "6", "applied": "2", "rejected": "4"})
+        self.assertEqual(heard["rejectsByReason"]["malformed"], "4")
+        self.assertEqual(status["messages"], heard, "nothing came by the relay")
         listed = rows(server, "/api/v1/quarantine?source=cyberwave")
         found = [(row["topic"], int(row["payloadBytes"]), row["reason"]) for row in listed]
         self.assertCountEqual(found, [(where, len(payload), "malformed") for where, payload in wrong])

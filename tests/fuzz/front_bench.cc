@@ -266,7 +266,7 @@ void FrontBench::Drain(milliseconds grace) {
 }
 
 void FrontBench::Check() const {
-  const metrics::UplinkCounts counts = this->counts();
+  const metrics::MessageCounts counts = this->counts();
   UPLINK_CHECK(counts.Balanced(), "the conservation law");
   UPLINK_CHECK(counts.in_flight >= 0, "nothing is settled that was not taken");
   std::size_t calls = 0;

@@ -154,7 +154,7 @@ class FrontBench final : public robot::WakeInbox {
   [[nodiscard]] testing::ManualClock& clock() { return clock_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] SteadyTime now() const { return clock_.Steady(); }
-  [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
+  [[nodiscard]] metrics::MessageCounts counts() const { return book_.Sum().messages; }
 
   /// What holds after every step.
   void Check() const;

@@ -196,7 +196,7 @@ void World::Do(Step step, Input& input) {
 }
 
 void World::Check() {
-  const metrics::UplinkCounts counts = server_->counts();
+  const metrics::MessageCounts counts = server_->counts();
   UPLINK_CHECK(counts.Balanced(), "the conservation law");
   UPLINK_CHECK(counts.in_flight >= 0, "nothing is settled that was not taken");
   for (Watched& watched : streams_) watched.Check();

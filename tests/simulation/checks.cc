@@ -89,7 +89,7 @@ void World::CheckSlowFrame() {
 }
 
 void World::CheckLaw() {
-  const metrics::UplinkCounts counts = server_->counts().uplinks;
+  const metrics::MessageCounts counts = server_->counts().messages;
   if (!counts.Balanced()) {
     recorder_.Violate(fmt::format(
         "the conservation law is broken: received {} stored {} applied {} superseded {} duplicate "

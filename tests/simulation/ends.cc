@@ -54,7 +54,7 @@ bool World::MayEnd(std::uint64_t id, const SimStream& stream, absl::StatusCode c
 }
 
 std::string ToText(const RunResult& result) {
-  const metrics::UplinkCounts& uplinks = result.uplinks;
+  const metrics::MessageCounts& uplinks = result.uplinks;
   std::string text = fmt::format(
       "violation {}\nsteps {}\nkills {}\nbreaks {}\ndeletions {}\nfailovers {}\nfloods {}\nheld "
       "back {}\nreceived "

@@ -88,7 +88,7 @@ bool World::Settled() {
 }
 
 void World::CheckEnd() {
-  const metrics::UplinkCounts counts = server_->counts().uplinks;
+  const metrics::MessageCounts counts = server_->counts().messages;
   if (counts.in_flight != 0) {
     recorder_.Violate(fmt::format("all is settled and {} are in flight", counts.in_flight));
   }

@@ -12,7 +12,7 @@ constexpr std::uint64_t kSeeds = 10'000;
 
 TEST(Simulation, KeepsEveryPromiseOnTheFakeStore) {
   const Payloads payloads;
-  metrics::UplinkCounts uplinks;
+  metrics::MessageCounts uplinks;
   forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t deletions = 0;

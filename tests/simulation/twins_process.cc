@@ -56,6 +56,7 @@ broker::Broker::Context TwinsProcess::ContextOf() {
       .logger = logger_,
       .fleet = fleet_,
       .journals = shards_,
+      .ledger = messages_,
       .twins = twins_,
       .clients = {SettingsOf(kClientId, true), SettingsOf(std::string(kClientId) + "-live", false)},
       .terms = {},

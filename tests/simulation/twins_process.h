@@ -49,7 +49,7 @@ class TwinsProcess final : public broker::LeaseView {
   /// Each second.
   void Tick() { broker_.Tick(); }
 
-  [[nodiscard]] broker::MessageCounts counts() const { return broker_.ledger().Read(); }
+  [[nodiscard]] metrics::MessageCounts counts() const { return broker_.ledger().Read().messages; }
   [[nodiscard]] bool idle() const { return journal_.idle() && posted_.empty() && !reread_; }
 
   // broker::LeaseView
@@ -66,6 +66,7 @@ class TwinsProcess final : public broker::LeaseView {
   testing::FakeTopicLeases leases_;
   log::Logger logger_;
   metrics::Ledger ledger_;
+  metrics::Ledger messages_;
   journal::JournalProbe journal_probe_;
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};

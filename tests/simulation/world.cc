@@ -119,7 +119,7 @@ RunResult World::Run() {
 }
 
 void World::AddCounts() {
-  result_.uplinks += server_->counts().uplinks;
+  result_.uplinks += server_->counts().messages;
   result_.forwards += server_->forwards()->sum().counts;
 }
 

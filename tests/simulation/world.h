@@ -81,7 +81,7 @@ struct RunResult {
   std::string violation;
   std::uint32_t steps = 0;
   /// Over all lives of the process.
-  metrics::UplinkCounts uplinks;
+  metrics::MessageCounts uplinks;
   forward::Counts forwards;
   std::uint64_t kills = 0;
   std::uint64_t breaks = 0;

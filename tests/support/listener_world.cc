@@ -78,7 +78,7 @@ transport::PemTexts ListenerWorld::ServerTexts() const {
 
 bool ListenerWorld::Settles() const {
   return Eventually([this] {
-    const metrics::UplinkCounts counts = Counts();
+    const metrics::MessageCounts counts = Counts();
     return counts.in_flight == 0 && counts.Balanced();
   });
 }

@@ -60,7 +60,7 @@ class ListenerWorld {
   [[nodiscard]] transport::PemTexts ServerTexts() const;
 
   /// The sum of the ledger's pages.
-  [[nodiscard]] metrics::UplinkCounts Counts() const { return ledgers.Sum().uplinks; }
+  [[nodiscard]] metrics::MessageCounts Counts() const { return ledgers.Sum().messages; }
   /// True once nothing is in flight and the conservation law holds.
   [[nodiscard]] bool Settles() const;
 

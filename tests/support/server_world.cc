@@ -27,6 +27,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
               .logger = logger,
               .fleet = fleet,
               .journals = shards,
+              .ledger = ledgers.NewPage(model::MessageSource::kCyberwave),
               .twins = twins,
               .clients = std::vector<mqtt::ClientSettings>(2),
               .terms = {},
@@ -52,7 +53,7 @@ ServerWorld::~ServerWorld() = default;
 std::vector<metrics::PageSource> ServerWorld::PageSources() {
   constexpr std::size_t kConnectionsMax = 4;
   return {
-      [this](auto& page) { page.AddLedger(ledgers.Sum()); },
+      [this](auto& page) { page.AddLedger(ledgers.Sum(model::MessageSource::kUplink)); },
       [this](auto& page) { session::AddSamples(sessions, page); },
       [this](auto& page) { fleet::AddSamples(fleet, page); },
       [this](auto& page) { fleet::AddSamples(live_budget, page); },

@@ -24,7 +24,7 @@ std::pair<int, std::string> Promtool(const std::string& text) {
 
 TEST(Promtool, HasNothingToSayAboutAScrape) {
   testing::ServerWorld world;
-  metrics::UplinkCounts counts;
+  metrics::MessageCounts counts;
   counts.received = 2;
   counts.stored = 1;
   counts.rejected = 1;

@@ -69,7 +69,7 @@ TEST(Streams, LiveMessagesAreAckedByTheTimer) {
   const auto ack = agent.ReadJudged(2);
   ASSERT_TRUE(ack);
   EXPECT_EQ(ack->through_seq(), 2U);
-  const metrics::UplinkCounts counts = world.Counts();
+  const metrics::MessageCounts counts = world.Counts();
   EXPECT_EQ(counts.received, 2U);
   EXPECT_EQ(counts.applied + counts.superseded, 2U);
 }

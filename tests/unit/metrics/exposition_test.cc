@@ -86,7 +86,7 @@ TEST(Exposition, ExportsEveryLabelOfClosedSetsAlsoAtZero) {
 
 TEST(Exposition, ShowsNumbersOf53BitsExactly) {
   LedgerBook book;
-  UplinkCounts counts;
+  MessageCounts counts;
   counts.received = (std::uint64_t{1} << 53U) - 1;
   counts.applied = counts.received;
   book.NewPage().Publish(counts);
@@ -103,13 +103,13 @@ TEST(Exposition, TheLawHoldsInEveryTextWhileThreadsCount) {
   for (int t = 0; t < 3; ++t) {
     threads.emplace_back([&stop, &ledger = book.NewPage()] {
       while (!stop.load()) {
-        UplinkCounts arrived;
+        MessageCounts arrived;
         arrived.received = 3;
         arrived.applied = 1;
         arrived.duplicate = 1;
         arrived.in_flight = 1;
         ledger.Publish(arrived);
-        UplinkCounts committed;
+        MessageCounts committed;
         committed.in_flight = -1;
         committed.stored = 1;
         ledger.Publish(committed);
@@ -130,7 +130,7 @@ TEST(Exposition, TheLawHoldsInEveryTextWhileThreadsCount) {
 
 TEST(Exposition, ALostSettlementShows) {
   LedgerBook book;
-  UplinkCounts lost;
+  MessageCounts lost;
   lost.received = 1;
   book.NewPage().Publish(lost);
   Exposition page;

@@ -7,20 +7,20 @@
 namespace uplink::metrics {
 namespace {
 
-TEST(UplinkCountsTest, NothingIsBalanced) { EXPECT_TRUE(UplinkCounts().Balanced()); }
+TEST(UplinkCountsTest, NothingIsBalanced) { EXPECT_TRUE(MessageCounts().Balanced()); }
 
 TEST(UplinkCountsTest, EveryColumnIsPartOfTheLaw) {
-  UplinkCounts counts{.received = 21,
-                      .stored = 1,
-                      .applied = 2,
-                      .superseded = 3,
-                      .duplicate = 4,
-                      .rejected = 5,
-                      .in_flight = 6};
+  MessageCounts counts{.received = 21,
+                       .stored = 1,
+                       .applied = 2,
+                       .superseded = 3,
+                       .duplicate = 4,
+                       .rejected = 5,
+                       .in_flight = 6};
   EXPECT_TRUE(counts.Balanced());
-  for (std::uint64_t UplinkCounts::*column :
-       {&UplinkCounts::received, &UplinkCounts::stored, &UplinkCounts::applied,
-        &UplinkCounts::superseded, &UplinkCounts::duplicate, &UplinkCounts::rejected}) {
+  for (std::uint64_t MessageCounts::*column :
+       {&MessageCounts::received, &MessageCounts::stored, &MessageCounts::applied,
+        &MessageCounts::superseded, &MessageCounts::duplicate, &MessageCounts::rejected}) {
     ++(counts.*column);
     EXPECT_FALSE(counts.Balanced());
     --(counts.*column);
@@ -30,7 +30,7 @@ TEST(UplinkCountsTest, EveryColumnIsPartOfTheLaw) {
 }
 
 TEST(UplinkCountsTest, MissingReasonsAndVariantsAreOutsideTheLaw) {
-  UplinkCounts counts;
+  MessageCounts counts;
   counts.missing = 5;
   counts.rejects[1] = 3;
   counts.records[2] = 4;
@@ -38,17 +38,17 @@ TEST(UplinkCountsTest, MissingReasonsAndVariantsAreOutsideTheLaw) {
 }
 
 TEST(UplinkCountsTest, AddsEveryColumn) {
-  UplinkCounts delta{.received = 1,
-                     .stored = 2,
-                     .applied = 3,
-                     .superseded = 4,
-                     .duplicate = 5,
-                     .rejected = 6,
-                     .in_flight = -7,
-                     .missing = 8};
+  MessageCounts delta{.received = 1,
+                      .stored = 2,
+                      .applied = 3,
+                      .superseded = 4,
+                      .duplicate = 5,
+                      .rejected = 6,
+                      .in_flight = -7,
+                      .missing = 8};
   delta.rejects[model::kRejectReasons] = 9;
   delta.records[model::kVariants - 1] = 10;
-  UplinkCounts sum;
+  MessageCounts sum;
   sum += delta;
   sum += delta;
   EXPECT_EQ(sum.received, 2U);
@@ -65,7 +65,7 @@ TEST(UplinkCountsTest, AddsEveryColumn) {
 
 TEST(UplinkCountsTest, MissingStopsAtTheTopInsteadOfWrapping) {
   constexpr std::uint64_t kTop = std::numeric_limits<std::uint64_t>::max();
-  UplinkCounts counts{.missing = kTop - 1};
+  MessageCounts counts{.missing = kTop - 1};
   counts += {.missing = 1};
   EXPECT_EQ(counts.missing, kTop);
   counts += {.missing = 1};
@@ -82,8 +82,8 @@ TEST(LedgerTest, APageHoldsWhatWasPublished) {
                       model::RejectReason::kNotFinite, 240);
   ledger.CountOdd({.times_unknown = 3, .enumerants_unrecognized = 4, .control_characters = 5});
   const Ledger::Page page = ledger.Read();
-  EXPECT_EQ(page.uplinks.in_flight, 1);
-  EXPECT_TRUE(page.uplinks.Balanced());
+  EXPECT_EQ(page.messages.in_flight, 1);
+  EXPECT_TRUE(page.messages.Balanced());
   EXPECT_EQ(page.dropped[static_cast<std::size_t>(model::Variant::kStatusTelemetry)]
                         [static_cast<std::size_t>(model::RejectReason::kOutOfRange)],
             1U);
@@ -108,13 +108,35 @@ TEST(LedgerBookTest, TheLawHoldsInTheSumOverPages) {
   journal.CountDropped(static_cast<std::size_t>(model::Variant::kFault),
                        model::RejectReason::kMalformed);
   const Ledger::Page sum = book.Sum();
-  EXPECT_TRUE(sum.uplinks.Balanced());
-  EXPECT_EQ(sum.uplinks.in_flight, 2);
+  EXPECT_TRUE(sum.messages.Balanced());
+  EXPECT_EQ(sum.messages.in_flight, 2);
   EXPECT_EQ(sum.odd.times_unknown, 2U);
   EXPECT_EQ(sum.odd.control_characters, 5U);
   EXPECT_EQ(sum.dropped[static_cast<std::size_t>(model::Variant::kFault)]
                        [static_cast<std::size_t>(model::RejectReason::kMalformed)],
             2U);
+}
+
+TEST(LedgerBookTest, SumsThePagesOfEachSourceAndOfAll) {
+  LedgerBook book;
+  book.NewPage(model::MessageSource::kUplink).Publish({.received = 1, .applied = 1});
+  book.NewPage(model::MessageSource::kCyberwave).Publish({.received = 4, .ignored = 4});
+  book.NewPage(model::MessageSource::kCyberwave).Publish({.received = 2, .refused = 2});
+  EXPECT_EQ(book.Sum(model::MessageSource::kUplink).messages.received, 1U);
+  EXPECT_EQ(book.Sum(model::MessageSource::kCyberwave).messages.received, 6U);
+  EXPECT_EQ(book.Sum(model::MessageSource::kCyberwave).messages.applied, 0U);
+  EXPECT_EQ(book.Sum().messages.received, 7U);
+  EXPECT_TRUE(book.Sum().messages.Balanced());
+}
+
+TEST(MessageCountsTest, CountsAMessageInTheColumnOfWhatItBecame) {
+  for (std::size_t became = 0; became < kBecame.size(); ++became) {
+    MessageCounts counts{.received = 1};
+    EXPECT_FALSE(counts.Balanced());
+    counts.Count(static_cast<Became>(became));
+    EXPECT_EQ(counts.*kBecame.at(became).count, 1U) << kBecame.at(became).name;
+    EXPECT_TRUE(counts.Balanced()) << kBecame.at(became).name;
+  }
 }
 
 }  // namespace

@@ -338,7 +338,7 @@ TEST_F(BrokerAcksTest, WhileTheStoreIsAskedNothingIsTakenThatComesAgain) {
   Run();
   EXPECT_EQ(Stored(), 0U);
   EXPECT_EQ(Count(Became::kRefused), 3U);
-  EXPECT_TRUE(broker_.ledger().Read().Balanced());
+  EXPECT_TRUE(broker_.ledger().Read().messages.Balanced());
 }
 
 TEST_F(BrokerAcksTest, WithoutAnAckForASecondWeAreBehindThoughWeRead) {

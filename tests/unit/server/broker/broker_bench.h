@@ -25,6 +25,8 @@
 
 namespace uplink::broker {
 
+using metrics::Became;
+
 inline constexpr const char* kTwin = "11111111-2222-4333-8444-555555555555";
 inline constexpr const char* kOtherTwin = "22222222-2222-4333-8444-555555555555";
 
@@ -168,7 +170,7 @@ class Bench {
     return acked;
   }
   [[nodiscard]] std::uint64_t Count(Became became) const {
-    return ledger.Read().became[static_cast<std::size_t>(became)];
+    return ledger.Read().messages.*metrics::kBecame.at(static_cast<std::size_t>(became)).count;
   }
   [[nodiscard]] robot::Presence PresenceOf(const std::string& ruri) const {
     return fleet.Find(ruri)->state.presence();
@@ -195,7 +197,7 @@ class Bench {
  public:
   testing::FakeStore store;
   metrics::Ledger uplinks;
-  MessageLedger ledger;
+  metrics::Ledger ledger;
   BrokerProbe probe;
   fleet::Fleet fleet;
   cyberwave::Twins twins;

@@ -76,7 +76,7 @@ TEST_F(BrokerTest, WithTheJournalFullNothingMoreIsReadUntilThereIsRoom) {
   durable()->Bring(Event(4, 4) + Event(5, 5));
   EXPECT_EQ(broker_.probe().held_back.value(), 1);
   EXPECT_FALSE(durable()->reading);
-  EXPECT_EQ(broker_.ledger().Read().received, 4U) << "the fifth lies unread";
+  EXPECT_EQ(broker_.ledger().Read().messages.received, 4U) << "the fifth lies unread";
   live()->Bring(testing::PublishBytes{
       .topic = "cyberwave/ping/a/request", .payload = R"({"type":"ping"})", .mqtt5 = false}
                     .Text());
@@ -106,12 +106,12 @@ TEST_F(BrokerTest, WhatIsLiveGoesPastAMessageThatIsHeld) {
   }
   EXPECT_EQ(broker_.probe().held_back.value(), 1);
   EXPECT_EQ(broker_.probe().held_back_total.value(), 1);
-  EXPECT_EQ(broker_.ledger().Read().received, 7U);
-  EXPECT_EQ(broker_.ledger().Read().in_flight, 4);
+  EXPECT_EQ(broker_.ledger().Read().messages.received, 7U);
+  EXPECT_EQ(broker_.ledger().Read().messages.in_flight, 4);
   EXPECT_EQ(Count(Became::kApplied), 3U);
   broker_.End();
   EXPECT_EQ(Count(Became::kRefused), 1U) << "the one that was held comes again";
-  EXPECT_TRUE(broker_.ledger().Read().Balanced());
+  EXPECT_TRUE(broker_.ledger().Read().messages.Balanced());
 }
 
 TEST_F(BrokerTest, AConnectionThatWasHeldIsReadAgainUnderTheNextLease) {
@@ -294,7 +294,7 @@ TEST_F(BrokerTest, ADrainReadsNothingMoreAndAcksWhatWaits) {
   durable()->Bring(Event(1, 5));
   broker_.BeginDrain();
   durable()->Bring(Event(2, 6));
-  EXPECT_EQ(broker_.ledger().Read().received, 1U) << "the second lies unread";
+  EXPECT_EQ(broker_.ledger().Read().messages.received, 1U) << "the second lies unread";
   EXPECT_EQ(broker_.waiting(), 1U);
   Run();
   Flush(*durable());

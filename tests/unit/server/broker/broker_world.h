@@ -23,6 +23,8 @@
 
 namespace uplink::broker {
 
+using metrics::Became;
+
 /// Who has the lease, as a test says it.
 class SaidLease final : public LeaseView {
  public:
@@ -171,7 +173,8 @@ class BrokerWorld : public ::testing::Test {
     Run();
   }
   [[nodiscard]] std::uint64_t Count(Became became) const {
-    return broker_.ledger().Read().became[static_cast<std::size_t>(became)];
+    return broker_.ledger().Read().messages.*
+           metrics::kBecame.at(static_cast<std::size_t>(became)).count;
   }
 
   testing::ManualClock clock_;
@@ -182,6 +185,7 @@ class BrokerWorld : public ::testing::Test {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   metrics::Ledger ledger_;
+  metrics::Ledger messages_;
   journal::JournalProbe journal_probe_;
   journal::JournalLimits limits_{.records_max = 3};
   journal::Journal journal_{store_, limits_, clock_, ledger_, journal_probe_, {1}};
@@ -198,6 +202,7 @@ class BrokerWorld : public ::testing::Test {
                   .logger = logger_,
                   .fleet = fleet_,
                   .journals = shards_,
+                  .ledger = messages_,
                   .twins = twins_,
                   .clients = {Settings("core", true), Settings("core-live", false)},
                   .terms = {},

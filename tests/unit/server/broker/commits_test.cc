@@ -18,7 +18,7 @@ using ::testing::IsEmpty;
 class CommitsTest : public ::testing::Test {
  protected:
   CommitsTest() { EXPECT_TRUE(bench_.TakeLease()); }
-  ~CommitsTest() override { EXPECT_TRUE(bench_.ledger.Read().Balanced()); }
+  ~CommitsTest() override { EXPECT_TRUE(bench_.ledger.Read().messages.Balanced()); }
 
   static void Publish(Bench& bench, int number, const Bench::Options& options) {
     EXPECT_EQ(bench.Publish(Bench::Of("telemetry"), Bench::Event(number), options),
@@ -186,7 +186,7 @@ TEST_F(CommitsTest, OneWhoseLeaseIsOverWritesNothingAndAsksForAnotherConnection)
   EXPECT_TRUE(bench_.commits.TakeFenced());
   EXPECT_FALSE(bench_.commits.TakeFenced());
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
-  EXPECT_EQ(bench_.ledger.Read().in_flight, 0);
+  EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 0);
   EXPECT_EQ(Stored(), 0U);
   Publish(next, 1, {.id = 5, .dup = true, .handle = 21});
   next.Run();

@@ -19,7 +19,8 @@ TEST(Flood, OfBadPingsLeavesNoRows) {
   for (int i = 0; i < 100; ++i) (void)bench.Publish("cyberwave/ping/a/request", "{bad");
   bench.Run();
   EXPECT_EQ(bench.Count(Became::kRejected), 100U);
-  EXPECT_EQ(bench.ledger.Read().rejects[static_cast<std::size_t>(model::RejectReason::kMalformed)],
+  EXPECT_EQ(bench.ledger.Read()
+                .messages.rejects[static_cast<std::size_t>(model::RejectReason::kMalformed)],
             100U);
   EXPECT_THAT(bench.store.Quarantine({})->rows, IsEmpty());
   EXPECT_THAT(bench.published, IsEmpty());
@@ -34,7 +35,7 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   }
   using model::RejectReason;
   const auto rejects = [&bench](RejectReason reason) {
-    return bench.ledger.Read().rejects[static_cast<std::size_t>(reason)];
+    return bench.ledger.Read().messages.rejects[static_cast<std::size_t>(reason)];
   };
   EXPECT_EQ(rejects(RejectReason::kRateLimited), 100U);
   EXPECT_THAT(bench.lines(), ::testing::ElementsAre(
@@ -47,7 +48,7 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   EXPECT_EQ(rejects(RejectReason::kRateLimited), 100U);
   bench.Run();
   EXPECT_EQ(rejects(RejectReason::kMalformed), kRejectsOfStranger.burst + 3);
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 TEST(Flood, AtQos0TakesNoMoreOfTheJournalThanOnesShare) {
@@ -64,13 +65,13 @@ TEST(Flood, AtQos0TakesNoMoreOfTheJournalThanOnesShare) {
   // Its publisher is held back by our acks.
   EXPECT_EQ(bench.Publish(Bench::Of("telemetry"), Bench::Event(31), {.id = 1, .handle = 1}),
             Intake::Processed::kDone);
-  EXPECT_EQ(bench.ledger.Read().in_flight, 12);
+  EXPECT_EQ(bench.ledger.Read().messages.in_flight, 12);
   bench.Run();
   EXPECT_EQ(bench.Count(Became::kStored), 12U);
   (void)bench.Publish(Bench::Of("telemetry"), Bench::Event(32));
-  EXPECT_EQ(bench.ledger.Read().in_flight, 1) << "there is room again";
+  EXPECT_EQ(bench.ledger.Read().messages.in_flight, 1) << "there is room again";
   bench.Run();
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 }  // namespace

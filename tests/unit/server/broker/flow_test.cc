@@ -29,8 +29,8 @@ class FlowTest : public ::testing::Test {
   }
   ~FlowTest() override {
     bench_.Run();
-    EXPECT_TRUE(bench_.ledger.Read().Balanced());
-    EXPECT_EQ(bench_.ledger.Read().in_flight, 0);
+    EXPECT_TRUE(bench_.ledger.Read().messages.Balanced());
+    EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 0);
   }
   void AtQos0(std::size_t count, const char* twin = kTwin) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ class FlowTest : public ::testing::Test {
   }
   [[nodiscard]] std::uint64_t Limited() const {
     return bench_.ledger.Read()
-        .rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
+        .messages.rejects[static_cast<std::size_t>(model::RejectReason::kRateLimited)];
   }
   robot::DurableFlow& FlowOf(const char* twin) { return bench_.fleet.Find(RuriOf(twin))->flow; }
 
@@ -208,7 +208,7 @@ TEST(FlowOfScopes, EachEnvironmentHasABudgetOfItsOwn) {
   EXPECT_THAT(bench.lines(), Contains(HasSubstr(std::string("twin_limited id=") + kTwin)));
   joined(kOtherTwin);
   EXPECT_EQ(bench.Count(Became::kRejected), 1U);
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 TEST(FlowInAFullJournal, WhoIsPastItDoesNotHoldTheOthersBack) {
@@ -227,7 +227,7 @@ TEST(FlowInAFullJournal, WhoIsPastItDoesNotHoldTheOthersBack) {
   bench.intake.DropHeldBack();
   bench.Run();
   EXPECT_EQ(bench.Count(Became::kStored), kBurst);
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 }  // namespace

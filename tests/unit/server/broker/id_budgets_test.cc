@@ -95,7 +95,7 @@ TEST(IdBudgets, WhatIsOverThemIsRejectedUnreadAtQos0Alone) {
   EXPECT_EQ(bench.Count(Became::kStored), 1U);
   (void)bench.Publish(Bench::Of("command", kOtherTwin), large);
   EXPECT_EQ(bench.Count(Became::kObserved), passing + 2);
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 }  // namespace

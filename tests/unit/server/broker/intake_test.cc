@@ -22,10 +22,10 @@ class IntakeTest : public ::testing::Test {
  protected:
   IntakeTest() { EXPECT_TRUE(bench_.TakeLease()); }
   ~IntakeTest() override {
-    EXPECT_TRUE(bench_.ledger.Read().Balanced());
-    EXPECT_EQ(bench_.uplinks.Read().uplinks.received, 0U) << "these are the relay's counts";
-    EXPECT_EQ(bench_.uplinks.Read().uplinks.in_flight, 0);
-    EXPECT_TRUE(bench_.uplinks.Read().uplinks.Balanced());
+    EXPECT_TRUE(bench_.ledger.Read().messages.Balanced());
+    EXPECT_EQ(bench_.uplinks.Read().messages.received, 0U) << "these are the relay's counts";
+    EXPECT_EQ(bench_.uplinks.Read().messages.in_flight, 0);
+    EXPECT_TRUE(bench_.uplinks.Read().messages.Balanced());
   }
   std::vector<storage::EventRow> Events() { return bench_.store.Events({})->rows; }
   std::vector<storage::QuarantineRow> Quarantine() { return bench_.store.Quarantine({})->rows; }
@@ -37,7 +37,7 @@ class IntakeTest : public ::testing::Test {
 TEST_F(IntakeTest, ADurableMessageIsAckedOnceItIsCommitted) {
   EXPECT_EQ(bench_.Publish(Bench::Of("telemetry"), Bench::Event(1), {.id = 5, .handle = 11}),
             Processed::kDone);
-  EXPECT_EQ(bench_.ledger.Read().in_flight, 1);
+  EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 1);
   EXPECT_THAT(bench_.Acked(), IsEmpty());
   bench_.Run();
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U));
@@ -231,18 +231,18 @@ TEST_F(FullIntakeTest, AtQos1WaitsUnackedUntilThereIsRoom) {
   const cyberwave::Arrival arrived{bench_.clock.Steady(), bench_.clock.System()};
   ASSERT_EQ(bench_.intake.Process(message, arrived), Processed::kHeldBack);
   const HeldBackMessage held(message, arrived);
-  EXPECT_EQ(bench_.ledger.Read().in_flight, 2);
-  EXPECT_TRUE(bench_.ledger.Read().Balanced());
+  EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 2);
+  EXPECT_TRUE(bench_.ledger.Read().messages.Balanced());
   EXPECT_EQ(bench_.intake.ProcessHeldBack(held), Processed::kHeldBack);
-  EXPECT_EQ(bench_.ledger.Read().received, 3U) << "each message once";
+  EXPECT_EQ(bench_.ledger.Read().messages.received, 3U) << "each message once";
   EXPECT_EQ(bench_.probe.held_back_total.value(), 1);
   bench_.Run();
   bench_.clock.Advance(std::chrono::seconds(5));
   EXPECT_EQ(bench_.intake.ProcessHeldBack(held), Processed::kDone);
   bench_.Run();
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U, 12U));
-  EXPECT_TRUE(bench_.ledger.Read().Balanced());
-  EXPECT_EQ(bench_.ledger.Read().in_flight, 0);
+  EXPECT_TRUE(bench_.ledger.Read().messages.Balanced());
+  EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 0);
   EXPECT_EQ(bench_.store.Events({})->rows.front().received_at, arrived.system)
       << "not when room came";
 }
@@ -279,8 +279,8 @@ TEST_F(FullIntakeTest, AHeldOneThatComesNoMoreIsRefused) {
   (void)bench_.Publish(Bench::Of("telemetry"), Bench::Event(2), {.id = 2, .handle = 12});
   bench_.intake.DropHeldBack();
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
-  EXPECT_TRUE(bench_.ledger.Read().Balanced());
-  EXPECT_EQ(bench_.ledger.Read().in_flight, 1);
+  EXPECT_TRUE(bench_.ledger.Read().messages.Balanced());
+  EXPECT_EQ(bench_.ledger.Read().messages.in_flight, 1);
 }
 
 TEST(IntakePastItsRobots, DurableMessagesOfOneMoreLieInQuarantineAndLiveOnesAreRefused) {
@@ -297,7 +297,7 @@ TEST(IntakePastItsRobots, DurableMessagesOfOneMoreLieInQuarantineAndLiveOnesAreR
   EXPECT_EQ(bench.store.Quarantine({})->rows[0].rejection.reason,
             model::RejectReason::kTooManyItems);
   EXPECT_EQ(bench.probe.twins_refused.value(), 2);
-  EXPECT_TRUE(bench.ledger.Read().Balanced());
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ model::cyberwave::Uuid IdOf(const char* twin) { return *model::cyberwave::Uuid::
 class TwinStreamsTest : public ::testing::Test {
  protected:
   TwinStreamsTest() { EXPECT_TRUE(bench_.TakeLease()); }
-  ~TwinStreamsTest() override { EXPECT_TRUE(bench_.ledger.Read().Balanced()); }
+  ~TwinStreamsTest() override { EXPECT_TRUE(bench_.ledger.Read().messages.Balanced()); }
 
   void Publish(int number, std::uint64_t handle) {
     EXPECT_EQ(bench_.Publish(Bench::Of("telemetry"), Bench::Event(number),

@@ -74,7 +74,7 @@ TEST_F(DrainTest, TellsOfStreamsThatAreLeft) {
 }
 
 TEST_F(DrainTest, CountsWhatIsUnsettled) {
-  metrics::UplinkCounts counts;
+  metrics::MessageCounts counts;
   counts.received = 2;
   counts.in_flight = 2;
   world_.ledgers.NewPage().Publish(counts);

@@ -25,7 +25,7 @@ class OutcomeTest : public ::testing::Test {
   }
 
   RejectMemory rejects_;
-  metrics::UplinkCounts counts_;
+  metrics::MessageCounts counts_;
 };
 
 TEST_F(OutcomeTest, AStoredRecordCountsAsStored) {

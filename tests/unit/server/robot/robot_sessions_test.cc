@@ -193,8 +193,8 @@ TEST_F(RobotSessionsTest, CommitsWakeTheStreamAndCountOnce) {
   EXPECT_EQ(sessions_.waiting(Id(1)), 1U);
   EXPECT_EQ(Settle(1, {}), Stream(1));
   Settle(1, {});
-  EXPECT_EQ(ledger_.Read().uplinks.stored, 1U);
-  EXPECT_EQ(ledger_.Read().uplinks.in_flight, -1);
+  EXPECT_EQ(ledger_.Read().messages.stored, 1U);
+  EXPECT_EQ(ledger_.Read().messages.in_flight, -1);
   EXPECT_EQ(sessions_.in_flight(), 0U);
   const Progress progress = sessions_.Take(Id(1));
   EXPECT_EQ(progress.through, 1U);
@@ -207,7 +207,7 @@ TEST_F(RobotSessionsTest, ARejectionMadeAtJudgementIsNotToldTwice) {
   sessions_.Remember(Id(1), {.seq = 1, .rejection = kBad});
   Settle(1, {storage::OutcomeKind::kRefused, kBad}, kBad.reason);
   EXPECT_THAT(sessions_.Take(Id(1)).rejects, IsEmpty());
-  EXPECT_EQ(ledger_.Read().uplinks.rejected, 1U);
+  EXPECT_EQ(ledger_.Read().messages.rejected, 1U);
 }
 
 TEST_F(RobotSessionsTest, ARefusalOfTheStoreIsToldOnceAndRemembered) {
@@ -221,7 +221,7 @@ TEST_F(RobotSessionsTest, ARefusalOfTheStoreIsToldOnceAndRemembered) {
 TEST_F(RobotSessionsTest, ANumberTheStoreKnewIsADuplicate) {
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 1), 1);
   Settle(1, {storage::OutcomeKind::kDuplicate, std::nullopt});
-  EXPECT_EQ(ledger_.Read().uplinks.duplicate, 1U);
+  EXPECT_EQ(ledger_.Read().messages.duplicate, 1U);
 }
 
 TEST_F(RobotSessionsTest, AFenceForgetsEverythingThatWaits) {
@@ -230,8 +230,8 @@ TEST_F(RobotSessionsTest, AFenceForgetsEverythingThatWaits) {
   EXPECT_EQ(sessions_.OnFenced(ledger_), Stream(1));
   EXPECT_GT(sessions_.generation(), begun_.generation);
   EXPECT_EQ(sessions_.StandingOf(Stream(1)), Standing::kSuperseded);
-  EXPECT_EQ(ledger_.Read().uplinks.superseded, 2U);
-  EXPECT_EQ(ledger_.Read().uplinks.in_flight, -2);
+  EXPECT_EQ(ledger_.Read().messages.superseded, 2U);
+  EXPECT_EQ(ledger_.Read().messages.in_flight, -2);
   EXPECT_EQ(sessions_.See(Id(1), 3).as, SeenAs::kVoid);
   EXPECT_EQ(sessions_.AddWaiting(Id(1), 3), 0);
   EXPECT_EQ(sessions_.in_flight(), 0U);

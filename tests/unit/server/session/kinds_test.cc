@@ -161,7 +161,7 @@ TEST_F(KindsTest, ControlCharactersAreReplacedAndCounted) {
 
 TEST_F(KindsTest, GoodRecordsAreCountedByVariant) {
   stream_.Send(BatchFrame({{1, Motion()}, {2, Motion()}, {3, Fault()}, {4, BadFault()}}));
-  const metrics::UplinkCounts counts = server().counts();
+  const metrics::MessageCounts counts = server().counts();
   EXPECT_EQ(counts.records[static_cast<std::size_t>(model::Variant::kMotionTelemetry)], 2U);
   EXPECT_EQ(counts.records[static_cast<std::size_t>(model::Variant::kFault)], 1U);
 }

@@ -170,7 +170,7 @@ class BenchServer final : public robot::WakeInbox {
   /// For a reload.
   [[nodiscard]] Allowances& allowances() { return allowances_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
-  [[nodiscard]] metrics::UplinkCounts counts() const { return book_.Sum().uplinks; }
+  [[nodiscard]] metrics::MessageCounts counts() const { return book_.Sum().messages; }
   [[nodiscard]] metrics::Ledger::Page page() const { return book_.Sum(); }
 
  private:

@@ -90,7 +90,7 @@ TEST_F(TelemetryRateTest, PastItTheyAreSupersededUndecodedAndTheLatestWins) {
   server().Pass(kPerMessage);
   EXPECT_EQ(Decoded(), kBurst + 1);
   EXPECT_EQ(Latitude(), 80);
-  const metrics::UplinkCounts counts = server().counts();
+  const metrics::MessageCounts counts = server().counts();
   EXPECT_EQ(counts.received, 140U);
   EXPECT_EQ(counts.applied, 2U);
   EXPECT_EQ(counts.superseded, 138U);

@@ -66,7 +66,7 @@ class SessionThreads : public ::testing::TestWithParam<Bound> {
     std::size_t failures = 0;
     return testing::Eventually(
         [this, &next_failure, &failures] {
-          const metrics::UplinkCounts counts = core_.book.Sum().uplinks;
+          const metrics::MessageCounts counts = core_.book.Sum().messages;
           if (!counts.Balanced()) ++unbalanced_;
           // By what the store did, not by time: on a busy machine every call would fail.
           if (const std::uint64_t calls = core_.store.commits(); calls >= next_failure) {
@@ -108,7 +108,7 @@ TEST_P(SessionThreads, AllIsAckedAndNothingIsLost) {
   if (!finished || !idle) return;
 
   EXPECT_EQ(unbalanced_, 0U) << "the conservation law";
-  const metrics::UplinkCounts counts = core_.book.Sum().uplinks;
+  const metrics::MessageCounts counts = core_.book.Sum().messages;
   EXPECT_TRUE(counts.Balanced());
   EXPECT_EQ(counts.in_flight, 0);
   EXPECT_EQ(core_.probe.streams.value(), 0);

@@ -243,8 +243,11 @@ TEST(Json, EmptyListsArePrinted) {
 TEST(Json, StatusHoldsEveryColumnOfTheLaw) {
   StatusView status;
   status.version = "1.2.3";
-  status.uplinks.received = 1;
-  status.uplinks.in_flight = 1;
+  metrics::MessageCounts& relayed = status.messages[0];
+  relayed.received = 1;
+  relayed.in_flight = 1;
+  status.messages[1].received = 2;
+  status.messages[1].ignored = 2;
   const google::protobuf::Struct json = Parse(*ToJson(status, {"store"}));
   const auto& uplinks = json.fields().at("uplinks").struct_value().fields();
   EXPECT_EQ(uplinks.size(), 7U);
@@ -252,6 +255,14 @@ TEST(Json, StatusHoldsEveryColumnOfTheLaw) {
   EXPECT_EQ(uplinks.at("inFlight").string_value(), "1");
   EXPECT_EQ(json.fields().at("rejectsByReason").struct_value().fields().size(),
             model::kRejectReasons);
+  const auto& all = json.fields().at("messages").struct_value().fields();
+  EXPECT_EQ(all.at("counts").struct_value().fields().size(), metrics::kBecame.size() + 2);
+  EXPECT_EQ(all.at("counts").struct_value().fields().at("received").string_value(), "3");
+  EXPECT_EQ(all.at("rejectsByReason").struct_value().fields().size(), model::kRejectReasons);
+  const auto& sources = json.fields().at("messagesBySource").struct_value().fields();
+  EXPECT_EQ(sources.size(), model::kAllMessageSources.size());
+  const auto& twins = sources.at("cyberwave").struct_value().fields().at("counts").struct_value();
+  EXPECT_EQ(twins.fields().at("ignored").string_value(), "2");
   EXPECT_EQ(json.fields().at("robots").struct_value().fields().size(), 3U);
   EXPECT_EQ(json.fields().at("degraded").list_value().values(0).string_value(), "store");
 }

@@ -271,17 +271,22 @@ TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows)
 }
 
 TEST_F(QueriesTest, StatusHoldsTheConservationTable) {
-  metrics::UplinkCounts counts;
+  metrics::MessageCounts counts;
   counts.received = 5;
   counts.applied = 3;
   counts.stored = 1;
   counts.in_flight = 1;
   world_.ledgers.NewPage().Publish(counts);
+  metrics::MessageCounts ignored;
+  ignored.received = ignored.ignored = 2;
+  world_.ledgers.NewPage(model::MessageSource::kCyberwave).Publish(ignored);
   world_.AddRobot("rcan://a");
   world_.sessions.streams.Add();
   const StatusView status = world_.queries.Status();
-  EXPECT_TRUE(status.uplinks.Balanced());
-  EXPECT_EQ(status.uplinks.received, 5U);
+  EXPECT_TRUE(status.messages[0].Balanced());
+  EXPECT_EQ(status.messages[0].received, 5U);
+  EXPECT_TRUE(status.messages[1].Balanced());
+  EXPECT_EQ(status.messages[1].ignored, 2U);
   EXPECT_EQ(status.robots.unknown, 1);
   EXPECT_EQ(status.streams, 1);
 }
