@@ -83,7 +83,8 @@ absl::StatusOr<Answer> Traced(Trace& trace, absl::StatusOr<Answer> answer, const
   if (answer.ok()) {
     add(*answer);
   } else {
-    trace.Add("failed " + answer.status().ToString());
+    // The code alone: a message may name a temporary file, which is another one in each run.
+    trace.Add("failed " + absl::StatusCodeToString(answer.status().code()));
   }
   return answer;
 }
