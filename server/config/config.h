@@ -158,8 +158,6 @@ struct PresenceConfig {
   milliseconds timeout = std::chrono::seconds(10);
   milliseconds startup_grace = std::chrono::minutes(2);
   milliseconds adopted_grace = std::chrono::hours(1);
-  std::size_t flap_changes = 6;
-  milliseconds flap_window = std::chrono::minutes(5);
 };
 
 struct ForwardConfig {

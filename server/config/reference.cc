@@ -36,16 +36,11 @@ std::string Escaped(std::string_view cell) {
 
 /// What a key's text does not say of when it counts; empty if it is read once, at the start.
 std::string_view EffectText(const Setting& setting) {
-  switch (setting.effect) {
-    case Effect::kNone:
-      return "No effect in this version.";
-    case Effect::kReload:
-      return "Taken over by SIGHUP.";
-    case Effect::kRestart:
-      return "";
-  }
-  return "";
+  return setting.effect == Effect::kReload ? "Taken over by SIGHUP." : "";
 }
+
+/// A key that does nothing yet is read, and shown to nobody.
+bool IsShown(const Setting& setting) { return setting.effect != Effect::kNone; }
 
 }  // namespace
 
@@ -60,7 +55,7 @@ std::string ExampleToml() {
   for (const Section& section : Sections()) {
     text += fmt::format("\n{}[{}]\n", Comment(section.text), section.name);
     for (const Setting& setting : Settings()) {
-      if (setting.section != section.name) {
+      if (setting.section != section.name || !IsShown(setting)) {
         continue;
       }
       text +=
@@ -76,6 +71,7 @@ std::string SettingsTable() {
   const Config defaults;
   std::string text = "| key | default | takes | what it does |\n| --- | --- | --- | --- |\n";
   for (const Setting& setting : Settings()) {
+    if (!IsShown(setting)) continue;
     const std::string_view effect = EffectText(setting);
     text += fmt::format("| `{}` | `{}` | {} | {}{}{} |\n", FullKey(setting),
                         ValueText(setting, setting.get(defaults)), Escaped(AllowedText(setting)),

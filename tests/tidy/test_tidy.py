@@ -382,6 +382,12 @@ class SettingsTest(RuleTest):
         found = self.find(whole.settings, self.files(self.TABLE, '[log]\n# level = "info"\n'))
         self.assertEqual(found, [(whole.SETTINGS, 2, "settings")])
 
+    def test_wants_no_example_of_a_setting_without_effect(self):
+        table = self.TABLE + '{.section = "log",\n .key = "later",\n .effect = Effect::kNone},\n'
+        self.assert_clean(whole.settings, self.files(table, self.EXAMPLE))
+        found = self.find(whole.settings, self.files(table, self.EXAMPLE + "# later = 1\n"))
+        self.assertEqual(found, [(whole.EXAMPLE, 5, "settings")])
+
     def test_refuses_a_key_that_is_no_setting(self):
         found = self.find(whole.settings, self.files(self.TABLE, self.EXAMPLE + "# more = 1\n"))
         self.assertEqual(found, [(whole.EXAMPLE, 5, "settings")])

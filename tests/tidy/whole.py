@@ -73,7 +73,7 @@ def targets(tree):
 
 
 def settings(tree):
-    """The keys of the settings table are those of the example file."""
+    """The keys of the settings table that do something are those of the example file."""
     if not tree.has(SETTINGS) or not tree.has(EXAMPLE):
         missing = EXAMPLE if tree.has(SETTINGS) else SETTINGS
         yield Finding(missing, 1, "settings", "the file is not there")
@@ -81,6 +81,8 @@ def settings(tree):
     text = tree.text(SETTINGS)
     table = {}
     for match in SETTING.finditer(text):
+        if ".effect = Effect::kNone" in text[match.end() :].split("{.section")[0]:
+            continue
         table[f"{match.group(1)}.{match.group(2)}"] = text.count("\n", 0, match.start()) + 1
     for match in RATE.finditer(text):
         for key in (match.group(1), match.group(1) + "_burst"):

@@ -214,12 +214,12 @@ TEST(ParseConfigTest, NoKeyHasTheNameOfAServicesVariable) {
 
 TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
   const LoadResult result =
-      ParseWith("[presence]\nflap_changes = 5\n", {{"UPLINKD_PRESENCE_FLAP_WINDOW", "1m"}});
+      ParseWith("[listen]\nfleet = \"127.0.0.1:9\"\n", {{"UPLINKD_TLS_OPERATOR_CA_FILE", "x"}});
   ASSERT_TRUE(result.ok());
-  EXPECT_EQ(result.config->presence.flap_changes, 5U);
+  EXPECT_EQ(result.config->tls.operator_ca_file, "x");
   EXPECT_THAT(result.notes,
-              ElementsAre(IsProblem("u.toml:6", "presence.flap_changes", "no effect"),
-                          IsProblem("environment", "presence.flap_window", "no effect")));
+              ElementsAre(IsProblem("u.toml:6", "listen.fleet", "no effect"),
+                          IsProblem("environment", "tls.operator_ca_file", "no effect")));
   EXPECT_THAT(ParseWith("").notes, IsEmpty());
 }
 
