@@ -280,7 +280,7 @@ class App::Impl {
   rcan::RcanProbe& rcan_probe_ = ground_.rcan_probe();
   const journal::JournalLimits journal_limits_;
   const session::SessionLimits session_limits_;
-  session::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
+  ingest::Allowances allowances_{lifecycle::AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   session::SessionProbe session_probe_;
   journal::JournalProbe journal_probe_;

@@ -83,7 +83,7 @@ struct BrokerSide::Parts {
                 [this](mqtt::LinkEvents& events) { return mqtt::MakeAsioLink(loop.io(), events); },
             .post = [this](std::function<void()> job) { loop.Post(std::move(job)); },
             .random = context.random,
-            .flow = [&allowances = context.allowances] { return allowances.Get()->flow; }};
+            .allowances = context.allowances};
   }
 
   store::TopicRounds::Context TopicsContext(const Context& context) {

@@ -12,9 +12,9 @@
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/health/readiness.h"
+#include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
-#include "server/session/allowances.h"
 #include "server/store/lease_rounds.h"
 #include "server/view/broker_status.h"
 #include "storage/reader.h"
@@ -43,7 +43,7 @@ class BrokerSide final {
     storage::ProcessId process{};
     std::function<std::uint64_t()> random;
     /// What one robot may have stored.
-    const session::Allowances& allowances;
+    const ingest::Allowances& allowances;
   };
   /// `topics` is null if there is no broker.
   BrokerSide(const Context& context, std::unique_ptr<storage::TopicLeases> topics);

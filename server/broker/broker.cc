@@ -51,7 +51,7 @@ Broker::Broker(Context context)
                      mqtt::Client* client = Of(Connection::kLive).client();
                      return client != nullptr && client->Publish(message);
                    },
-               .flow = context_.flow}),
+               .allowances = context_.allowances}),
       strays_(context_.terms.prefixes) {
   NoteCertificate(context_.clients.front(), probe_);
 }

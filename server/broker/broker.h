@@ -61,9 +61,8 @@ class Broker final : private SubscriberEvents {
     /// Runs a job on its thread. Any thread.
     std::function<void(std::function<void()>)> post;
     std::function<std::uint64_t()> random;
-    /// What one robot may have stored, as a reload last said; by default as the configuration's
-    /// defaults say.
-    std::function<robot::FlowLimits()> flow{};
+    /// What one robot may have stored, as a reload last said.
+    const ingest::Allowances& allowances;
   };
   explicit Broker(Context context);
   ~Broker() override = default;

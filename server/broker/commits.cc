@@ -87,7 +87,8 @@ storage::Deliveries Commits::TakeOver() {
   return {.hold = hold_, .rows = redeliveries_.TakeOver()};
 }
 
-std::vector<storage::Delivery> Commits::Number(TwinStream& stream, const Delivered& message) {
+std::vector<storage::Delivery> Commits::DeliveriesWith(TwinStream& stream,
+                                                       const Delivered& message) {
   std::vector<storage::Delivery> numbered =
       redeliveries_.Number(stream.id, std::exchange(stream.settled, {}));
   if (message.packet_id == 0) return numbered;
@@ -99,8 +100,8 @@ std::vector<storage::Delivery> Commits::Number(TwinStream& stream, const Deliver
   return numbered;
 }
 
-bool Commits::Append(TwinStream& stream, const Delivered& message,
-                     std::vector<storage::CommitRecord> records,
+bool Commits::Number(TwinStream& stream, const Delivered& message,
+                     std::vector<storage::CommitRecord>& records,
                      std::optional<model::RejectReason> rejected) {
   WaitingMessage waiting{.ack = message.ack,
                          .packet_id = message.packet_id,
@@ -108,15 +109,12 @@ bool Commits::Append(TwinStream& stream, const Delivered& message,
                          .last = stream.last_seq + records.size(),
                          .rejected = rejected,
                          .arrived = message.arrived};
-  const storage::RobotRef id = stream.robot->id();
   for (storage::CommitRecord& record : records) {
-    record.robot = id;
-    record.session = stream.session;
     record.seq = ++stream.last_seq;
     const std::size_t bytes = journal::CostOf(record);
     if (stream.robot->sessions.AddWaiting(stream.session, record.seq, bytes) == 0) return false;
   }
-  std::vector<storage::Delivery> numbered = Number(stream, message);
+  std::vector<storage::Delivery> numbered = DeliveriesWith(stream, message);
   if (!numbered.empty()) {
     waiting.brought.reserve(numbered.size() - 1);
     for (const storage::Delivery& delivery : numbered) {
@@ -134,8 +132,6 @@ bool Commits::Append(TwinStream& stream, const Delivered& message,
   }
   stream.waiting.push_back(std::move(waiting));
   context_.probe.records.Add(static_cast<std::int64_t>(records.size()));
-  stream.journal->AppendMessage(*stream.robot, stream.generation, std::move(records),
-                                message.arrived);
   return true;
 }
 

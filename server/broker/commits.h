@@ -24,8 +24,8 @@
 
 namespace uplink::broker {
 
-/// What messages bring to the store: appended to the journal, all of a message at once, and waited
-/// for. Says which messages may be acked then, and knows those that come again.
+/// What messages bring to the store, all of a message at once: numbered, and waited for. Says which
+/// messages may be acked then, and knows those that come again.
 ///
 /// Thread:  confined to its owner's.
 class Commits final {
@@ -85,10 +85,10 @@ class Commits final {
   /// remembers that: it is acked after a commit that begins later, and judged again if it comes
   /// again after the store was read again.
   void SettleAfterCommit(const Delivered& message, TwinStream& stream);
-  /// Its records go to the journal: without robot, session, number, which are the stream's. False
-  /// if another process adopted the robot since: nothing of it is written.
-  [[nodiscard]] bool Append(TwinStream& stream, const Delivered& message,
-                            std::vector<storage::CommitRecord> records,
+  /// Its records, which the caller appends to the journal, have numbers and wait from now on. False
+  /// if another process adopted the robot since: nothing of it may be written.
+  [[nodiscard]] bool Number(TwinStream& stream, const Delivered& message,
+                            std::vector<storage::CommitRecord>& records,
                             std::optional<model::RejectReason> rejected);
 
   /// Something of the stream was settled, or another process adopted its robot.
@@ -106,7 +106,8 @@ class Commits final {
  private:
   /// What the store is to remember with the message's records: of its twin what was settled
   /// before it without a record, and at QoS 1 itself, the last.
-  [[nodiscard]] std::vector<storage::Delivery> Number(TwinStream& stream, const Delivered& message);
+  [[nodiscard]] std::vector<storage::Delivery> DeliveriesWith(TwinStream& stream,
+                                                              const Delivered& message);
   /// The stream's next records tell the store of the message, which was settled without one.
   void NoteSettled(TwinStream& stream, std::uint16_t packet_id);
   void AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHandle>& ack);

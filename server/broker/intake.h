@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
-#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
@@ -16,14 +14,16 @@
 #include "server/broker/payload_judge.h"
 #include "server/broker/pongs.h"
 #include "server/broker/probe.h"
+#include "server/broker/twin_message.h"
 #include "server/broker/twin_streams.h"
+#include "server/ingest/port.h"
 #include "server/log/rate_limited.h"
 #include "server/mqtt/listener.h"
 
 namespace uplink::broker {
 
-/// Takes the messages of a broker one by one: known already, or judged; live ones applied, durable
-/// and rejected ones to the journal.
+/// Takes the messages of a broker one by one: known already, answered or counted here; or judged,
+/// and offered to the port.
 ///
 /// Thread:  confined to its owner's.
 class Intake final {
@@ -46,8 +46,7 @@ class Intake final {
     /// Whether the journals are more than half full.
     std::function<bool()> journal_over_half;
     Pongs::Publish publish;
-    /// As MessageLimits::Context::flow.
-    std::function<robot::FlowLimits()> flow{};
+    const ingest::Allowances& allowances;
   };
   explicit Intake(Context context)
       : context_(std::move(context)),
@@ -55,8 +54,18 @@ class Intake final {
         payloads_(context_.terms, context_.limited_log),
         limits_({.clock = context_.clock,
                  .log = context_.limited_log,
-                 .journal_over_half = context_.journal_over_half,
-                 .flow = context_.flow}) {}
+                 .journal_over_half = context_.journal_over_half}),
+        port_({.clock = context_.clock,
+               .fleet = context_.fleet,
+               .ledger = context_.ledger,
+               .allowances = context_.allowances,
+               .payload_bytes_max = context_.payload_bytes_max,
+               .journal_over_half = context_.journal_over_half}),
+        sources_{.twins = context_.twins,
+                 .commits = context_.commits,
+                 .limits = limits_,
+                 .ledger = context_.ledger,
+                 .probe = context_.probe} {}
 
   enum class Processed : std::uint8_t {
     kDone,
@@ -87,28 +96,25 @@ class Intake final {
   [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
-  [[nodiscard]] Processed Write(Processing& processing, TwinStream& stream);
-  [[nodiscard]] bool HasRoom(TwinStream& stream);
-  /// Whether its robot has not yet as much of the journal as one may have (journal.robot_share).
-  [[nodiscard]] bool HasShare(const Processing& processing, const TwinStream& stream) const;
-  /// Only when the message arrives first, not when it is processed again.
-  void NoteLife(const Processing& processing, TwinStream& stream) const;
+  /// It is offered to the port.
+  [[nodiscard]] Processed Offer(Processing& processing, TwinStream& stream);
+  /// The log names a twin of which the port did not take a message for its own sake.
+  void Tell(TwinStream& stream, const ingest::Port::Offered& offered);
+  void NoteLife(const Processing& processing, TwinStream& stream);
   void AnswerPing(Processing& processing);
   /// Without a row of quarantine.
   void RejectUnkept(Processing& processing, model::RejectReason reason);
   [[nodiscard]] Processed RejectLimited(Processing& processing);
-  void Reject(Processing& processing, TwinStream& stream, const model::Rejection& rejection);
-  void Apply(Processing& processing, TwinStream& stream);
-  void Append(Processing& processing, TwinStream& stream,
-              std::vector<storage::CommitRecord> records,
-              std::optional<model::RejectReason> rejected);
-  /// It is settled now.
+  /// It is counted, and settled now.
   void Settle(Processing& processing, metrics::Became became);
+  void Count(const Processing& processing, metrics::Became became);
 
   const Context context_;
   Pongs pongs_;
   PayloadJudge payloads_;
   MessageLimits limits_;
+  ingest::Port port_;
+  const TwinSources sources_;
   bool was_stray_ = false;
   /// The journal that had no room for it.
   journal::Journal* full_ = nullptr;

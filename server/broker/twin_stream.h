@@ -13,6 +13,7 @@
 #include "server/cyberwave/twin.h"
 #include "server/cyberwave/twin_rates.h"
 #include "server/fleet/fleet.h"
+#include "server/ingest/room.h"
 #include "server/journal/journal.h"
 #include "server/robot/wake.h"
 
@@ -51,6 +52,14 @@ struct TwinStream {
   bool ended = false;
 
   [[nodiscard]] const std::string& ruri() const { return robot->ruri(); }
+  /// As the port knows it.
+  [[nodiscard]] ingest::Line line() const {
+    return {.robot = *robot,
+            .id = robot->id(),
+            .journal = *journal,
+            .session = session,
+            .by = generation};
+  }
 };
 
 }  // namespace uplink::broker

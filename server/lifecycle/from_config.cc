@@ -74,10 +74,10 @@ schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {
           .extras_items_max = limits.extras_items_max};
 }
 
-session::Allowance AllowanceOf(const config::Config& config) {
+ingest::Allowance AllowanceOf(const config::Config& config) {
   const config::LimitsConfig& limits = config.limits;
   const config::RatesConfig& rates = config.rates;
-  session::Allowance allowance{
+  ingest::Allowance allowance{
       .flow = {.records = {limits.durable_records_rate, limits.durable_records_burst},
                .bytes = {limits.durable_bytes_rate, limits.durable_bytes_burst}},
       .telemetry = {rates.telemetry, rates.telemetry_burst}};

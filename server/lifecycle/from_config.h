@@ -7,11 +7,11 @@
 #include "schema/cyberwave/topic_kinds.h"
 #include "schema/judge.h"
 #include "server/config/config.h"
+#include "server/ingest/allowances.h"
 #include "server/journal/limits.h"
 #include "server/log/logger.h"
 #include "server/mqtt/settings.h"
 #include "server/robot/presence.h"
-#include "server/session/allowances.h"
 #include "server/session/limits.h"
 #include "server/transport/options.h"
 
@@ -24,7 +24,7 @@ namespace uplink::lifecycle {
 /// The same of twins, which have a timeout of their own.
 [[nodiscard]] robot::PresenceLimits TwinPresenceLimitsOf(const config::Config& config);
 [[nodiscard]] schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits);
-[[nodiscard]] session::Allowance AllowanceOf(const config::Config& config);
+[[nodiscard]] ingest::Allowance AllowanceOf(const config::Config& config);
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);
 /// `memory_max`: what the process may use; 0 if that is not known.

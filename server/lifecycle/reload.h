@@ -6,8 +6,8 @@
 
 #include "server/config/config.h"
 #include "server/config/load.h"
+#include "server/ingest/allowances.h"
 #include "server/log/logger.h"
-#include "server/session/allowances.h"
 
 namespace uplink::lifecycle {
 
@@ -29,7 +29,7 @@ class Reload final {
   struct Context {
     std::function<config::LoadResult()> read;
     // They outlive it, and follow what is taken over.
-    session::Allowances& allowances;
+    ingest::Allowances& allowances;
     log::Logger& logger;
   };
   /// `running`: what the server was started with.

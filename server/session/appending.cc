@@ -1,68 +1,53 @@
 #include "server/session/appending.h"
 
 #include <utility>
+#include <vector>
 
 namespace uplink::session {
 
+ingest::RecordCost Appending::CostOfGap(const robot::Seen& seen) const {
+  ingest::RecordCost cost;
+  if (seen.missing_first == 0) return cost;
+  cost.journal_bytes = robot::kRecordOverheadBytes;
+  if (IsNew(seen.missing_last)) cost.flow_bytes = 0;
+  return cost;
+}
+
 void Appending::AddGap(const robot::Seen& seen) {
-  sources_.counts.missing += seen.missing;
-  sources_.robot.sessions.AddGap(sources_.session, seen);
-  journal_.AppendGap(sources_.robot, sources_.by,
-                     {.robot = id_,
-                      .session = sources_.session,
-                      .first = seen.missing_first,
-                      .last = seen.missing_last,
-                      .seen_at = received_at_});
+  if (seen.missing_first == 0) return;
+  if (IsNew(seen.missing_last)) port_.TakeFlow(line_, ingest::Waits::kStream, 0);
+  port_.counts().missing += seen.missing;
+  line_.robot.sessions.AddGap(line_.session, seen);
+  line_.journal.AppendGap(line_.robot, line_.by,
+                          {.robot = line_.id,
+                           .session = line_.session,
+                           .first = seen.missing_first,
+                           .last = seen.missing_last,
+                           .seen_at = received_at_});
 }
 
-void Appending::Add(model::Seq seq, storage::CommitContent content, std::string payload,
-                    std::size_t payload_bytes) {
-  Flush();
-  storage::CommitRecord record{.robot = id_,
-                               .session = sources_.session,
-                               .seq = seq,
-                               .received_at = received_at_,
-                               .content = std::move(content),
-                               .payload = std::move(payload),
-                               .payload_bytes = payload_bytes};
-  if (Wait(seq, journal::CostOf(record))) Append(std::move(record));
-}
-
-void Appending::AddLimited(robot::RejectedSeq limited) {
-  if (!Continues(limited.seq)) Flush();
-  if (!Wait(limited.seq, limited_.empty() ? robot::kRecordOverheadBytes : 0)) return;
+ingest::Numbered Appending::AddLimited(robot::RejectedSeq limited) {
+  if (!Continues(limited.seq)) {
+    port_.TakeFlow(line_, ingest::Waits::kStream, 0);
+    Flush();
+  }
+  const std::size_t bytes = limited_.empty() ? robot::kRecordOverheadBytes : 0;
+  if (numbers_.AddWaiting(limited.seq, bytes) == 0) return ingest::Numbered::kLost;
   limited_.Add(limited.seq, limited.rejection);
-  sources_.robot.sessions.Remember(sources_.session, std::move(limited));
+  line_.robot.sessions.Remember(line_.session, std::move(limited));
+  return ingest::Numbered::kWaiting;
 }
 
 void Appending::Flush() {
   if (limited_.empty()) return;
-  const model::Seq last = limited_.last();
-  Append({.robot = id_,
-          .session = sources_.session,
-          .seq = last,
-          .received_at = received_at_,
-          .content = limited_.Take(),
-          .payload = {}});
-}
-
-bool Appending::Wait(model::Seq seq, std::size_t bytes) {
-  ++sources_.counts.received;
-  const std::int64_t grew = sources_.numbers.AddWaiting(seq, bytes);
-  if (grew == 0) ++sources_.counts.superseded;
-  sources_.counts.in_flight += grew;
-  return grew > 0;
-}
-
-void Appending::Append(storage::CommitRecord record) {
-  // Published before the writer can settle it, so that no scrape sees it settled and not received.
-  Publish();
-  journal_.Append(sources_.robot, sources_.by, std::move(record), arrived_);
-}
-
-void Appending::Publish() {
-  sources_.context.ledger.Publish(sources_.counts);
-  sources_.counts = {};
+  std::vector<storage::CommitRecord> range;
+  range.push_back({.robot = line_.id,
+                   .session = line_.session,
+                   .seq = limited_.last(),
+                   .received_at = received_at_,
+                   .content = limited_.Take(),
+                   .payload = {}});
+  port_.Append(line_, std::move(range), arrived_);
 }
 
 }  // namespace uplink::session

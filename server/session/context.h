@@ -6,8 +6,8 @@
 #include "schema/base/clock.h"
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
+#include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
-#include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/frame_live.h"
 #include "server/session/frame_view.h"
@@ -36,7 +36,7 @@ struct SessionContext {
   schema::Judge& judge;
   const SessionLimits& limits;
   IntakeScratch& scratch;
-  const Allowances& allowances;
+  const ingest::Allowances& allowances;
   RejectSource& rejects;
   /// Who vouches for the civil clock.
   const storage::ClockTrust& clock_trust;

@@ -9,7 +9,7 @@ namespace uplink::session {
 
 void LiveIntake::TakeRate(std::size_t kind, const robot::BucketSize& rate) {
   if (!metrics::IsTelemetry(kind)) return;
-  robot::Rates& rates = sources_.robot.rates;
+  robot::Rates& rates = sources_.line.robot.rates;
   // What is rejected for its size passes whatever the rate, and must leave no debt.
   if (rates.TelemetryPassesAt(rate, arrived_) <= arrived_) rates.TakeTelemetry(rate, arrived_);
 }
@@ -33,12 +33,12 @@ RcanOrder::Age LiveIntake::See(const model::RcanState& state) {
   const RcanOrder::Age age = AgeOf(state);
   if (age != RcanOrder::Age::kOlder) SupersedeOlder(metrics::kRcanKind);
   if (rcan_order_ == nullptr) rcan_order_ = std::make_unique<RcanOrder>();
-  sources_.counts.rcan_missing += rcan_order_->See(state);
+  sources_.port.counts().rcan_missing += rcan_order_->See(state);
   return age;
 }
 
 void LiveIntake::Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed) {
-  ++sources_.counts.rcan_states;
+  ++sources_.port.counts().rcan_states;
   TellDropped(seq, judged.dropped, metrics::kRcanKind, processed);
   CountUntold(judged.untold, metrics::kRcanKind);
   if (age == RcanOrder::Age::kSame) return CountSuperseded();
@@ -49,18 +49,18 @@ void LiveIntake::Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processe
 }
 
 void LiveIntake::CountSuperseded() {
-  ++sources_.counts.received;
-  ++sources_.counts.superseded;
+  ++sources_.port.counts().received;
+  sources_.port.counts().Count(metrics::Became::kSuperseded);
 }
 
 void LiveIntake::TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped,
                              std::size_t kind, Processed& processed) {
   if (dropped.empty()) return;
   ++processed.costly;
-  sources_.robot.state.CountDropped(dropped.size());
+  sources_.line.robot.state.CountDropped(dropped.size());
   for (const model::DroppedField& field : dropped) {
     sources_.context.ledger.CountDropped(kind, field.reason);
-    if (sources_.robot.sessions.MayNotice(field.field, arrived_)) {
+    if (sources_.line.robot.sessions.MayNotice(field.field, arrived_)) {
       sources_.context.probe.notices_total.Add();
       processed.frames.push_back(NoticeFrame(seq, field));
     }
@@ -69,7 +69,7 @@ void LiveIntake::TellDropped(model::Seq seq, std::span<const model::DroppedField
 
 void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind) {
   for (const model::UntoldFields& fields : untold) {
-    sources_.robot.state.CountDropped(fields.fields);
+    sources_.line.robot.state.CountDropped(fields.fields);
     sources_.context.ledger.CountDropped(kind, fields.reason, fields.fields);
   }
 }
@@ -78,7 +78,7 @@ void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::s
 
 std::optional<std::size_t> LiveIntake::OverRate(const UplinkView& uplink,
                                                 const robot::BucketSize& rate) const {
-  if (sources_.robot.rates.TelemetryPassesAt(rate, arrived_) <= arrived_) return std::nullopt;
+  if (sources_.line.robot.rates.TelemetryPassesAt(rate, arrived_) <= arrived_) return std::nullopt;
   // What is too large is rejected.
   if (uplink.payload.size() > sources_.context.limits.message_bytes_max) return std::nullopt;
   if (uplink.content == UplinkView::Content::kRcanRobotState) return metrics::kRcanKind;
@@ -110,21 +110,21 @@ void LiveIntake::SupersedeUnread(std::size_t place) {
 void LiveIntake::CountOverRate(std::size_t place) {
   CountSuperseded();
   sources_.context.probe.over_rate_total[place].Add();
-  sources_.robot.rates.CountOverRate(metrics::kTelemetryKinds[place]);
+  sources_.line.robot.rates.CountOverRate(metrics::kTelemetryKinds[place]);
 }
 
 std::optional<SteadyTime> LiveIntake::DecodesAt(const robot::BucketSize& rate) const {
   if (surplus_.empty()) return std::nullopt;
-  return sources_.robot.rates.TelemetryPassesAt(rate, sources_.context.clock.Steady());
+  return sources_.line.robot.rates.TelemetryPassesAt(rate, sources_.context.clock.Steady());
 }
 
 void LiveIntake::Decode(const robot::BucketSize& rate, Processed& processed) {
-  const bool is_ours = sources_.robot.sessions.Knows(sources_.session);
+  const bool is_ours = sources_.line.robot.sessions.Knows(sources_.line.session);
   for (std::size_t place = 0; place < metrics::kTelemetryKinds.size(); ++place) {
     const std::optional<UplinkView> uplink = surplus_.Take(place);
     if (!uplink) continue;
     if (is_ours) {
-      sources_.robot.rates.TakeTelemetry(rate, sources_.context.clock.Steady());
+      sources_.line.robot.rates.TakeTelemetry(rate, sources_.context.clock.Steady());
       DecodeOne(*uplink, place, processed);
     } else {
       SupersedeUnread(place);
@@ -134,11 +134,11 @@ void LiveIntake::Decode(const robot::BucketSize& rate, Processed& processed) {
 }
 
 void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed) {
-  Judged judged = JudgeUplink(sources_.context, id_->ruri, uplink, received_at_);
+  Judged judged = JudgeUplink(sources_.context, sources_.line.id->ruri, uplink, received_at_);
   sign_of_life_ = sign_of_life_ || judged.sign_of_life;
   if (judged.odd.any()) sources_.context.ledger.CountOdd(judged.odd);
   if (auto* record = std::get_if<model::Record>(&judged.content)) {
-    ++sources_.counts.records[static_cast<std::size_t>(record->variant())];
+    ++sources_.port.counts().records[static_cast<std::size_t>(record->variant())];
     return Add(uplink.seq, std::move(*record), processed);
   }
   const auto* const state = std::get_if<model::RcanState>(&judged.content);
@@ -157,13 +157,12 @@ void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processe
 
 void LiveIntake::Apply() {
   if (std::exchange(sign_of_life_, false)) {
-    sources_.robot.state.SignOfLife(arrived_, received_at_,
-                                    sources_.context.fleet.presence_limits_of(sources_.robot));
+    sources_.port.NoteLife(sources_.line, arrived_, received_at_);
   }
-  const std::size_t applied =
-      sources_.context.scratch.live.Apply(sources_.robot.state, arrived_, sources_.context.judge);
-  sources_.counts.received += applied;
-  sources_.counts.applied += applied;
+  const std::size_t applied = sources_.context.scratch.live.Apply(sources_.line.robot.state,
+                                                                  arrived_, sources_.context.judge);
+  sources_.port.counts().received += applied;
+  sources_.port.counts().applied += applied;
 }
 
 }  // namespace uplink::session

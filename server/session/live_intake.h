@@ -8,6 +8,7 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/ingest/port.h"
 #include "server/robot/robot.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
@@ -25,14 +26,13 @@ namespace uplink::session {
 /// Thread: confined to the stream's thread.
 class LiveIntake final {
  public:
-  /// All of it outlives this, but the value.
+  /// All of it outlives this.
   struct Sources {
     const SessionContext& context;
-    robot::Robot& robot;
-    metrics::MessageCounts& counts;
-    model::SessionId session;
+    const ingest::Line& line;
+    ingest::Port& port;
   };
-  explicit LiveIntake(const Sources& sources) : sources_(sources), id_(sources.robot.id()) {}
+  explicit LiveIntake(const Sources& sources) : sources_(sources) {}
 
   /// What follows came with a frame that arrived at this time.
   void Begin(SteadyTime arrived, SystemTime received_at) {
@@ -55,8 +55,6 @@ class LiveIntake final {
   [[nodiscard]] std::int64_t last_timestamp_us() const { return rcan_order_->last_timestamp_us(); }
   /// A Robot State that See found to be of this age, and not kOlder.
   void Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed);
-  void CountSuperseded();
-
   // --- Telemetry over the rate ---
 
   /// The kind of a message that must not be decoded now: telemetry, over the rate of its robot.
@@ -75,6 +73,7 @@ class LiveIntake final {
   void Apply();
 
  private:
+  void CountSuperseded();
   void DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed);
   /// A decoded message of this kind is newer than the one that is held.
   void SupersedeOlder(std::size_t kind);
@@ -87,7 +86,6 @@ class LiveIntake final {
   void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
 
   const Sources sources_;
-  const storage::RobotRef id_;
   SteadyTime arrived_;
   SystemTime received_at_;
   bool sign_of_life_ = false;

@@ -7,22 +7,22 @@ void ReadGate::Request() {
   sources_.source.RequestRead();
 }
 
-void ReadGate::RequestUnless(const Hold& hold) {
+void ReadGate::RequestUnless(const ingest::Hold& hold) {
   SetReading(hold.none() ? Reading::kFlowing : Reading::kHeldBack);
   Tell(hold.by);
   sources_.timers.Clear(Timer::kReadAgain);
   if (hold.until) sources_.timers.Set(Timer::kReadAgain, *hold.until);
   switch (hold.by) {
-    case HeldBack::kNone:
+    case robot::HeldBack::kNone:
       return Request();
-    case HeldBack::kJournal:
+    case robot::HeldBack::kJournal:
       return sources_.robot.WakeWhenRoom();
-    case HeldBack::kInFlight:      // a commit of the robot wakes the stream
-    case HeldBack::kJournalShare:  // as well
-    case HeldBack::kUnread:        // a write that is done calls
-    case HeldBack::kFlow:          // the timer calls
-    case HeldBack::kDisk:
-    case HeldBack::kMalformed:
+    case robot::HeldBack::kInFlight:      // a commit of the robot wakes the stream
+    case robot::HeldBack::kJournalShare:  // as well
+    case robot::HeldBack::kUnread:        // a write that is done calls
+    case robot::HeldBack::kFlow:          // the timer calls
+    case robot::HeldBack::kDisk:
+    case robot::HeldBack::kMalformed:
       return;
   }
 }
@@ -36,7 +36,7 @@ void ReadGate::WatchPeer(std::size_t outgoing) {
 }
 
 void ReadGate::SetReading(Reading reading) {
-  if (reading == Reading::kFlowing) Tell(HeldBack::kNone);
+  if (reading == Reading::kFlowing) Tell(robot::HeldBack::kNone);
   if (reading_ == reading) return;
   reading_ = reading;
   const bool held_back = reading == Reading::kHeldBack;
@@ -45,11 +45,11 @@ void ReadGate::SetReading(Reading reading) {
   sources_.robot.robot().state.SetReading(reading, sources_.context.clock.Steady());
 }
 
-void ReadGate::Tell(HeldBack by) {
+void ReadGate::Tell(robot::HeldBack by) {
   if (told_ == by) return;
   SessionProbe& probe = sources_.context.probe;
-  if (told_ != HeldBack::kNone) probe.held_back_by[static_cast<std::size_t>(told_)].Add(-1);
-  if (by != HeldBack::kNone) {
+  if (told_ != robot::HeldBack::kNone) probe.held_back_by[static_cast<std::size_t>(told_)].Add(-1);
+  if (by != robot::HeldBack::kNone) {
     probe.held_back_by[static_cast<std::size_t>(by)].Add();
     probe.held_back_by_total[static_cast<std::size_t>(by)].Add();
   }

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "schema/base/clock.h"
+#include "server/ingest/room.h"
 #include "server/session/attachment.h"
 #include "server/session/context.h"
 #include "server/session/frame_sink.h"
-#include "server/session/held_back.h"
 #include "server/session/stream_timers.h"
 
 namespace uplink::session {
@@ -34,7 +34,7 @@ class ReadGate final {
   [[nodiscard]] bool under_way() const { return under_way_; }
   /// Asks for the next frame, or waits for the end of what `hold` names, which the robot's views
   /// show meanwhile.
-  void RequestUnless(const Hold& hold);
+  void RequestUnless(const ingest::Hold& hold);
 
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
@@ -44,13 +44,13 @@ class ReadGate final {
   void SetReading(Reading reading);
 
  private:
-  void Tell(HeldBack by);
+  void Tell(robot::HeldBack by);
 
   const Sources sources_;
   bool under_way_ = false;
   Reading reading_ = Reading::kFlowing;
   /// What the robot's views were told last.
-  HeldBack told_ = HeldBack::kNone;
+  robot::HeldBack told_ = robot::HeldBack::kNone;
 };
 
 }  // namespace uplink::session

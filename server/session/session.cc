@@ -171,7 +171,7 @@ void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
   // The last look decides: what keeps the stream back is what it then waits for.
-  Hold hold = intake_->HoldNow(outgoing_.size());
+  ingest::Hold hold = intake_->HoldNow(outgoing_.size());
   while (intake_->pending() && hold.none()) {
     if (intake_->yields()) return robot_.self().Wake();
     ProcessAndWrite(News::kNone);

@@ -13,9 +13,9 @@
 #include "server/config/config.h"
 #include "server/config/tls_groups.h"
 #include "server/fleet/fleet.h"
+#include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
-#include "server/session/allowances.h"
 #include "server/session/forward_source.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
@@ -92,7 +92,7 @@ struct RelayContext {
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
   // As SessionContext's.
-  const session::Allowances& allowances;
+  const ingest::Allowances& allowances;
   /// As SessionContext's.
   session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;

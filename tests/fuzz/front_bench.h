@@ -168,7 +168,7 @@ class FrontBench final : public robot::WakeInbox {
   testing::FakeDatabase database_;
   testing::FakeStore store_{database_, storage::ProcessId{1}};
   const session::SessionLimits limits_;
-  const session::Allowances allowances_;
+  const ingest::Allowances allowances_;
   testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
   metrics::LedgerBook book_;

@@ -121,7 +121,7 @@ struct ServerLimits {
   session::SessionLimits session;
   journal::JournalLimits journal;
   robot::PresenceLimits presence;
-  session::Allowance allowance;
+  ingest::Allowance allowance;
 };
 
 /// What the lives of the process stand on.
@@ -176,7 +176,7 @@ class SimServer final : public robot::WakeInbox {
   journal::Shards shards_{{&journal_}};
   schema::Judge judge_;
   session::IntakeScratch scratch_;
-  const session::Allowances allowances_{limits_.allowance};
+  const ingest::Allowances allowances_{limits_.allowance};
   const testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_;
   std::optional<SimForwards> forwards_;

@@ -65,7 +65,8 @@ broker::Broker::Context TwinsProcess::ContextOf() {
       .journal_over_half = [] { return false; },
       .make_link = [this](mqtt::LinkEvents& events) { return ground_.broker.Connect(events); },
       .post = [this](std::function<void()> job) { posted_.push_back(std::move(job)); },
-      .random = [this] { return ++drawn_ * 0x9E3779B97F4A7C15ULL + ground_.id[0]; }};
+      .random = [this] { return ++drawn_ * 0x9E3779B97F4A7C15ULL + ground_.id[0]; },
+      .allowances = allowances_};
 }
 
 void TwinsProcess::Write() { journal_.turns().Advance(); }

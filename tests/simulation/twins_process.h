@@ -67,6 +67,7 @@ class TwinsProcess final : public broker::LeaseView {
   log::Logger logger_;
   metrics::Ledger ledger_;
   metrics::Ledger messages_;
+  const ingest::Allowances allowances_;
   journal::JournalProbe journal_probe_;
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};

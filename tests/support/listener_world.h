@@ -76,7 +76,7 @@ class ListenerWorld {
   fleet::Fleet fleet;
   journal::Journal journal;
   journal::Shards shards{{&journal}};
-  session::Allowances allowances;
+  ingest::Allowances allowances;
 
  private:
   [[nodiscard]] transport::RelayContext Context();

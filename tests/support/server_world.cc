@@ -32,7 +32,8 @@ ServerWorld::ServerWorld(std::size_t robots_max)
               .clients = std::vector<mqtt::ClientSettings>(2),
               .terms = {},
               .journal_over_half = [] { return false; },
-              .random = [] { return 0U; }}),
+              .random = [] { return 0U; },
+              .allowances = allowances}),
       queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9",
                [this](auto job) {
                  if (to_store_thread) return to_store_thread(std::move(job));

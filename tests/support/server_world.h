@@ -68,6 +68,7 @@ class ServerWorld {
   FakeStore store{database, storage::ProcessId{1}};
   SwitchedReader reader{store};
   metrics::LedgerBook ledgers;
+  ingest::Allowances allowances;
   journal::JournalLimits journal_limits;
   journal::JournalProbe journal_probe;
   session::SessionProbe sessions;

@@ -64,6 +64,7 @@ ROOMS = (
     ("cyberwave",),  # what is held of one twin: the queries show it, and the series are made of it
     ("fleet",),  # the map of robots
     ("journal",),  # what stands before the store
+    ("ingest",),  # what every message goes through, by whichever source it came
     ("session", "view"),  # one stream's protocol; the queries
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),

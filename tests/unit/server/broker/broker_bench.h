@@ -94,7 +94,7 @@ class Bench {
                       published.push_back(message);
                       return true;
                     },
-                .flow = [this] { return flow; }}) {}
+                .allowances = allowances_}) {}
 
   /// Takes the lease; false if another has it.
   bool TakeLease(std::vector<storage::OverHolder> over = {}) {
@@ -163,6 +163,8 @@ class Bench {
     commits.Reread(*leases_.MemoryOf("uplinkd"));
     streams.SetFaults(std::move(faults));
   }
+  /// What one robot may have stored.
+  void SetFlow(const robot::FlowLimits& flow) { allowances_.Set({.flow = flow}); }
   /// The handles of what may be acked since the last call.
   std::vector<std::uint64_t> Acked() {
     std::vector<std::uint64_t> acked;
@@ -205,14 +207,13 @@ class Bench {
  private:
   journal::Journal journal_;
   journal::Shards shards_;
+  ingest::Allowances allowances_;
 
  public:
   TwinStreams streams;
   Commits commits;
   Intake intake;
   bool over_half = false;
-  /// What one robot may have stored.
-  robot::FlowLimits flow;
   std::vector<mqtt::Outgoing> published;
 };
 

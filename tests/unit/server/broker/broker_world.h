@@ -198,6 +198,7 @@ class BrokerWorld : public ::testing::Test {
   /// In the order in which they were made.
   std::vector<std::shared_ptr<testing::FakeLink>> links_;
   std::uint64_t drawn_ = 0;
+  const ingest::Allowances allowances_;
   Broker broker_{{.clock = clock_,
                   .logger = logger_,
                   .fleet = fleet_,
@@ -215,7 +216,8 @@ class BrokerWorld : public ::testing::Test {
                         return links_.back();
                       },
                   .post = [this](std::function<void()> job) { posted_.push_back(std::move(job)); },
-                  .random = [this] { return ++drawn_; }}};
+                  .random = [this] { return ++drawn_; },
+                  .allowances = allowances_}};
 };
 
 }  // namespace uplink::broker

@@ -24,7 +24,7 @@ constexpr std::size_t kBurst = 10;
 class FlowTest : public ::testing::Test {
  protected:
   FlowTest() {
-    bench_.flow = {.records = {.rate = 1, .burst = kBurst}, .bytes = {}};
+    bench_.SetFlow({.records = {.rate = 1, .burst = kBurst}, .bytes = {}});
     EXPECT_TRUE(bench_.TakeLease());
   }
   ~FlowTest() override {
@@ -142,7 +142,7 @@ TEST_F(FlowTest, BytesCountAsTheDisksRoundsSeeThem) {
   AtQos0(1);
   const std::uint64_t of_one = FlowOf(kTwin).bytes_total();
   EXPECT_GE(of_one, Bench::Event(1).size());
-  bench_.flow = {.records = {}, .bytes = {.rate = 1, .burst = 2 * of_one}};
+  bench_.SetFlow({.records = {}, .bytes = {.rate = 1, .burst = 2 * of_one}});
   AtQos0(3);
   EXPECT_EQ(Limited(), 1U);
   EXPECT_EQ(FlowOf(kTwin).bytes_total(), 3 * of_one) << "what is rejected is not stored";
@@ -157,7 +157,7 @@ TEST_F(FlowTest, BytesCountAsTheyAreKeptWhereThatIsMore) {
 }
 
 TEST_F(FlowTest, WhoFillsTheDiskIsFoundAmongTwins) {
-  bench_.flow = {.records = {}, .bytes = {}};
+  bench_.SetFlow({.records = {}, .bytes = {}});
   AtQos1(1);
   AtQos1(1, kOtherTwin);
   fleet::HeavyWriters writers;
@@ -188,7 +188,7 @@ TEST_F(FlowTest, LiveStateTakesNothing) {
 }
 
 TEST_F(FlowTest, ARateOfZeroIsNone) {
-  bench_.flow = {.records = {}, .bytes = {}};
+  bench_.SetFlow({.records = {}, .bytes = {}});
   AtQos0(100);
   EXPECT_EQ(Limited(), 0U);
 }
@@ -214,7 +214,7 @@ TEST(FlowOfScopes, EachEnvironmentHasABudgetOfItsOwn) {
 TEST(FlowInAFullJournal, WhoIsPastItDoesNotHoldTheOthersBack) {
   testing::FakeDatabase database;
   Bench bench(database, 1, {.journal = {.records_max = kBurst}});
-  bench.flow = {.records = {.rate = 1, .burst = kBurst}, .bytes = {}};
+  bench.SetFlow({.records = {.rate = 1, .burst = kBurst}, .bytes = {}});
   ASSERT_TRUE(bench.TakeLease());
   const auto publish = [&bench](std::uint16_t id, const char* twin) {
     return bench.Publish(Bench::Of("telemetry", twin), Bench::Event(id), {.id = id, .handle = id});

@@ -203,7 +203,7 @@ TEST(FromConfig, EveryRateReachesItsVariant) {
     *rate = number++;
     *burst = number++;
   }
-  const session::Allowance allowance = AllowanceOf(config);
+  const ingest::Allowance allowance = AllowanceOf(config);
   EXPECT_EQ(allowance.flow.records, (robot::BucketSize{1, 2}));
   EXPECT_EQ(allowance.flow.bytes, (robot::BucketSize{3, 4}));
   EXPECT_EQ(allowance.telemetry, (robot::BucketSize{5, 6}));

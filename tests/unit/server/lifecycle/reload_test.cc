@@ -53,7 +53,7 @@ class ReloadTest : public ::testing::Test {
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   config::LoadResult read_;
-  session::Allowances allowances_;
+  ingest::Allowances allowances_;
   Reload reload_{{}, {[this] { return read_; }, allowances_, logger_}};
 };
 

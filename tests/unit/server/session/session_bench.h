@@ -26,6 +26,8 @@
 /// Scripts for sessions: the real core on the store in memory, moved by hand, without threads.
 namespace uplink::session {
 
+using robot::HeldBack;
+
 inline constexpr std::string_view kRobot = "rcan://bench/1";
 
 /// A session id that tests tell apart by one number.
@@ -123,7 +125,7 @@ struct BenchLimits {
   SessionLimits session;
   journal::JournalLimits journal;
   /// As much as comes, but where a test says otherwise.
-  Allowance allowance{.flow = {.records = {}, .bytes = {}}};
+  ingest::Allowance allowance{.flow = {.records = {}, .bytes = {}}};
   std::size_t robots_max = 100;
 };
 
@@ -168,7 +170,7 @@ class BenchServer final : public robot::WakeInbox {
   bool ReadRejects();
   [[nodiscard]] SessionProbe& probe() { return probe_; }
   /// For a reload.
-  [[nodiscard]] Allowances& allowances() { return allowances_; }
+  [[nodiscard]] ingest::Allowances& allowances() { return allowances_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
   [[nodiscard]] metrics::MessageCounts counts() const { return book_.Sum().messages; }
   [[nodiscard]] metrics::Ledger::Page page() const { return book_.Sum(); }
@@ -177,7 +179,7 @@ class BenchServer final : public robot::WakeInbox {
   testing::ManualClock& clock_;
   const BenchLimits limits_;
   testing::FakeStore store_;
-  Allowances allowances_;
+  ingest::Allowances allowances_;
   testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
   metrics::LedgerBook book_;

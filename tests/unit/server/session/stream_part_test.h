@@ -49,7 +49,7 @@ class StreamPartTest : public ::testing::Test {
   metrics::Ledger ledger_;
   schema::Judge judge_{schema::JudgeLimits{}};
   IntakeScratch scratch_;
-  const Allowances allowances_;
+  const ingest::Allowances allowances_;
   const testing::FakeTrust clock_trust_;
   testing::FakeRejectSource rejects_{&server_.store()};
   journal::Shards shards_{{&server_.journal()}};

@@ -124,7 +124,7 @@ class ThreadsWorker final : public robot::WakeInbox {
   metrics::Ledger& ledger_;
   schema::Judge judge_{{}};
   IntakeScratch scratch_;
-  const Allowances allowances_;
+  const ingest::Allowances allowances_;
   const testing::FakeTrust clock_trust_;
   ThreadsWorker* partner_ = nullptr;
 

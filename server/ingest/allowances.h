@@ -8,7 +8,7 @@
 #include "server/robot/durable_flow.h"
 #include "server/robot/rates.h"
 
-namespace uplink::session {
+namespace uplink::ingest {
 
 /// How much one robot may send. Immutable.
 struct Allowance {
@@ -18,7 +18,8 @@ struct Allowance {
   robot::BucketSize telemetry{};
 };
 
-/// The allowance of every robot, which a reload of the configuration changes. Thread-safe.
+/// The allowance of every robot, by whichever source it speaks; a reload of the configuration
+/// changes it. Thread-safe.
 class Allowances final {
  public:
   explicit Allowances(const Allowance& allowance = {}) { Set(allowance); }
@@ -34,4 +35,4 @@ class Allowances final {
   std::atomic<std::uint64_t> version_{0};
 };
 
-}  // namespace uplink::session
+}  // namespace uplink::ingest

@@ -1,8 +1,8 @@
-#include "server/session/allowances.h"
+#include "server/ingest/allowances.h"
 
 #include <utility>
 
-namespace uplink::session {
+namespace uplink::ingest {
 
 void Allowances::Set(const Allowance& allowance) {
   auto shared = std::make_shared<const Allowance>(allowance);
@@ -16,4 +16,4 @@ std::shared_ptr<const Allowance> Allowances::Get() const {
   return allowance_;
 }
 
-}  // namespace uplink::session
+}  // namespace uplink::ingest

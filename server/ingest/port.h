@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/model/rejection.h"
+#include "server/fleet/fleet.h"
+#include "server/ingest/allowances.h"
+#include "server/ingest/message.h"
+#include "server/ingest/room.h"
+
+namespace uplink::ingest {
+
+/// The one way of messages into the server, whoever brings them: Offer is what happens to a
+/// message. The port decides whether there is room, what a rejection writes, and how what is
+/// durable goes to the journal; and it counts. Which numbers a message has, and what its sender is
+/// told, is its source's.
+///
+/// The outcome of what waits for a commit comes back to the source by the numbers of its records
+/// (robot::RobotSessions::Take), and its ledger page has the rest.
+///
+/// Thread: confined to its source's.
+class Port final {
+ public:
+  /// How one source's messages are treated. The references outlive the port.
+  struct Context {
+    const Clock& clock;
+    fleet::Fleet& fleet;
+    /// The source's page.
+    metrics::Ledger& ledger;
+    const Allowances& allowances;
+    /// Records of one robot that may wait (limits.in_flight_uplinks_max), of Waits::kStream.
+    std::size_t in_flight_max = 0;
+    /// Bytes of a rejected payload that quarantine keeps (limits.payload_bytes_max).
+    std::size_t payload_bytes_max = 0;
+    /// Whether the journals are more than half full; of Waits::kBroker.
+    std::function<bool()> journal_over_half{};
+    /// What a message counts as whose robot another process has by now.
+    metrics::Became lost_counts_as = metrics::Became::kRefused;
+  };
+  explicit Port(Context context)
+      : context_(std::move(context)), allowance_(context_.allowances.Get()) {}
+
+  enum class Answer : std::uint8_t {
+    /// It is held, or waits for its commit; or it was rejected for itself.
+    kTaken,
+    /// It waits, and is to be offered again once Offered::hold is over. Nothing was done.
+    kWaits,
+    /// It had no room, and cannot wait.
+    kRefused,
+    /// It was over a rate or its robot's flow.
+    kLimited,
+  };
+  struct Offered {
+    Answer answer = Answer::kTaken;
+    /// Why it waits or was refused, or exceeds its robot's flow.
+    Hold hold{};
+  };
+  /// What happens to a message.
+  [[nodiscard]] Offered Offer(const Line& line, Message& message);
+
+  /// A message that arrived then is a sign of life of its robot.
+  void NoteLife(const Line& line, SteadyTime steady, SystemTime system);
+  /// What keeps records of that cost now.
+  [[nodiscard]] Hold HoldOf(const Line& line, Waits waits, const RecordCost& cost);
+  /// Appends records whose numbers wait, all of one message.
+  void Append(const Line& line, std::vector<storage::CommitRecord> records, SteadyTime arrived);
+  /// So many bytes of one more record are stored; nothing: the flow does not count it.
+  void TakeFlow(const Line& line, Waits waits, std::optional<std::size_t> bytes);
+
+  /// A message was settled that was not offered.
+  void Count(const Arrival& arrival, metrics::Became became);
+  /// A message waits, and is counted as in flight until it is offered again.
+  void CountHeld();
+  /// What is counted besides, until Publish.
+  [[nodiscard]] metrics::MessageCounts& counts() { return counts_; }
+  /// Tells the ledger what was counted.
+  void Publish();
+
+  /// What one robot may send, as of the last FollowReload.
+  [[nodiscard]] const Allowance& allowance() const { return *allowance_; }
+  /// Takes over what a reload changed. Offer does so by itself.
+  void FollowReload();
+
+ private:
+  [[nodiscard]] Offered Turn(Message& message, const Hold& hold);
+  void RejectLimited(Message& message, const model::Rejection& rejection);
+  void Reject(const Line& line, Message& message, const model::Rejection& rejection);
+  void Store(const Line& line, Message& message, Brought brought,
+             std::optional<model::RejectReason> rejected);
+  /// The message leaves what it was counted as before.
+  void Enter(const Arrival& arrival);
+
+  const Context context_;
+  std::shared_ptr<const Allowance> allowance_;
+  std::uint64_t allowance_version_ = 0;
+  metrics::MessageCounts counts_;
+};
+
+}  // namespace uplink::ingest

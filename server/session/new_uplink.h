@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/ingest/port.h"
+#include "server/robot/robot.h"
+#include "server/session/appending.h"
+#include "server/session/context.h"
+#include "server/session/frame_view.h"
+#include "server/session/judged.h"
+#include "server/session/live_intake.h"
+#include "server/session/number_run.h"
+#include "server/session/processed.h"
+#include "server/session/rcan_order.h"
+
+namespace uplink::session {
+
+/// What the new messages of one stream have in common. All of it outlives them.
+struct UplinkSources {
+  const SessionContext& context;
+  robot::Robot& robot;
+  model::SessionId session;
+  ingest::Port& port;
+  NumberRun& numbers;
+  Appending& appending;
+  LiveIntake& live;
+};
+
+/// A relayed message whose number is new, as it is offered to the port.
+///
+/// Thread: confined to the stream's thread.
+class NewUplink final : public ingest::Message {
+ public:
+  /// When its frame arrived.
+  struct Arrived {
+    SteadyTime steady;
+    SystemTime system;
+  };
+  /// All of it outlives the message.
+  NewUplink(const UplinkSources& sources, const UplinkView& uplink, const Arrived& arrived,
+            const robot::Seen& seen, Judged& judged, Processed& processed);
+
+  [[nodiscard]] const ingest::Arrival& arrival() const override { return arrival_; }
+  [[nodiscard]] std::optional<ingest::RecordCost> Cost() override;
+  /// The same, once it was asked.
+  [[nodiscard]] const ingest::RecordCost& cost() const { return cost_; }
+  void Begin() override;
+  [[nodiscard]] std::optional<model::Rejection> TakeRate() override;
+  [[nodiscard]] ingest::Numbered RejectLimited(const model::Rejection& rejection) override;
+  [[nodiscard]] const model::Rejection* FindRejection() override;
+  [[nodiscard]] ingest::Quarantined Reject(const model::Rejection& rejection) override;
+  [[nodiscard]] ingest::Brought Take() override;
+  [[nodiscard]] ingest::Numbered Number(std::vector<storage::CommitRecord>& records,
+                                        std::optional<model::RejectReason> rejected) override;
+  /// Its number was settled when it was taken.
+  void Settle(metrics::Became /*became*/) override {}
+
+ private:
+  /// It was not decided before: neither sent again, nor before the store has said how far it is.
+  [[nodiscard]] bool IsNew() const;
+  /// A durable record that is stored unless it is over its rate; null of anything else.
+  [[nodiscard]] const model::Record* Durable() const;
+  [[nodiscard]] ingest::Brought TakeRecord(model::Record& record);
+
+  const UplinkSources& sources_;
+  const UplinkView& uplink_;
+  const ingest::Arrival arrival_;
+  const robot::Seen& seen_;
+  Judged& judged_;
+  Processed& processed_;
+  ingest::RecordCost cost_;
+  /// Of one that is limited: when it may come again.
+  milliseconds again_{0};
+  /// Of a Robot State.
+  RcanOrder::Age age_ = RcanOrder::Age::kNewer;
+  std::optional<model::Rejection> too_old_;
+  /// Of a record of which the store keeps the latest.
+  std::optional<storage::LatestKind> latest_;
+};
+
+}  // namespace uplink::session
