@@ -12,6 +12,7 @@
 #include "server/fleet/forgetting.h"
 #include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
+#include "server/front/proxy_header.h"
 #include "server/front/server.h"
 #include "server/groundwork.h"
 #include "server/health/certificate.h"
@@ -271,7 +272,10 @@ class App::Impl {
 
   [[nodiscard]] loop::ProbeTarget RelayTarget() {
     const config::ListenConfig& own = options_.config.listen;
-    return {{own.relay.host, relay_->port()}, own.proxy_protocol_from, &relay_probe_.own_port};
+    return {{own.relay.host, relay_->port()},
+            own.proxy_protocol_from,
+            std::string(front::kLocalProxyHeader),
+            &relay_probe_.own_port};
   }
 
   Options options_;

@@ -16,7 +16,6 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 
-#include "server/front/proxy_header.h"
 #include "server/loop/client_hello.h"
 
 namespace uplink::loop {
@@ -57,6 +56,7 @@ class Probe final : public std::enable_shared_from_this<Probe> {
       : stream_(io),
         targets_(std::move(targets)),
         proxy_protocol_from_(target.proxy_protocol_from),
+        proxy_header_(target.proxy_header),
         own_port_(target.own_port),
         hello_(MakeClientHello()),
         done_(std::move(done)) {}
@@ -104,7 +104,7 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   }
 
   void SendHello() {
-    if (IsLoadBalancer()) hello_.insert(0, front::kLocalProxyHeader);
+    if (IsLoadBalancer()) hello_.insert(0, proxy_header_);
     asio::async_write(stream_, asio::buffer(hello_),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (error) return self->done_(false);
@@ -122,6 +122,7 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   beast::tcp_stream stream_;
   const Targets targets_;
   const std::vector<config::Network> proxy_protocol_from_;
+  const std::string proxy_header_;
   std::atomic<std::uint16_t>* const own_port_;
   std::string hello_;
   std::array<char, kServerHelloPrefix> answer_{};

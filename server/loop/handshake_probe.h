@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "server/config/address.h"
@@ -14,9 +15,10 @@ namespace uplink::loop {
 /// A listener as its robots see it. A value.
 struct ProbeTarget {
   config::ListenAddress address;
-  /// From whom it requires a PROXY header: if we come from one of them, ours says that we come on
-  /// our own account.
+  /// From whom it requires a PROXY header: if we come from one of them, we say `proxy_header`
+  /// first.
   std::vector<config::Network> proxy_protocol_from;
+  std::string proxy_header;
   /// Set to the local port before each connection is made, so that the listener may know us by it;
   /// may be null. It outlives the handshake.
   std::atomic<std::uint16_t>* own_port = nullptr;

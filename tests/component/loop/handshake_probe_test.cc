@@ -92,8 +92,9 @@ class HandshakeProbeTest : public ::testing::Test {
              const std::vector<config::Network>& proxy_protocol_from = {}) {
     std::promise<bool> answered;
     loop_.Post([&] {
-      ProbeHandshake(loop_, {{host, port}, proxy_protocol_from}, wait,
-                     [&](bool good) { answered.set_value(good); });
+      ProbeHandshake(loop_,
+                     {{host, port}, proxy_protocol_from, std::string(front::kLocalProxyHeader)},
+                     wait, [&](bool good) { answered.set_value(good); });
     });
     return answered.get_future().get();
   }
@@ -164,8 +165,8 @@ TEST_F(HandshakeProbeTest, ThePortThatItComesFromIsTold) {
   std::atomic<std::uint16_t> told = 0;
   std::promise<bool> answered;
   loop_.Post([&] {
-    ProbeHandshake(loop_, {{"127.0.0.1", listener.port()}, {}, &told}, std::chrono::seconds(10),
-                   [&](bool good) { answered.set_value(good); });
+    ProbeHandshake(loop_, {.address = {"127.0.0.1", listener.port()}, .own_port = &told},
+                   std::chrono::seconds(10), [&](bool good) { answered.set_value(good); });
   });
   EXPECT_TRUE(answered.get_future().get());
   peer.join();

@@ -133,7 +133,7 @@ TEST_F(ServingTest, TheRelayAnswersTheBackgroundHandshake) {
     loop::EventLoop loop(logger);
     std::promise<bool> answered;
     loop.Post([&] {
-      loop::ProbeHandshake(loop, {{"127.0.0.1", relay_}, {}}, seconds(10),
+      loop::ProbeHandshake(loop, {.address = {"127.0.0.1", relay_}}, seconds(10),
                            [&](bool good) { answered.set_value(good); });
     });
     loop.Start();
