@@ -60,6 +60,7 @@ FOREIGN = (
 ROOMS = (
     ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
     ("config",),  # it reads the certificates that it names, by identity
+    ("loop",),  # the event loop; what threads do again and again
     ("robot",),  # what is held of one robot
     ("cyberwave",),  # what is held of one twin: the queries show it, and the series are made of it
     ("fleet",),  # the map of robots
@@ -71,7 +72,7 @@ ROOMS = (
     ("transport",),  # what the listener for robots needs beside its wire
     ("front", "mqtt", "http"),  # the adapters: they translate and enqueue
     ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
-    ("store", "loop", "lifecycle"),  # what runs it all
+    ("store", "lifecycle"),  # what runs it all
 )
 # Tools do not see these.
 ADAPTERS = ("front", "mqtt", "http")
