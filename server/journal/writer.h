@@ -2,9 +2,10 @@
 
 #include <cstdint>
 #include <functional>
-#include <thread>
+#include <stop_token>
 
 #include "server/journal/journal.h"
+#include "server/loop/rounds.h"
 #include "storage/backoff.h"
 
 namespace uplink::journal {
@@ -19,23 +20,21 @@ class JournalWriter final {
   /// `random` draws evenly; it is called on the writer's thread alone.
   JournalWriter(Journal& journal, const storage::BackoffLimits& backoff,
                 std::function<std::uint64_t()> random);
-  ~JournalWriter();
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
   /// Asks the thread to end, without waiting for it.
-  void RequestStop() { thread_.request_stop(); }
+  void RequestStop() { rounds_.RequestStop(); }
   /// Ends the thread; what is not committed stays in the journal. Idempotent.
-  void Stop();
+  void Stop() { rounds_.Stop(); }
 
  private:
-  void Run(const std::stop_token& stop);
-  void Pause(const std::stop_token& stop);
+  loop::Next Round(const std::stop_token& stop);
 
   Turns& turns_;
   storage::Backoff backoff_;
   const std::function<std::uint64_t()> random_;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::journal
