@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include <pthread.h>
-
 namespace uplink::store {
 
 using storage::ForgetAnswer;
@@ -37,7 +35,8 @@ ForgetRounds::ForgetRounds(Context context)
                     .removal = context_.store.removal(),
                     .process = context_.process,
                     .rule = context_.rows,
-                    .trust = context_.trust}) {}
+                    .trust = context_.trust}),
+      rounds_("forget", [this](const auto& /*stop*/) { return loop::Next{.within = Round()}; }) {}
 
 milliseconds ForgetRounds::Round() {
   const absl::StatusOr<Look> look = LookAtAll();
@@ -149,24 +148,6 @@ void ForgetRounds::Leave(robot::Robot& robot) {
   if (robot.left()) return;
   context_.fleet.BeginLeaving(robot, robot::Robot::LeaveWhen::kAtOnce);
   context_.journals.Leave({&robot, robot.id()});
-}
-
-void ForgetRounds::Start() {
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
-  ::pthread_setname_np(thread_.native_handle(), "forget");
-}
-
-void ForgetRounds::Stop() {
-  thread_.request_stop();
-  if (thread_.joinable()) thread_.join();
-}
-
-void ForgetRounds::Run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    const milliseconds pause = Round();
-    std::unique_lock lock(mutex_);
-    pause_.wait_for(lock, stop, pause, [] { return false; });
-  }
 }
 
 }  // namespace uplink::store

@@ -1,12 +1,8 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <set>
-#include <stop_token>
-#include <thread>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -15,6 +11,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "server/store/silent_rows.h"
 #include "server/store/vouched_clock.h"
 #include "storage/forget_store.h"
@@ -53,15 +50,14 @@ class ForgetRounds final {
     const VouchedClock& trust;
   };
   explicit ForgetRounds(Context context);
-  ~ForgetRounds() { Stop(); }
   ForgetRounds(const ForgetRounds&) = delete;
   ForgetRounds& operator=(const ForgetRounds&) = delete;
 
   /// One look. Returns when the next is due.
   milliseconds Round();
-  void Start();
+  void Start() { rounds_.Start(); }
   /// Idempotent.
-  void Stop();
+  void Stop() { rounds_.Stop(); }
 
  private:
   enum class Look : std::uint8_t { kDone, kUnderWay };
@@ -79,7 +75,6 @@ class ForgetRounds final {
   void Leave(robot::Robot& robot);
   /// Logs when the store begins to fail, and when it works again.
   void NoteOutcome(const absl::Status& status);
-  void Run(const std::stop_token& stop);
 
   const Context context_;
   SilentRows silent_rows_;
@@ -87,9 +82,7 @@ class ForgetRounds final {
   std::set<std::uint64_t> told_;
   bool first_look_ = true;
   bool failing_ = false;
-  std::mutex mutex_;
-  std::condition_variable_any pause_;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::store

@@ -3,8 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include <pthread.h>
-
 #include "server/config/address.h"
 
 namespace uplink::store {
@@ -19,9 +17,12 @@ LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context contex
               .time_to_move = context_.presence.timeout,
               .is_gone = context_.is_gone,
               .cut_off_max = context_.presence.adopted_grace}),
-      looked_(context_.clock.Steady()) {}
-
-LeaseRounds::~LeaseRounds() { Stop(); }
+      looked_(context_.clock.Steady()),
+      rounds_("leases", [this](const auto& /*stop*/) -> loop::Next {
+        const SteadyTime began = context_.clock.Steady();
+        Round();
+        return {.within = began + kLookEvery - context_.clock.Steady()};
+      }) {}
 
 void LeaseRounds::SetPort(std::uint16_t port) {
   port_.store(port);
@@ -44,13 +45,14 @@ void LeaseRounds::Round() {
 std::optional<LeaseJudge::Verdict> LeaseRounds::VerdictOf(const storage::ProcessId& process) {
   // A store that this process has alone: whoever had it before is over.
   if (leases_ == nullptr) return LeaseJudge::Verdict{.over = Over::kGone};
-  const std::lock_guard lock(mutex_);
-  const auto asked = verdicts_.find(process);
-  if (asked != verdicts_.end()) return asked->second;
-  if (verdicts_.size() >= kVerdictsMax) verdicts_.clear();
-  verdicts_.emplace(process, std::nullopt);
-  asked_ = true;
-  pause_.notify_one();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto asked = verdicts_.find(process);
+    if (asked != verdicts_.end()) return asked->second;
+    if (verdicts_.size() >= kVerdictsMax) verdicts_.clear();
+    verdicts_.emplace(process, std::nullopt);
+  }
+  rounds_.Wake();
   return std::nullopt;
 }
 
@@ -257,25 +259,7 @@ LeaseRounds::Left LeaseRounds::Leave() {
 }
 
 void LeaseRounds::Start() {
-  if (leases_ == nullptr) return;
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
-  ::pthread_setname_np(thread_.native_handle(), "leases");
-}
-
-void LeaseRounds::Stop() {
-  thread_.request_stop();
-  if (thread_.joinable()) thread_.join();
-}
-
-void LeaseRounds::Run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    const SteadyTime began = context_.clock.Steady();
-    Round();
-    const SteadyTime::duration left = began + kLookEvery - context_.clock.Steady();
-    std::unique_lock lock(mutex_);
-    pause_.wait_for(lock, stop, left, [this] { return asked_; });
-    asked_ = false;
-  }
+  if (leases_ != nullptr) rounds_.Start();
 }
 
 }  // namespace uplink::store

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -10,10 +9,8 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <stop_token>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <unordered_set>
 
 #include <absl/status/status.h>
@@ -23,6 +20,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "server/store/lease_judge.h"
 #include "server/store/lease_probe.h"
 #include "server/store/process_life.h"
@@ -62,7 +60,6 @@ class LeaseRounds final {
   };
   /// `leases` is null for a store that this process has alone: then there is nothing to do.
   LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context);
-  ~LeaseRounds();
   LeaseRounds(const LeaseRounds&) = delete;
   LeaseRounds& operator=(const LeaseRounds&) = delete;
 
@@ -73,7 +70,7 @@ class LeaseRounds final {
   /// Rounds each kLookEvery, on a thread of its own.
   void Start();
   /// Ends the rounds. Idempotent.
-  void Stop();
+  void Stop() { rounds_.Stop(); }
   enum class Left : std::uint8_t {
     /// Another process is not over: it adopts the robots.
     kToOthers,
@@ -125,7 +122,6 @@ class LeaseRounds final {
   void NoteOutcome(const absl::Status& status);
   void NoteVerdicts();
   void NoteLate();
-  void Run(const std::stop_token& stop);
 
   const std::unique_ptr<storage::Leases> leases_;
   const Context context_;
@@ -148,10 +144,7 @@ class LeaseRounds final {
   std::mutex mutex_;
   /// Those that were asked for, at most kVerdictsMax; under the mutex.
   std::map<storage::ProcessId, std::optional<LeaseJudge::Verdict>> verdicts_;
-  /// One of them for the first time, since the last round; under the mutex.
-  bool asked_ = false;
-  std::condition_variable_any pause_;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::store

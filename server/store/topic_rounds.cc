@@ -3,26 +3,18 @@
 #include <algorithm>
 #include <utility>
 
-#include <pthread.h>
-
 #include "server/broker/limits.h"
 #include "server/cyberwave/metric_faults.h"
 
 namespace uplink::store {
+
 TopicRounds::TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context)
-    : leases_(std::move(leases)), context_(std::move(context)) {}
-
-TopicRounds::~TopicRounds() { Stop(); }
-
-void TopicRounds::Start() {
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
-  ::pthread_setname_np(thread_.native_handle(), "topics");
-}
-
-void TopicRounds::Stop() {
-  thread_.request_stop();
-  if (thread_.joinable()) thread_.join();
-}
+    : leases_(std::move(leases)),
+      context_(std::move(context)),
+      rounds_("topics", [this](const auto& /*stop*/) -> loop::Next {
+        Look();
+        return {.within = unjudged_ ? kUnjudgedLookEvery : milliseconds(kTopicLookEvery)};
+      }) {}
 
 void TopicRounds::Leave() {
   Stop();
@@ -174,32 +166,13 @@ void TopicRounds::RereadSoon(std::uint64_t asked) {
   {
     const std::lock_guard lock(mutex_);
     reread_ = asked;
-    look_soon_ = true;
   }
-  pause_.notify_one();
-}
-
-void TopicRounds::LookSoon() {
-  {
-    const std::lock_guard lock(mutex_);
-    look_soon_ = true;
-  }
-  pause_.notify_one();
+  rounds_.Wake();
 }
 
 std::string TopicRounds::held_by() const {
   const std::lock_guard lock(mutex_);
   return held_by_;
-}
-
-void TopicRounds::Run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    Look();
-    std::unique_lock lock(mutex_);
-    const milliseconds pause = unjudged_ ? kUnjudgedLookEvery : milliseconds(kTopicLookEvery);
-    pause_.wait_for(lock, stop, pause, [this] { return look_soon_; });
-    look_soon_ = false;
-  }
 }
 
 }  // namespace uplink::store

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -18,6 +15,7 @@
 #include "schema/base/clock.h"
 #include "server/broker/lease_view.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "server/store/lease_judge.h"
 #include "storage/reader.h"
 #include "storage/topic_leases.h"
@@ -59,20 +57,19 @@ class TopicRounds final : public broker::LeaseView {
     std::function<void()> reconnected;
   };
   TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context);
-  ~TopicRounds() override;
   TopicRounds(const TopicRounds&) = delete;
   TopicRounds& operator=(const TopicRounds&) = delete;
 
-  void Start();
+  void Start() { rounds_.Start(); }
   /// Ends the looks. Idempotent.
-  void Stop();
+  void Stop() { rounds_.Stop(); }
   /// Ends the looks and gives the lease up, so that another process has it at once.
   void Leave();
   /// One look, on the caller's thread: before Start, or instead of it.
   void Look();
 
   [[nodiscard]] bool MayConnect(SteadyTime since) const override;
-  void LookSoon() override;
+  void LookSoon() override { rounds_.Wake(); }
   void RereadSoon(std::uint64_t asked) override;
   [[nodiscard]] bool failing() const override { return failing_.load(); }
   [[nodiscard]] std::string held_by() const override;
@@ -85,7 +82,6 @@ class TopicRounds final : public broker::LeaseView {
   [[nodiscard]] absl::Status RereadIfAsked();
   void NoteHeldBy(std::string name);
   void NoteOutcome(const absl::Status& status);
-  void Run(const std::stop_token& stop);
 
   const std::unique_ptr<storage::TopicLeases> leases_;
   const Context context_;
@@ -102,11 +98,9 @@ class TopicRounds final : public broker::LeaseView {
   std::atomic<bool> failing_{false};
   mutable std::mutex mutex_;
   std::string held_by_;
-  bool look_soon_ = false;
   /// What is asked for and was not told yet.
   std::optional<std::uint64_t> reread_;
-  std::condition_variable_any pause_;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::store
