@@ -3,40 +3,28 @@
 #include <string>
 #include <utility>
 
-#include <pthread.h>
-
 #include "server/forward/limits.h"
 
 namespace uplink::forward {
 
-Hearing::Hearing(Context context) : context_(std::move(context)), random_(context_.seed) {}
+Hearing::Hearing(Context context)
+    : context_(std::move(context)),
+      random_(context_.seed),
+      rounds_("forward_hear", [this](const std::stop_token& stop) { return Listen(stop); }) {}
 
 void Hearing::Start() {
-  if (context_.signal == nullptr) return;
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
-  ::pthread_setname_np(thread_.native_handle(), "forward_hear");
-}
-
-void Hearing::Stop() {
-  if (!thread_.joinable()) return;
-  thread_.request_stop();
-  context_.signal->End();
-  thread_.join();
+  if (context_.signal != nullptr) rounds_.Start();
 }
 
 void Hearing::Tell() {
   if (context_.signal != nullptr) context_.signal->Tell();
 }
 
-void Hearing::Run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    if (Round().ok()) {
-      pauses_.Reset();
-      continue;
-    }
-    std::unique_lock lock(mutex_);
-    stopped_.wait_for(lock, stop, pauses_.Next(random_()), [] { return false; });
-  }
+loop::Next Hearing::Listen(const std::stop_token& stop) {
+  const std::stop_callback end(stop, [this] { context_.signal->End(); });
+  if (!Round().ok()) return {.within = pauses_.Next(random_())};
+  pauses_.Reset();
+  return {};
 }
 
 absl::Status Hearing::Round() {

@@ -1,17 +1,15 @@
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <random>
 #include <stop_token>
-#include <thread>
 
 #include <absl/status/status.h>
 
 #include "server/forward/probe.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "storage/backoff.h"
 #include "storage/change_signal.h"
 
@@ -37,30 +35,26 @@ class Hearing final {
     std::uint64_t seed = 0;
   };
   explicit Hearing(Context context);
-  ~Hearing() { Stop(); }
   Hearing(const Hearing&) = delete;
   Hearing& operator=(const Hearing&) = delete;
 
   void Start();
   /// Waits at most for a call to the store that is under way.
-  void Stop();
+  void Stop() { rounds_.Stop(); }
   /// Something was committed that may be shared.
   void Tell();
   /// Listens for kLookEvery, or until another server tells.
   absl::Status Round();
 
  private:
-  void Run(const std::stop_token& stop);
+  loop::Next Listen(const std::stop_token& stop);
   void Note(const absl::Status& status);
 
   const Context context_;
   bool failing_ = false;
   storage::Backoff pauses_{storage::BackoffLimits()};
   std::mt19937_64 random_;
-
-  std::mutex mutex_;
-  std::condition_variable_any stopped_;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::forward

@@ -5,8 +5,6 @@
 #include <string>
 #include <utility>
 
-#include <pthread.h>
-
 #include "server/forward/frames.h"
 #include "server/forward/limits.h"
 
@@ -25,50 +23,24 @@ Rounds::Rounds(const Context& context)
       paces_(context.paces),
       left_out_(context.logger, "forward_left_out", "most_from"),
       paced_(context.logger, "forward_paced"),
-      behind_(context.logger, "forward_receiver_behind", "most_from") {}
+      behind_(context.logger, "forward_receiver_behind", "most_from"),
+      rounds_("forward", [this](const std::stop_token& stop) {
+        stop_ = stop;
+        const SteadyTime began = context_.clock.Steady();
+        static_cast<void>(Round());
+        return NextLook(began, context_.clock.Steady());
+      }) {}
 
-void Rounds::Start() {
-  stopping_ = false;
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
-  ::pthread_setname_np(thread_.native_handle(), "forward");
-}
-
-void Rounds::Stop() {
-  stopping_ = true;
-  thread_.request_stop();
-  if (thread_.joinable()) thread_.join();
-}
-
-void Rounds::Wake() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (std::exchange(woken_, true)) return;
-  }
-  wake_.notify_one();
-}
-
-void Rounds::Run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    const SteadyTime began = context_.clock.Steady();
-    static_cast<void>(Round());
-    const SteadyTime::duration most = NextLookIn();
-    std::unique_lock lock(mutex_);
-    const bool woken = wake_.wait_for(lock, stop, most, [this] { return woken_ && !failing_; });
-    if (!woken) continue;
-    const SteadyTime next = began + LookAgainAfter(woken_streams_);
-    wake_.wait_for(lock, stop, next - context_.clock.Steady(), [] { return false; });
-    woken_ = false;
-  }
-}
-
-SteadyTime::duration Rounds::NextLookIn() {
-  const SteadyTime now = context_.clock.Steady();
-  const std::optional<SteadyTime> due = paces_.DueAt(now);
+loop::Next Rounds::NextLook(SteadyTime began, SteadyTime now) {
   // A store that is away answers nobody sooner.
-  if (!due || failing_) return context_.look_every;
-  return std::clamp<SteadyTime::duration>(
-      *due - now, LookAgainAfter(woken_streams_),
-      std::max(context_.look_every, SteadyTime::duration(kLookAgainMax)));
+  if (failing_) return {.within = context_.look_every, .not_before = context_.look_every};
+  const SteadyTime::duration again = LookAgainAfter(woken_streams_);
+  loop::Next next{.within = context_.look_every, .not_before = began + again - now};
+  if (const std::optional<SteadyTime> due = paces_.DueAt(now)) {
+    next.within = std::clamp<SteadyTime::duration>(
+        *due - now, again, std::max(context_.look_every, SteadyTime::duration(kLookAgainMax)));
+  }
+  return next;
 }
 
 absl::Status Rounds::Round() {
@@ -105,7 +77,7 @@ absl::Status Rounds::Step() {
 absl::Status Rounds::WalkPages(std::optional<storage::ItemKey> after, const Walk& walk) {
   while (true) {
     // All that fleets share may take seconds to read.
-    if (stopping_) return absl::CancelledError("the server stops");
+    if (stop_.stop_requested()) return absl::CancelledError("the server stops");
     const auto page = context_.items.Page(after);
     if (!page.ok()) return page.status();
     for (const storage::SharedItem& item : page->items) {
@@ -281,9 +253,8 @@ void Rounds::TellRobots() {
 
 void Rounds::Tell(const absl::Status& status) {
   TellRobots();
-  if (stopping_) return;
+  if (stop_.stop_requested()) return;
   context_.probe.failing.Set(status.ok() ? 0 : 1);
-  const std::lock_guard lock(mutex_);
   if (failing_ == !status.ok()) return;
   failing_ = !status.ok();
   if (failing_) {

@@ -1,16 +1,12 @@
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -23,6 +19,7 @@
 #include "server/forward/told_robots.h"
 #include "server/forward/unreadable.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "storage/clock_trust.h"
 #include "storage/shared_items.h"
 
@@ -55,19 +52,17 @@ class Rounds final {
     SteadyTime::duration look_every = kLookEvery;
   };
   explicit Rounds(const Context& context);
-  ~Rounds() { Stop(); }
   Rounds(const Rounds&) = delete;
   Rounds& operator=(const Rounds&) = delete;
 
-  void Start();
-  void Stop();
+  void Start() { rounds_.Start(); }
+  void Stop() { rounds_.Stop(); }
   /// Something was committed that may be shared.
-  void Wake();
+  void Wake() { rounds_.Wake(); }
   /// One look. Returns what the store answered.
   absl::Status Round();
 
  private:
-  void Run(const std::stop_token& stop);
   absl::Status Look();
   /// Reads all that is shared, and removes what is there no more.
   absl::Status ReadAll();
@@ -90,8 +85,8 @@ class Rounds final {
   void Put(const storage::SharedItem& item);
   void WakeReceivers();
   void Remove(const storage::ItemKey& key);
-  /// How long a look that nothing wakes is put off.
-  [[nodiscard]] SteadyTime::duration NextLookIn();
+  /// When the look comes that follows the one that began then and has ended now.
+  [[nodiscard]] loop::Next NextLook(SteadyTime began, SteadyTime now);
   void TellRobots();
   [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
   void Tell(const absl::Status& status);
@@ -107,14 +102,11 @@ class Rounds final {
   ToldRobots paced_;
   /// Those of the last look alone: one that falls behind again is named again.
   ToldRobots behind_;
-  std::atomic<bool> stopping_{false};
+  /// That of the thread.
+  std::stop_token stop_;
   /// Streams that the last look woke.
   std::size_t woken_streams_ = 0;
-
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
-  bool woken_ = false;
-  std::jthread thread_;
+  loop::Rounds rounds_;
 };
 
 }  // namespace uplink::forward
