@@ -1,0 +1,32 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <utility>
+
+namespace uplink::loop {
+
+/// Gives a job to another thread. False, and the job is not taken, where that takes none now.
+using Post = std::function<bool(std::function<void()>)>;
+
+/// A job that another thread does, of which at most one waits there or is under way.
+///
+/// Thread: thread-safe; it outlives the job.
+class OneAtATime final {
+ public:
+  /// Posts the job, unless the last one is not done or the thread takes none now: the caller comes
+  /// again anyway.
+  void PostBy(const Post& post, std::function<void()> job) {
+    if (posted_.exchange(true)) return;
+    const bool taken = post([this, job = std::move(job)] {
+      job();
+      posted_.store(false);
+    });
+    if (!taken) posted_.store(false);
+  }
+
+ private:
+  std::atomic<bool> posted_{false};
+};
+
+}  // namespace uplink::loop
