@@ -16,6 +16,7 @@
 #include "server/lifecycle/stop_signal.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
+#include "server/loop/one_at_a_time.h"
 #include "server/rcan/probe.h"
 
 namespace uplink::http {
@@ -63,11 +64,11 @@ class Groundwork final {
   [[nodiscard]] lifecycle::StopSignal& stop_signal() { return stop_signal_; }
   /// Posts a job to the thread that may wait for the store; false if it takes none now. Until
   /// EndReaders.
-  [[nodiscard]] std::function<bool(std::function<void()>)> OnReads() {
+  [[nodiscard]] loop::Post OnReads() {
     return [this](auto job) { return reads_->TryPost(std::move(job)); };
   }
   /// The same, ahead of what others posted.
-  [[nodiscard]] std::function<bool(std::function<void()>)> OnReadsAhead() {
+  [[nodiscard]] loop::Post OnReadsAhead() {
     return [this](auto job) { return reads_->TryPostAhead(std::move(job)); };
   }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }

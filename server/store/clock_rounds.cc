@@ -49,16 +49,6 @@ void ClockRounds::Round() {
   MoveMark(facts, now);
 }
 
-void ClockRounds::LookOn(const std::function<bool(std::function<void()>)>& post) {
-  if (looking_.exchange(true)) return;
-  const bool posted = post([this] {
-    Round();
-    looking_.store(false);
-  });
-  // Where the queue of reads is full, the next look asks again.
-  if (!posted) looking_.store(false);
-}
-
 void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
   // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a
   // server whose clock is ahead.

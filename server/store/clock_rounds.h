@@ -1,12 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <functional>
 #include <optional>
 
 #include "schema/base/clock.h"
 #include "server/log/logger.h"
+#include "server/loop/one_at_a_time.h"
 #include "server/store/clock_judge.h"
 #include "server/store/marked_clock.h"
 #include "server/store/vouched_clock.h"
@@ -42,7 +42,9 @@ class ClockRounds final {
   /// The first one comes before anything is written: a store without rows gets its mark then.
   void Round();
   /// A Round by a job on a thread that may wait, unless one is under way.
-  void LookOn(const std::function<bool(std::function<void()>)>& post);
+  void LookOn(const loop::Post& post) {
+    looks_.PostBy(post, [this] { Round(); });
+  }
 
  private:
   void Read();
@@ -55,7 +57,7 @@ class ClockRounds final {
   void Tell(Voucher voucher, const ClockFacts& facts);
 
   const Context context_;
-  std::atomic<bool> looking_{false};
+  loop::OneAtATime looks_;
   /// What the store said last, and when.
   std::optional<storage::ClockReading> reading_;
   SteadyTime read_at_;

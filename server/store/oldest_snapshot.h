@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/loop/one_at_a_time.h"
 
 namespace uplink::store {
 
@@ -22,14 +23,19 @@ class OldestSnapshot final {
   OldestSnapshot(const OldestSnapshot&) = delete;
   OldestSnapshot& operator=(const OldestSnapshot&) = delete;
 
-  /// Asks by a job on a thread that may wait, unless one is under way. `post` is false where it
-  /// takes no job now. While the store does not answer, the last answer stays.
-  void AskOn(const std::function<bool(std::function<void()>)>& post);
+  /// Asks by a job on a thread that may wait, unless one is under way. While the store does not
+  /// answer, the last answer stays.
+  void AskOn(const loop::Post& post) {
+    if (!ask_) return;
+    asks_.PostBy(post, [this] {
+      if (const absl::StatusOr<milliseconds> age = ask_(); age.ok()) age_ms_.store(age->count());
+    });
+  }
   [[nodiscard]] milliseconds age() const { return milliseconds(age_ms_.load()); }
 
  private:
   const Ask ask_;
-  std::atomic<bool> asking_{false};
+  loop::OneAtATime asks_;
   std::atomic<std::int64_t> age_ms_{0};
 };
 

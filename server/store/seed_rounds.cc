@@ -26,15 +26,12 @@ void SeedRounds::LogLeftOut(std::size_t robots) {
                        {{"robots", robots}, {"robots_max", context_.robots_max}});
 }
 
-void SeedRounds::ReadOn(const std::function<bool(std::function<void()>)>& post) {
-  if ((seed_.done() && !restore_.due()) || reading_.exchange(true)) return;
-  const bool posted = post([this] {
+void SeedRounds::ReadOn(const loop::Post& post) {
+  if (seed_.done() && !restore_.due()) return;
+  reads_.PostBy(post, [this] {
     if (!seed_.done()) Read();
     RestoreDue();
-    reading_.store(false);
   });
-  // Where the queue of reads is full, the next round asks again.
-  if (!posted) reading_.store(false);
 }
 
 void SeedRounds::Read() {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/loop/one_at_a_time.h"
 #include "server/store/restore.h"
 #include "server/store/seed.h"
 #include "storage/reader.h"
@@ -47,9 +47,8 @@ class SeedRounds final {
   /// is. What cannot be read now is read by ReadOn.
   void Begin(const absl::Status& away);
   /// Reads the robots, or what those that are ours had, by a job on a thread that may wait, if
-  /// there is something to read and no such job is under way. `post` is false where it takes no job
-  /// now.
-  void ReadOn(const std::function<bool(std::function<void()>)>& post);
+  /// there is something to read and no such job is under way.
+  void ReadOn(const loop::Post& post);
   /// The robots were read; until then they cannot be, as the log says.
   [[nodiscard]] bool done() const { return seed_.done(); }
 
@@ -62,7 +61,7 @@ class SeedRounds final {
   const Context context_;
   Seed seed_;
   Restore restore_;
-  std::atomic<bool> reading_{false};
+  loop::OneAtATime reads_;
   /// As of the last time; on main, then on the thread of the jobs.
   absl::Status unread_;
   bool restores_ = true;

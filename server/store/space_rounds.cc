@@ -50,16 +50,6 @@ void SpaceRounds::Round() {
   shown_ = now_;
 }
 
-void SpaceRounds::LookOn(const std::function<bool(std::function<void()>)>& post) {
-  if (looking_.exchange(true)) return;
-  const bool posted = post([this] {
-    Round();
-    looking_.store(false);
-  });
-  // Where the queue of reads is full, the next look asks again.
-  if (!posted) looking_.store(false);
-}
-
 SpaceView SpaceRounds::view() const {
   const std::lock_guard lock(mutex_);
   return shown_;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +15,7 @@
 #include "server/fleet/fleet.h"
 #include "server/fleet/heavy_writers.h"
 #include "server/log/logger.h"
+#include "server/loop/one_at_a_time.h"
 #include "server/store/space_view.h"
 #include "storage/disk_space.h"
 
@@ -51,7 +51,9 @@ class SpaceRounds final {
 
   void Round();
   /// A Round by a job on a thread that may wait, unless one is under way.
-  void LookOn(const std::function<bool(std::function<void()>)>& post);
+  void LookOn(const loop::Post& post) {
+    looks_.PostBy(post, [this] { Round(); });
+  }
   /// As of the last round.
   [[nodiscard]] SpaceView view() const;
 
@@ -69,7 +71,7 @@ class SpaceRounds final {
   void Tell(std::size_t limited_before) const;
 
   const Context context_;
-  std::atomic<bool> looking_{false};
+  loop::OneAtATime looks_;
   fleet::HeavyWriters writers_;
   /// What view() says once the round is over.
   SpaceView now_;
