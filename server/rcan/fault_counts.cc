@@ -24,15 +24,12 @@ absl::Status FaultCounts::Refresh(const fleet::Fleet& fleet, storage::Reader& re
   return absl::OkStatus();
 }
 
-void FaultCounts::RefreshOn(const std::function<bool(std::function<void()>)>& post,
-                            const fleet::Fleet& fleet, storage::Reader& reader) {
-  if (under_way_.exchange(true)) return;
-  const bool posted = post([this, &fleet, &reader] {
+void FaultCounts::RefreshOn(const loop::Post& post, const fleet::Fleet& fleet,
+                            storage::Reader& reader) {
+  refreshes_.PostBy(post, [this, &fleet, &reader] {
     // What fails is asked for again; the log hears of the store from its writers.
     static_cast<void>(Refresh(fleet, reader));
-    under_way_.store(false);
   });
-  if (!posted) under_way_.store(false);
 }
 
 std::shared_ptr<const FaultCounts::Map> FaultCounts::counts() const {

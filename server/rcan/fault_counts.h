@@ -1,9 +1,7 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,6 +11,7 @@
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/loop/one_at_a_time.h"
 #include "storage/reader.h"
 
 namespace uplink::rcan {
@@ -36,10 +35,9 @@ class FaultCounts final {
   /// are too old.
   [[nodiscard]] absl::Status Refresh(const fleet::Fleet& fleet, storage::Reader& reader);
 
-  /// Asks the store by a job on a thread that may wait for it, unless one is under way. `post` is
-  /// false where it takes no job now. What it works with outlives the thread.
-  void RefreshOn(const std::function<bool(std::function<void()>)>& post, const fleet::Fleet& fleet,
-                 storage::Reader& reader);
+  /// Asks the store by a job on a thread that may wait for it, unless one is under way. What it
+  /// works with outlives the thread.
+  void RefreshOn(const loop::Post& post, const fleet::Fleet& fleet, storage::Reader& reader);
 
   /// The robots that have active faults; null if that is not known now.
   [[nodiscard]] std::shared_ptr<const Map> counts() const;
@@ -49,7 +47,7 @@ class FaultCounts final {
   mutable std::mutex mutex_;
   std::shared_ptr<const Map> counts_;
   SteadyTime counted_at_;
-  std::atomic<bool> under_way_{false};
+  loop::OneAtATime refreshes_;
 };
 
 }  // namespace uplink::rcan

@@ -46,8 +46,7 @@ bool RobotScrape::wanted() const {
   return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
 }
 
-void RobotScrape::CountFaultsOn(const std::function<bool(std::function<void()>)>& post,
-                                storage::Reader& reader) {
+void RobotScrape::CountFaultsOn(const loop::Post& post, storage::Reader& reader) {
   if (wanted()) sources_.faults.RefreshOn(post, sources_.fleet, reader);
 }
 

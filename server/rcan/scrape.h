@@ -74,8 +74,7 @@ class RobotScrape final {
   /// Has the active faults counted anew, if wanted: FaultCounts::RefreshOn.
   ///
   /// Thread: any.
-  void CountFaultsOn(const std::function<bool(std::function<void()>)>& post,
-                     storage::Reader& reader);
+  void CountFaultsOn(const loop::Post& post, storage::Reader& reader);
 
  private:
   /// A robot of the fleet, and what is kept of it from scrape to scrape.
