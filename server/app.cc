@@ -12,7 +12,7 @@
 #include "server/fleet/forgetting.h"
 #include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
-#include "server/front/proxy_header.h"
+#include "server/front/door/proxy_header.h"
 #include "server/front/server.h"
 #include "server/groundwork.h"
 #include "server/health/certificate.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "server/front/frame_rates.h"
-#include "server/front/tls_engine.h"
+#include "server/front/http2/frame_rates.h"
+#include "server/front/tls/tls_engine.h"
 #include "server/transport/turned_away.h"
 
 namespace uplink::front {

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <nghttp2/nghttp2.h>
 
+#include "server/front/call/thread.h"
 #include "server/front/causes.h"
 #include "server/front/limits.h"
-#include "server/front/thread.h"
 
 namespace uplink::front {
 using transport::TurnedAway;

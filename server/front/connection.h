@@ -5,16 +5,16 @@
 #include <optional>
 #include <string>
 
-#include "server/front/call.h"
-#include "server/front/call_set.h"
-#include "server/front/door_book.h"
-#include "server/front/frame_rates.h"
-#include "server/front/http2.h"
+#include "server/front/call/call.h"
+#include "server/front/call/call_set.h"
+#include "server/front/door/door_book.h"
+#include "server/front/door/place.h"
+#include "server/front/http2/frame_rates.h"
+#include "server/front/http2/http2.h"
+#include "server/front/http2/ping_strikes.h"
 #include "server/front/lifetime.h"
-#include "server/front/ping_strikes.h"
-#include "server/front/place.h"
-#include "server/front/socket.h"
-#include "server/front/tls_engine.h"
+#include "server/front/loop/socket.h"
+#include "server/front/tls/tls_engine.h"
 #include "server/transport/drain.h"
 #include "server/transport/timers.h"
 

@@ -4,9 +4,9 @@
 
 #include <nghttp2/nghttp2.h>
 
+#include "server/front/call/thread.h"
 #include "server/front/connection.h"
 #include "server/front/limits.h"
-#include "server/front/thread.h"
 
 namespace uplink::front {
 

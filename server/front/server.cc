@@ -8,12 +8,12 @@
 
 #include <sys/resource.h>
 
-#include "server/front/acceptor.h"
-#include "server/front/door.h"
-#include "server/front/greeter.h"
+#include "server/front/call/relay_handler.h"
+#include "server/front/door/acceptor.h"
+#include "server/front/door/door.h"
+#include "server/front/door/greeter.h"
 #include "server/front/limits.h"
-#include "server/front/relay_handler.h"
-#include "server/front/tls_context.h"
+#include "server/front/tls/tls_context.h"
 #include "server/front/worker.h"
 #include "server/log/rate_limited.h"
 #include "server/transport/cores.h"

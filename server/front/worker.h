@@ -13,10 +13,10 @@
 #include <unordered_set>
 #include <vector>
 
+#include "server/front/call/thread.h"
 #include "server/front/connection.h"
-#include "server/front/door.h"
-#include "server/front/event_loop.h"
-#include "server/front/thread.h"
+#include "server/front/door/door.h"
+#include "server/front/loop/event_loop.h"
 #include "server/robot/wake.h"
 
 namespace uplink::front {

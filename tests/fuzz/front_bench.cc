@@ -6,8 +6,8 @@
 #include <nghttp2/nghttp2.h>
 
 #include "schema/base/check.h"
+#include "server/front/call/relay_handler.h"
 #include "server/front/limits.h"
-#include "server/front/relay_handler.h"
 #include "server/journal/turns.h"
 #include "tests/support/relay_bytes.h"
 

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "server/front/call_set.h"
-#include "server/front/frame_rates.h"
-#include "server/front/http2.h"
-#include "server/front/ping_strikes.h"
-#include "server/front/thread.h"
+#include "server/front/call/call_set.h"
+#include "server/front/call/thread.h"
+#include "server/front/http2/frame_rates.h"
+#include "server/front/http2/http2.h"
+#include "server/front/http2/ping_strikes.h"
 #include "server/journal/step.h"
 #include "tests/fuzz/frame_order.h"
 #include "tests/support/fake_reject_source.h"

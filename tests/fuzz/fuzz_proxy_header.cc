@@ -6,8 +6,8 @@
 #include <netinet/in.h>
 
 #include "schema/base/check.h"
-#include "server/front/origin.h"
-#include "server/front/proxy_header.h"
+#include "server/front/door/origin.h"
+#include "server/front/door/proxy_header.h"
 
 namespace {
 

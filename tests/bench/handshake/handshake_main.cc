@@ -14,7 +14,7 @@
 
 #include "schema/base/check.h"
 #include "server/config/tls_groups.h"
-#include "server/front/tls_engine.h"
+#include "server/front/tls/tls_engine.h"
 #include "server/identity/pem.h"
 #include "tests/bench/handshake/hellos.h"
 #include "tests/support/certificates.h"

@@ -10,7 +10,7 @@
 #include <unordered_map>
 
 #include "server/front/connection.h"
-#include "server/front/event_loop.h"
+#include "server/front/loop/event_loop.h"
 #include "tests/fuzz/front_bench.h"
 #include "tests/support/raw_http2.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/frame_rates.h"
+#include "server/front/http2/frame_rates.h"
 #include "tests/component/front/front_world.h"
 
 namespace uplink::testing {

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/front/door.h"
-#include "server/front/greeter.h"
+#include "server/front/door/door.h"
+#include "server/front/door/greeter.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"
 #include "tests/support/proxy_headers.h"

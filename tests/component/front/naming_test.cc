@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/front/evictions.h"
+#include "server/front/door/evictions.h"
 #include "server/front/limits.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"

@@ -17,7 +17,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "server/front/proxy_header.h"
+#include "server/front/door/proxy_header.h"
 #include "server/loop/client_hello.h"
 #include "tests/support/certificates.h"
 #include "tests/support/no_lines.h"

@@ -1,0 +1,176 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "server/front/call/call_handler.h"
+#include "server/front/call/message_reader.h"
+#include "server/front/call/request_head.h"
+#include "server/front/call/response.h"
+#include "server/front/door/origin.h"
+#include "server/front/http2/http2.h"
+#include "server/front/tls/tls_engine.h"
+#include "server/transport/timers.h"
+
+namespace uplink::front {
+
+struct Thread;
+
+/// Who a connection's calls belong to, and who settles them.
+class CallOwner {
+ public:
+  virtual ~CallOwner() = default;
+  /// Something is to be done for the call once nghttp2 has returned: Call::Settle, soon.
+  virtual void Touch(Call& call) = 0;
+  /// Settles what was touched; calls may be destroyed by it.
+  virtual void Settle() = 0;
+  [[nodiscard]] virtual const TlsPeer& tls_peer() const = 0;
+  [[nodiscard]] virtual const Origin& origin() const = 0;
+  /// Asks the peer for an answer: Call::OnPeerAnswered of all its calls follows.
+  virtual void AskPeer() = 0;
+  /// Set while no new call is served here: why.
+  [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
+};
+
+/// One gRPC call on an HTTP/2 stream: headers, messages out of DATA, the response, trailers. What
+/// it is about is its handler's.
+///
+/// Life:   made when the stream opens; `finished()` once the stream is gone; destroyed by its
+///         connection then.
+/// Thread: confined to its connection's.
+class Call final : public Http2Stream {
+ public:
+  Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream);
+  ~Call() override;
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  // --- For its handler ---
+
+  /// The next message, please: answered by one call of the handler, later.
+  void RequestMessage();
+  /// One message with its prefix, or several that are shared, one after the other; at most one
+  /// write is under way.
+  void Write(std::string message_with_prefix);
+  void Write(std::vector<SharedMessage> messages);
+  /// Ends the call, after a write under way.
+  void Finish(const absl::Status& status);
+  /// Ends it at once.
+  void Cancel();
+  /// Asks whether the peer is there: answered by the handler's OnPeerAnswered, if it ever is.
+  void AskPeer() {
+    asks_peer_ = true;
+    owner_.AskPeer();
+  }
+  [[nodiscard]] Thread& thread() { return thread_; }
+  [[nodiscard]] CallOwner& owner() const { return owner_; }
+  [[nodiscard]] std::uint64_t id() const { return id_; }
+
+  // --- For its connection ---
+
+  /// Does what was put off while nghttp2 ran.
+  void Settle();
+  void OnWake();
+  void OnTimer();
+  void OnPeerAnswered() {
+    if (std::exchange(asks_peer_, false) && serving()) handler_->OnPeerAnswered();
+  }
+  /// The handler's OnDrain at `at`, with what is left until `end`.
+  void DrainAt(SteadyTime at, SteadyTime end);
+  /// The connection is gone.
+  void Break();
+  /// Ends the call with a status of ours, whatever its handler wants.
+  void Fail(const absl::Status& status);
+  [[nodiscard]] bool finished() const { return closed_; }
+  /// How it ends was decided, and told.
+  [[nodiscard]] bool answered() const { return over_; }
+  [[nodiscard]] bool has_handler() const { return handler_ != nullptr; }
+  /// Its peer may not call it, and has been told why.
+  [[nodiscard]] bool unwelcome() const { return unwelcome_; }
+  [[nodiscard]] std::int32_t stream() const { return stream_; }
+  /// In its owner's list of those to settle.
+  bool touched = false;
+
+  // Http2Stream
+  bool OnHeader(std::string_view name, std::string_view value) override;
+  void OnHeadersEnd() override;
+  void OnData(std::string_view bytes) override;
+  void OnEnd() override;
+  void OnReset(std::uint32_t code) override;
+  void OnClosed() override;
+  Body OnBody(char* into, std::size_t size) override;
+  void OnBodyEnd() override { response_.SendTrailers(); }
+
+ private:
+  void Serve(const RequestHead& head);
+  /// Ends a call that its peer may not make.
+  void TurnAway(const absl::Status& status);
+  /// Ends a call that is none that we serve.
+  void Refuse(const absl::Status& status);
+  /// Gives the handler what it waits for, as long as there is any.
+  void Deliver();
+  bool DeliverOne();
+  void EndOfMessages();
+  /// Opens the stream's window by what was taken, and for what a large message still needs.
+  void Consume(std::size_t taken);
+  void ConsumeUnfinished();
+  /// So many bytes are kept of a message that is not whole.
+  void NoteUnfinished(std::size_t bytes);
+  void DropReceived();
+  void SetTimer();
+  /// A write may begin.
+  void BeginWrite();
+  [[nodiscard]] bool serving() const { return handler_ != nullptr && !over_ && !cancelled_; }
+
+  Thread& thread_;
+  CallOwner& owner_;
+  Http2& http2_;
+  const std::int32_t stream_;
+  const std::uint64_t id_;
+
+  /// Until the request's headers are whole.
+  std::unique_ptr<RequestHead> head_;
+  MessageReader reader_;
+  /// Bytes of the unfinished message that the window was opened for already.
+  std::size_t consumed_early_ = 0;
+  bool wants_message_ = false;
+  bool has_written_ = false;
+  bool asks_peer_ = false;
+  bool peer_ended_ = false;
+  MethodKind kind_ = MethodKind::kBidirectional;
+  /// What Thread::unfinished has of it.
+  std::size_t unfinished_bytes_ = 0;
+  std::uint64_t unfinished_message_ = 0;
+
+  Response response_;
+  /// What the handler wrote was taken, and it was not told yet.
+  bool written_ = false;
+  /// How it ends is decided.
+  bool over_ = false;
+  std::optional<SteadyTime> finish_by_;
+  /// By grpc-timeout; until the headers are whole, by when they must be.
+  std::optional<SteadyTime> give_up_at_;
+  std::optional<SteadyTime> drain_at_;
+  SteadyTime drain_end_;
+  /// What the handler last answered: asked again once it has passed, it may say nothing.
+  std::optional<SteadyTime> handler_due_;
+  transport::Timers::Slot timer_;
+  bool unwelcome_ = false;
+  /// What the peer's reset means.
+  std::optional<absl::StatusCode> reset_code_;
+  bool cancelled_ = false;
+  bool reset_sent_ = false;
+  bool closed_ = false;
+
+  /// Last, so that it goes before what it writes to.
+  std::unique_ptr<CallHandler> handler_;
+};
+
+}  // namespace uplink::front

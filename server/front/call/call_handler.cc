@@ -1,0 +1,33 @@
+#include "server/front/call/call_handler.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace uplink::front {
+namespace {
+
+absl::Status WrongRole(identity::Role role, std::string_view audience) {
+  return absl::UnauthenticatedError(
+      fmt::format("the certificate is of role {}; {}", identity::ToText(role), audience));
+}
+
+}  // namespace
+
+absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity, const Methods& methods,
+                     std::string_view path) {
+  if (!identity.ok()) return identity.status();
+  const auto takes = [role = identity->role](const Methods::value_type& method) {
+    const auto& roles = method.second.roles;
+    return std::find(roles.begin(), roles.end(), role) != roles.end();
+  };
+  const auto found = methods.find(path);
+  if (found != methods.end()) {
+    return takes(*found) ? absl::OkStatus() : WrongRole(identity->role, found->second.audience);
+  }
+  // To others it is not even told what there is.
+  if (std::any_of(methods.begin(), methods.end(), takes)) return absl::OkStatus();
+  return WrongRole(identity->role, "nothing here takes it");
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "server/front/call/call.h"
+#include "server/transport/drain.h"
+
+namespace uplink::front {
+
+/// The calls of one connection, and those of them that have something to settle. Destroys a call
+/// once its stream is gone, and only from Settle. Confined to its connection's thread.
+class CallSet final {
+ public:
+  Call& Open(std::unique_ptr<Call> call);
+  void Touch(Call& call);
+  /// Settles what was touched, also by settling; `settled` sees each before it may go.
+  void Settle(const std::function<void(const Call&)>& settled);
+  /// Tells all that the peer answered.
+  void TellPeerAnswered();
+  /// Tells all that the connection is gone.
+  void Break();
+  /// Tells all to drain, one after the other, the first as number `first` of `spread`; they have
+  /// until `end`.
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
+
+  [[nodiscard]] std::size_t size() const { return calls_.size(); }
+  [[nodiscard]] bool settled() const { return touched_.empty(); }
+
+ private:
+  std::unordered_map<std::int32_t, std::unique_ptr<Call>> calls_;
+  std::vector<Call*> touched_;
+};
+
+}  // namespace uplink::front

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "server/front/call/call.h"
+#include "server/front/call/call_handler.h"
+#include "server/session/frame_sink.h"
+#include "server/session/session.h"
+#include "server/transport/gate.h"
+
+namespace uplink::front {
+
+/// UplinkRelay's Relay: one call between the wire and a Session.
+///
+/// Thread: confined to its connection's.
+class RelayHandler final : public CallHandler,
+                           public session::FrameSource,
+                           public session::FrameSink {
+ public:
+  /// The path of the method.
+  static constexpr std::string_view kPath = "/uplink.v1.UplinkRelay/Relay";
+  /// Who may call it.
+  [[nodiscard]] static std::vector<identity::Role> Roles() {
+    return {identity::Role::kRobot, identity::Role::kGateway};
+  }
+  static constexpr std::string_view kAudience = "the relay takes robots and gateways alone";
+
+  /// Of a peer that may call it. Errors: those of transport::Gate::Enter.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<CallHandler>> Serve(Call& call);
+  ~RelayHandler() override;
+  RelayHandler(const RelayHandler&) = delete;
+  RelayHandler& operator=(const RelayHandler&) = delete;
+
+  // CallHandler
+  void Start() override { session_->Start(); }
+  [[nodiscard]] std::uint64_t message_bytes_max() const override {
+    return session_->frame_bytes_max();
+  }
+  void OnMessage(std::string_view bytes) override { session_->OnFrame(bytes); }
+  void OnTooLarge(std::uint64_t bytes) override { session_->OnFrameTooLarge(bytes); }
+  void OnHalfClose() override { session_->OnHalfClose(); }
+  void OnMessageBytes() override { session_->OnFrameBytes(); }
+  void OnPeerAnswered() override { session_->OnPeerAnswered(); }
+  void OnBroken(std::optional<absl::StatusCode> code) override;
+  void OnWritten() override;
+  void OnWake() override { session_->OnWake(); }
+  void OnTimer() override { session_->OnTimer(); }
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override { return session_->deadline(); }
+  void OnDrain(milliseconds grace) override { session_->OnDrain(grace); }
+
+  // session::FrameSource
+  void RequestRead() override { call_.RequestMessage(); }
+  // session::FrameSink
+  void Write(const v1::RelayResponse& frame) override;
+  void WriteEncoded(std::span<const session::EncodedFrame> frames) override;
+  void Finish(const absl::Status& status) override;
+  void Cancel() override { call_.Cancel(); }
+  void AskPeer() override { call_.AskPeer(); }
+
+ private:
+  RelayHandler(Call& call, transport::Entrant entrant)
+      : call_(call), entrant_(std::move(entrant)) {}
+
+  Call& call_;
+  const transport::Entrant entrant_;
+  /// A frame of ours went out, the Welcome: the robot's source is one that the door knows.
+  bool welcome_ = false;
+  /// Last, so that it goes before what it writes to.
+  std::optional<session::Session> session_;
+};
+
+}  // namespace uplink::front

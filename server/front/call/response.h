@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "server/front/call/outbound.h"
+#include "server/front/http2/http2.h"
+
+namespace uplink::front {
+
+/// The answer of one gRPC call on its HTTP/2 stream: headers, messages, and a status at its end, in
+/// trailers or, where nothing else was said, in the headers.
+///
+/// Thread: confined to its connection's.
+class Response final {
+ public:
+  Response(Http2& http2, std::int32_t stream) : http2_(http2), stream_(stream) {}
+
+  /// Sends a message with its prefix, or some that are shared, once what was before was taken.
+  void Write(std::string message);
+  void Write(std::vector<SharedMessage> messages);
+  /// Ends the call once the message under way was taken.
+  void Finish(const absl::Status& status);
+  /// Gives a message up of which nothing has gone out.
+  void DropMessage();
+  /// Answers what is no gRPC at all.
+  void FinishHttp(int http_status);
+  /// The encoding of the call is none that we have: the status says which we do.
+  void NameEncodings() { names_encodings_ = true; }
+
+  /// Http2Stream::OnBody: what goes out next.
+  Http2Stream::Body Take(char* into, std::size_t size);
+  /// Http2Stream::OnBodyEnd.
+  void SendTrailers();
+  /// A message is under way.
+  [[nodiscard]] bool writing() const { return writing_; }
+
+ private:
+  /// What is to go out was set.
+  void Send();
+  [[nodiscard]] Headers StatusFields() const;
+
+  Http2& http2_;
+  const std::int32_t stream_;
+  bool names_encodings_ = false;
+  /// The headers are sent.
+  bool begun_ = false;
+  bool writing_ = false;
+  bool finished_ = false;
+  absl::Status status_;
+  Outbound out_;
+};
+
+}  // namespace uplink::front

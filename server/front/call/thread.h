@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+
+#include "schema/judge.h"
+#include "server/front/call/call_handler.h"
+#include "server/front/call/unfinished.h"
+#include "server/front/door/debug_lines.h"
+#include "server/front/door/door_book.h"
+#include "server/front/http2/http2.h"
+#include "server/front/limits.h"
+#include "server/front/tls/tls_engine.h"
+#include "server/robot/wake.h"
+#include "server/session/context.h"
+#include "server/transport/event_clock.h"
+#include "server/transport/gate.h"
+#include "server/transport/options.h"
+#include "server/transport/timers.h"
+
+namespace uplink::front {
+
+/// What the connections and calls of one thread share: the clock of the event that is being
+/// handled, timers, buffers that they use one after the other, and who is there by number.
+///
+/// Thread: confined to it.
+struct Thread {
+  Thread(const transport::RelayContext& given, transport::Gate& its_gate, const Methods& served,
+         robot::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
+      : relay(given),
+        debug(given.logger),
+        book(door_book),
+        gate(its_gate),
+        methods(served),
+        inbox(its_inbox),
+        clock(given.clock),
+        judge(given.judge_limits),
+        sessions{clock,
+                 given.fleet,
+                 given.journals,
+                 given.session_probe,
+                 given.ledgers.NewPage(),
+                 judge,
+                 given.limits,
+                 scratch,
+                 given.allowances,
+                 given.rejects,
+                 given.clock_trust,
+                 &door_book.pressed_flag(),
+                 given.forwards},
+        unfinished(unfinished_memory) {}
+
+  const transport::RelayContext& relay;
+  const DebugLines debug;
+  DoorBook& book;
+  transport::Gate& gate;
+  const Methods& methods;
+  /// Where other threads wake calls.
+  robot::WakeInbox& inbox;
+  transport::EventClock clock;
+  schema::Judge judge;
+  session::IntakeScratch scratch;
+  const session::SessionContext sessions;
+
+  transport::Timers call_timers;
+  transport::Timers connection_timers;
+  /// By the number that wakes and timers name.
+  std::unordered_map<std::uint64_t, Call*> calls;
+  std::uint64_t next_call = 1;
+  Unfinished& unfinished;
+
+  const BufferMethod buffer_method;
+  const Http2Rules http2_rules;
+  Http2Memory http2_memory;
+  TlsBuffers tls;
+  std::array<char, kSharedReadBytes> received;
+  /// Frames that go out in one TLS record.
+  std::string gathered;
+};
+
+}  // namespace uplink::front

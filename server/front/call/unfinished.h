@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "schema/base/clock.h"
+#include "server/front/door/key_table.h"
+#include "server/robot/wake.h"
+#include "server/transport/probe.h"
+
+namespace uplink::front {
+
+/// The memory of messages that have begun and are not whole, over all calls of all threads. Past
+/// the bound one call ends: whoever announces much and sends little pays with its own.
+///
+/// Limits: one entry per call, which its call takes out again.
+/// Thread: thread-safe.
+class Unfinished final {
+ public:
+  struct Limits {
+    /// Bytes of all together.
+    std::size_t bytes_max = 0;
+    /// A certificate's key that has more than this pays before all others.
+    std::size_t share_max = 0;
+  };
+
+  Unfinished(const Limits& limits, transport::RelayProbe& probe) : limits_(limits), probe_(probe) {}
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+  /// So many bytes of the call's message of this number are kept; 0: none is unfinished. Another
+  /// number is another message, which begins now. With too many bytes the call is woken that is to
+  /// end: the slowest, whose message began first, of the key that has most if that is over its
+  /// share, else of all.
+  void Set(const robot::StreamRef& call, const KeyDigest& key, std::uint64_t message,
+           std::size_t bytes, SteadyTime now);
+  /// Whether this call, which was woken, is to end.
+  [[nodiscard]] bool ToEnd(const robot::StreamRef& call) const;
+
+ private:
+  /// Names a call among all threads'.
+  using CallId = std::pair<robot::WakeInbox*, std::uint64_t>;
+  struct Entry {
+    KeyDigest key{};
+    SteadyTime began;
+    std::uint64_t message = 0;
+    std::size_t bytes = 0;
+  };
+  /// The calls of one key, the slowest first.
+  struct Holder {
+    std::size_t bytes = 0;
+    std::set<std::pair<SteadyTime, CallId>> calls;
+  };
+
+  // Under the lock.
+  void Note(const CallId& call, const KeyDigest& key, std::uint64_t message, std::size_t bytes,
+            SteadyTime now);
+  void Remove(const CallId& call);
+  [[nodiscard]] std::optional<CallId> Choose() const;
+  [[nodiscard]] bool over() const { return bytes_ > limits_.bytes_max; }
+
+  const Limits limits_;
+  transport::RelayProbe& probe_;
+  mutable std::mutex mutex_;
+  std::size_t bytes_ = 0;
+  std::map<CallId, Entry> entries_;
+  std::map<KeyDigest, Holder> holders_;
+  /// Who was woken to end, and has not yet.
+  std::optional<CallId> chosen_;
+};
+
+/// The limits where the transport may use `memory_bytes_max` (0: no bound) and a message has
+/// `frame_bytes_max` at most: a message that is alone always fits, and is within its key's share.
+[[nodiscard]] Unfinished::Limits UnfinishedLimitsFor(std::size_t memory_bytes_max,
+                                                     std::size_t frame_bytes_max);
+
+}  // namespace uplink::front

@@ -1,0 +1,123 @@
+#include "server/front/door/door.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace uplink::front {
+namespace {
+
+using transport::TurnedAway;
+
+/// A handshake that is younger may be an honest one that was just slow to be served.
+constexpr std::chrono::seconds kSpared{1};
+/// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
+constexpr std::size_t kHandshakesMax = 512;
+constexpr std::size_t kWaitingMax = 4096;
+/// Handshakes that were admitted and wait for a thread: some 10 ms of two threads.
+constexpr std::size_t kUnbegunMax = 32;
+/// Connections whose load balancer has not said where they come from: it says so at once.
+constexpr std::size_t kProxyHeadersMax = 1024;
+/// Connections without a place whose peers may still read why.
+constexpr std::size_t kLingersMax = 256;
+/// Of the descriptors, those without a certificate may have this part, and the reserve at most
+/// this.
+constexpr std::size_t kUnprovenPart = 4;
+/// Of those without a certificate, those whose load balancer has said nothing yet.
+constexpr std::size_t kProxyHeadersPart = 4;
+constexpr std::size_t kReservePart = 4;
+/// Connections beyond one for each stream: those that come anew before the old one has ended.
+constexpr std::size_t kSpareConnections = 1024;
+
+}  // namespace
+
+DoorLimits DoorLimitsFor(const DoorNeeds& needs) {
+  const std::size_t descriptors_max = needs.descriptors_max;
+  const bool expected = needs.headers == ProxyHeaders::kExpected;
+  const std::size_t reserve = std::min(needs.reserved, descriptors_max / kReservePart);
+  const std::size_t unproven_max = kHandshakesMax + kWaitingMax + (expected ? kProxyHeadersMax : 0);
+  const std::size_t unproven =
+      std::clamp<std::size_t>(descriptors_max / kUnprovenPart, expected ? 3 : 2, unproven_max);
+  const std::size_t handshakes = std::clamp<std::size_t>(unproven / 2, 1, kHandshakesMax);
+  const std::size_t proxy_headers =
+      expected ? std::clamp<std::size_t>(unproven / kProxyHeadersPart, 1, kProxyHeadersMax) : 0;
+  const std::size_t lingers = std::min(kLingersMax, handshakes);
+  const std::size_t taken = reserve + unproven + lingers;
+  const std::size_t left = descriptors_max > taken ? descriptors_max - taken : 1;
+  return {.book = {.connections_max = std::min(needs.streams_max + kSpareConnections, left),
+                   .lingers_max = lingers},
+          .handshakes = {.under_way_max = handshakes,
+                         .waiting_max = unproven - handshakes - proxy_headers,
+                         .unbegun_max = kUnbegunMax},
+          .proxy_headers_max = proxy_headers};
+}
+
+Door::Door(const HandshakeLimits& limits, DoorBook& book, transport::RelayProbe& probe,
+           Actions actions)
+    : book_(book), probe_(probe), actions_(std::move(actions)), queue_(limits) {}
+
+Door::~Door() {
+  probe_.handshakes_waiting.Set(0);
+  probe_.handshakes_under_way.Set(0);
+}
+
+void Door::Arrive(Visitor visitor, SteadyTime now) {
+  const std::uint64_t id = next_id_++;
+  // There is one at a time: it takes nobody's place, and no crowd makes the server doubt itself.
+  if (visitor.origin.own) return actions_.admit(id, std::move(visitor));
+  const SourceAddress source = visitor.origin.source;
+  const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
+  visitor.origin.known = rank == Rank::kKnown;
+  waiting_.emplace(id, std::move(visitor));
+  if (const auto refused = queue_.Arrive(id, source, rank, now)) {
+    const auto found = waiting_.find(*refused);
+    book_.Note(TurnedAway::kCrowded, found->second.origin, now);
+    waiting_.erase(found);
+  }
+  Admit(now);
+}
+
+void Door::HandshakeBegan(std::uint64_t id, SteadyTime now) {
+  began_.emplace(id, now);
+  queue_.Began(id);
+  Admit(now);
+}
+
+void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
+  queue_.Ended(id);
+  began_.erase(id);
+  Admit(now);
+}
+
+void Door::Tend(SteadyTime now) {
+  // One per place that somebody could use: each that is cut makes room for one who waits.
+  for (std::size_t i = 0; i < queue_.waiting(); ++i) {
+    const auto longest = queue_.ToGiveWay();
+    if (!longest) return;
+    const auto began = began_.find(*longest);
+    if (began == began_.end() || now < began->second + kSpared) return;
+    const std::uint64_t id = *longest;
+    queue_.Ended(id);
+    began_.erase(began);
+    actions_.cut(id);
+    Admit(now);
+  }
+}
+
+void Door::Admit(SteadyTime now) {
+  while (const auto id = queue_.Next(now)) {
+    const auto found = waiting_.find(*id);
+    Visitor visitor = std::move(found->second);
+    waiting_.erase(found);
+    actions_.admit(*id, std::move(visitor));
+  }
+  Publish();
+}
+
+void Door::Publish() {
+  book_.SetPressed(queue_.pressed());
+  probe_.handshakes_waiting.Set(static_cast<std::int64_t>(queue_.waiting()));
+  probe_.handshakes_under_way.Set(static_cast<std::int64_t>(queue_.under_way()));
+}
+
+}  // namespace uplink::front

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <list>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/front/door/key_table.h"
+
+namespace uplink::front {
+
+/// A key with so many evictions within kEvictionsWithin is flagged: more of its robots, or of its
+/// copies, connect than it may have connections. More are not counted.
+inline constexpr std::size_t kEvictionsFlagged = 10;
+inline constexpr std::chrono::seconds kEvictionsWithin{60};
+
+/// When keys last had more connections than they may, whether they have one now or not.
+///
+/// Limits: of each key kEvictionsFlagged times; kKeysMax keys, past which the one whose last
+///         eviction is longest ago is forgotten.
+/// Thread: thread-safe.
+class Evictions final {
+ public:
+  static constexpr std::size_t kKeysMax = 1024;
+
+  /// A connection of the key was evicted; says how many were within kEvictionsWithin, this one
+  /// included, up to kEvictionsFlagged.
+  std::size_t Note(const KeyDigest& digest, SteadyTime now);
+
+ private:
+  struct Key {
+    KeyDigest digest{};
+    /// From the oldest to the newest.
+    std::vector<SteadyTime> times;
+  };
+
+  std::mutex mutex_;
+  /// From the one that was evicted last.
+  std::list<Key> keys_;
+  std::map<KeyDigest, std::list<Key>::iterator> by_digest_;
+};
+
+}  // namespace uplink::front

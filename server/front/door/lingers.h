@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "server/front/door/key_table.h"
+
+namespace uplink::front {
+
+/// The connections that have no place any more, and that we read on for a moment so that their
+/// peers learn why: each holds a descriptor that nothing else counts.
+///
+/// Limits: `max` in all, and of each key kLingersPerKeyMax.
+/// Thread: thread-safe.
+class Lingers final {
+ public:
+  /// As many as a robot's key may have connections: who opens them faster keeps no more of them.
+  static constexpr std::size_t kLingersPerKeyMax = 4;
+
+  explicit Lingers(std::size_t max) : max_(max) {}
+
+  /// One more, of this key if it has shown one; false if there are too many. Each Begin that was
+  /// true needs an End with the same key.
+  [[nodiscard]] bool Begin(const std::optional<KeyDigest>& key);
+  void End(const std::optional<KeyDigest>& key);
+
+ private:
+  const std::size_t max_;
+  std::mutex mutex_;
+  std::size_t all_ = 0;
+  /// No entry is zero.
+  std::map<KeyDigest, std::size_t> by_key_;
+};
+
+}  // namespace uplink::front

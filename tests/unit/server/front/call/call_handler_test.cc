@@ -1,0 +1,54 @@
+#include "server/front/call/call_handler.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace uplink::front {
+namespace {
+
+using identity::Role;
+
+class MayCallTest : public ::testing::Test {
+ protected:
+  MayCallTest() {
+    methods_.emplace("/a.A/Robots",
+                     Method{.roles = {Role::kRobot, Role::kGateway}, .audience = "robots alone"});
+    methods_.emplace("/a.A/Viewers", Method{.roles = {Role::kViewer}, .audience = "viewers alone"});
+  }
+  [[nodiscard]] std::string Ask(Role role, std::string_view path) const {
+    return MayCall(identity::PeerIdentity{.role = role, .fleet = "f", .ruris = {}}, methods_, path)
+        .ToString();
+  }
+
+  Methods methods_;
+};
+
+TEST_F(MayCallTest, TheRolesOfAMethodMay) {
+  EXPECT_EQ(Ask(Role::kRobot, "/a.A/Robots"), "OK");
+  EXPECT_EQ(Ask(Role::kGateway, "/a.A/Robots"), "OK");
+  EXPECT_EQ(Ask(Role::kViewer, "/a.A/Viewers"), "OK");
+}
+
+TEST_F(MayCallTest, OthersMayNotAndAreToldWhy) {
+  EXPECT_EQ(Ask(Role::kViewer, "/a.A/Robots"),
+            "UNAUTHENTICATED: the certificate is of role viewer; robots alone");
+  EXPECT_EQ(Ask(Role::kRobot, "/a.A/Viewers"),
+            "UNAUTHENTICATED: the certificate is of role robot; viewers alone");
+}
+
+TEST_F(MayCallTest, WhetherThereIsAMethodIsToldToThoseWhoMayCallAny) {
+  EXPECT_EQ(Ask(Role::kRobot, "/a.A/Nothing"), "OK");
+  EXPECT_EQ(Ask(Role::kAdmin, "/a.A/Nothing"),
+            "UNAUTHENTICATED: the certificate is of role admin; nothing here takes it");
+}
+
+TEST_F(MayCallTest, AFlawOfTheCertificateIsAllThatIsTold) {
+  const absl::Status flaw = absl::UnauthenticatedError("client certificate: it has expired");
+  for (const char* path : {"/a.A/Robots", "/a.A/Nothing", ""}) {
+    EXPECT_EQ(MayCall(flaw, methods_, path), flaw) << path;
+  }
+}
+
+}  // namespace
+}  // namespace uplink::front

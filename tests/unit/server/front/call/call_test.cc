@@ -1,0 +1,195 @@
+// Calls on a connection without TLS, on a clock that is moved by hand.
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "server/front/door/known_sources.h"
+#include "tests/fuzz/front_bench.h"
+#include "tests/support/http2_frames.h"
+#include "tests/support/relay_bytes.h"
+
+namespace uplink::front {
+namespace {
+
+using fuzz::FrontBench;
+using fuzz::FrontWire;
+using namespace uplink::testing;  // NOLINT(google-build-using-namespace): what peers say
+
+constexpr std::uint8_t kRobot = 1;
+
+class CallTest : public ::testing::Test {
+ protected:
+  CallTest() { wire_.Receive(http2::Preface() + http2::Settings({})); }
+
+  [[nodiscard]] std::int64_t EndsWith(std::string_view text) {
+    std::int64_t ends = 0;
+    for (std::size_t i = 0; i < session::kStreamEnds.size(); ++i) {
+      if (session::kStreamEnds[i] == text) ends = bench_.session_probe().ended_total[i].value();
+    }
+    return ends;
+  }
+  /// A stream whose Welcome has come.
+  void Stream(std::uint32_t stream) {
+    wire_.Receive(OpenRelay(stream) + http2::Data(stream, HelloMessage(1)));
+    bench_.Commit();
+    ASSERT_FALSE(FramesOf(wire_.answers().At(stream)).empty());
+  }
+  [[nodiscard]] bool SourceIsKnown() {
+    return bench_.door_book().known().IsKnown(wire_.origin().source, bench_.now());
+  }
+
+  FrontBench bench_;
+  FrontWire& wire_ = bench_.Connect(kRobot);
+};
+
+TEST_F(CallTest, AResetIsCountedByWhatItMeans) {
+  Stream(1);
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  EXPECT_EQ(EndsWith("cancelled"), 1);
+  Stream(3);
+  wire_.Receive(http2::RstStream(3, http2::kEnhanceYourCalm));
+  EXPECT_EQ(EndsWith("resource_exhausted"), 1);
+  EXPECT_EQ(EndsWith("broken"), 0);
+}
+
+TEST_F(CallTest, AConnectionThatIsGoneBreaksItsStreams) {
+  Stream(1);
+  wire_.Break();
+  EXPECT_EQ(EndsWith("broken"), 1);
+  EXPECT_EQ(EndsWith("cancelled"), 0);
+}
+
+TEST_F(CallTest, WhatWeEndIsCountedByItsStatus) {
+  Stream(1);
+  // Flagged as compressed.
+  wire_.Receive(http2::Data(1, Prefix(1, '\1') + "x"));
+  EXPECT_EQ(StatusOf(wire_.answers().At(1)), "13");
+  EXPECT_EQ(EndsWith("internal"), 1);
+  EXPECT_EQ(EndsWith("broken"), 0);
+}
+
+TEST_F(CallTest, ASourceIsKnownOnceARobotStreamedFromIt) {
+  wire_.Receive(OpenRelay(1));
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  EXPECT_FALSE(SourceIsKnown()) << "a stream without a Hello";
+  Stream(3);
+  EXPECT_TRUE(SourceIsKnown());
+}
+
+TEST_F(CallTest, ASourceStaysKnownAsLongAsARobotStreamsFromIt) {
+  Stream(1);
+  const SteadyTime later = bench_.now() + 24 * kKnownFor;
+  const auto known_later = [&] {
+    return bench_.door_book().known().IsKnown(wire_.origin().source, later);
+  };
+  EXPECT_TRUE(known_later());
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  EXPECT_FALSE(known_later());
+  EXPECT_TRUE(SourceIsKnown());
+}
+
+TEST_F(CallTest, ADrainTellsTheStreamsOfAConnectionOneAfterTheOther) {
+  constexpr std::uint32_t kStreams = transport::kStreamsPerCertificateMax;
+  for (std::uint32_t i = 0; i < kStreams; ++i) wire_.Receive(OpenRelay(2 * i + 1));
+  // Some are told within this tick of the timers, some within the next.
+  bench_.Pass(transport::kTimerTick / 2);
+  bench_.Drain(std::chrono::seconds(10));
+  const auto told = [&] {
+    std::uint32_t ended = 0;
+    for (std::uint32_t i = 0; i < kStreams; ++i) {
+      // Without a Hello it ends as soon as it is told.
+      if (StatusOf(wire_.answers().At(2 * i + 1)) == "14") ++ended;
+    }
+    return ended;
+  };
+  EXPECT_EQ(told(), 0U);
+  bench_.Pass(transport::kTimerTick / 2);
+  EXPECT_GT(told(), 0U);
+  EXPECT_LT(told(), kStreams);
+  bench_.Pass(transport::kTimerTick);
+  EXPECT_EQ(told(), kStreams);
+}
+
+// --- Methods of other kinds than the relay's ---
+
+/// Answers the one message that it takes, so many times.
+class Echo final : public CallHandler {
+ public:
+  Echo(Call& call, int answers) : call_(call), left_(answers) {}
+
+  void Start() override { call_.RequestMessage(); }
+  [[nodiscard]] std::uint64_t message_bytes_max() const override { return 1000; }
+  void OnMessage(std::string_view bytes) override {
+    answer_ = WithPrefix(bytes);
+    call_.RequestMessage();
+  }
+  void OnTooLarge(std::uint64_t /*bytes*/) override { call_.Cancel(); }
+  void OnHalfClose() override { Answer(); }
+  void OnBroken(std::optional<absl::StatusCode> /*code*/) override {}
+  void OnWritten() override { Answer(); }
+  void OnWake() override {}
+  void OnTimer() override {}
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override { return std::nullopt; }
+  void OnDrain(milliseconds /*grace*/) override {}
+
+ private:
+  void Answer() {
+    if (left_-- > 0) return call_.Write(answer_);
+    call_.Finish(absl::OkStatus());
+  }
+
+  Call& call_;
+  int left_;
+  std::string answer_;
+};
+
+Methods Echoes(MethodKind kind, int answers) {
+  Methods methods;
+  methods.emplace(
+      "/e.E/Echo",
+      Method{.kind = kind,
+             .roles = {identity::Role::kRobot},
+             .audience = "robots alone",
+             .serve = [answers](Call& call) -> absl::StatusOr<std::unique_ptr<CallHandler>> {
+               return std::make_unique<Echo>(call, answers);
+             }});
+  return methods;
+}
+
+/// What a call of such a method gets that sends these bytes and half-closes.
+RawStream AnswerOf(MethodKind kind, int answers, const std::string& sent) {
+  FrontBench bench(Echoes(kind, answers));
+  FrontWire& wire = bench.Connect(kRobot);
+  wire.Receive(http2::Preface() + http2::Settings({}) + OpenRelay(1, {{":path", "/e.E/Echo"}}) +
+               http2::Data(1, sent, http2::kEndStream));
+  return wire.answers().At(1);
+}
+
+TEST(MethodKinds, AUnaryCallHasOneMessageAndOneAnswer) {
+  const RawStream stream = AnswerOf(MethodKind::kUnary, 1, WithPrefix("x"));
+  EXPECT_EQ(StatusOf(stream), "0");
+  EXPECT_EQ(stream.data, WithPrefix("x"));
+}
+
+TEST(MethodKinds, AServerStreamHasOneMessageAndManyAnswers) {
+  const RawStream stream = AnswerOf(MethodKind::kServerStream, 3, WithPrefix("x"));
+  EXPECT_EQ(StatusOf(stream), "0");
+  EXPECT_EQ(stream.data, WithPrefix("x") + WithPrefix("x") + WithPrefix("x"));
+}
+
+TEST(MethodKinds, NoMessageOrTwoAreInternal) {
+  for (const MethodKind kind : {MethodKind::kUnary, MethodKind::kServerStream}) {
+    EXPECT_EQ(StatusOf(AnswerOf(kind, 1, "")), "13");
+    EXPECT_EQ(StatusOf(AnswerOf(kind, 1, WithPrefix("x") + WithPrefix("y"))), "13");
+  }
+}
+
+TEST(MethodKindsDeathTest, TwoAnswersOfAUnaryCallAreABug) {
+  EXPECT_DEATH(AnswerOf(MethodKind::kUnary, 2, WithPrefix("x")), "one answer");
+}
+
+}  // namespace
+}  // namespace uplink::front
