@@ -6,8 +6,7 @@
 #include <nghttp2/nghttp2.h>
 
 #include "server/front/call/thread.h"
-#include "server/front/causes.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 using transport::TurnedAway;
@@ -135,7 +134,7 @@ Http2Stream* Connection::OnStream(std::int32_t id) {
 void Connection::OnFrame(FrameKind kind) {
   const SteadyTime now = thread_.clock.Steady();
   if (frames_.TakeForSent(kind, now)) return;
-  if (!frames_.Take(kind, now)) return TurnAway(CauseOf(kind), LimitOf(kind).label);
+  if (!frames_.Take(kind, now)) return TurnAway(LimitOf(kind).cause, LimitOf(kind).label);
   if (kind == FrameKind::kPing && pings_.OnPing(now) == PingStrikes::Verdict::kTooMany) {
     // The words that gRPC's clients know: they ping less from then on.
     TurnAway(TurnedAway::kPings, "too_many_pings");

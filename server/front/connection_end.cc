@@ -6,7 +6,6 @@
 
 #include "server/front/call/thread.h"
 #include "server/front/connection.h"
-#include "server/front/limits.h"
 
 namespace uplink::front {
 

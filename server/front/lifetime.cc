@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 namespace {

@@ -1,11 +1,44 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "schema/base/clock.h"
 
 namespace uplink::front {
+
+/// A peer that is gone without a word is noticed within these two; robots' networks are bad.
+inline constexpr std::chrono::seconds kKeepaliveAfter{25};
+inline constexpr std::chrono::seconds kKeepaliveWait{15};
+/// How long a handshake may wait for its peer, and how long while others wait for a place.
+inline constexpr std::chrono::seconds kHandshakeWait{20};
+inline constexpr std::chrono::seconds kHandshakeWaitPressed{5};
+/// How long a connection may be without its first stream while others wait.
+inline constexpr std::chrono::seconds kFirstStreamWaitPressed{3};
+/// How often a connection past its pressed wait is checked again.
+inline constexpr std::chrono::seconds kLookAgain{1};
+/// A connection whose streams have all ended is closed after this.
+inline constexpr std::chrono::minutes kIdleWait{5};
+/// How long we read on after our last word, so that no reset destroys it on its way.
+inline constexpr std::chrono::seconds kLingerWait{1};
+/// How many reads of kSharedReadBytes we do in that time: as many as a handshake may take
+/// (kHandshakeReadsMax). Without a bound a stranger's bytes cost 350 ms of CPU in that second
+/// (measured).
+inline constexpr std::size_t kLingerReadsMax = 128;
+/// A peer that does not take what waits for it, kSendBytesMax at a time, within this is cut:
+/// reading a byte now and then keeps its place no longer.
+inline constexpr std::chrono::seconds kBlockedWait{40};
+/// Streams of a connection that has reached its age have so long to settle.
+inline constexpr std::chrono::seconds kAgeGrace{10};
+/// How often what is left of a certificate is looked at: the civil clock may be set, or be vouched
+/// for only then.
+inline constexpr std::chrono::minutes kExpiryLook{1};
+/// A connection ends so long before its certificate does.
+inline constexpr std::chrono::minutes kBeforeExpiry{10};
+/// Unless so little was left of it when the connection opened.
+inline constexpr std::chrono::minutes kNearlyOver{2 * kBeforeExpiry};
 
 /// When an open connection is asked whether its peer is there, and when it ends: silence, age, its
 /// certificate's expiry, no calls. A value with no clock of its own; confined to its connection's

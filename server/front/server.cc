@@ -12,7 +12,6 @@
 #include "server/front/door/acceptor.h"
 #include "server/front/door/door.h"
 #include "server/front/door/greeter.h"
-#include "server/front/limits.h"
 #include "server/front/tls/tls_context.h"
 #include "server/front/worker.h"
 #include "server/log/rate_limited.h"

@@ -7,7 +7,7 @@
 
 #include "schema/base/check.h"
 #include "server/front/call/relay_handler.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 #include "server/journal/turns.h"
 #include "tests/support/relay_bytes.h"
 

@@ -79,6 +79,13 @@ ADAPTERS = ("front", "mqtt", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
 FLEET_ROOMS = (("scenario",), ("robot",), ("twin",), ("broker",), ("compare",), ("report",), ("run",))
 
+# The rooms of server/front, in the same way.
+FRONT_ROOMS = (
+    ("loop", "tls", "http2"),  # sockets; OpenSSL and nghttp2 without a socket
+    ("door",),  # who may come in, by what TLS has shown
+    ("call",),  # gRPC over all of these
+)
+
 GENERATED = re.compile(r"\.(grpc\.pb|pb|capnp)\.h$")
 
 
@@ -120,8 +127,13 @@ def fleet_rooms(tree, order=FLEET_ROOMS):
     yield from _order(tree, "tools/uplink-fleet", order)
 
 
+def front_rooms(tree, order=FRONT_ROOMS):
+    """The rooms of server/front/ too."""
+    yield from _order(tree, "server/front", order)
+
+
 def _order(tree, house, order):
-    """What breaks the order of a house's rooms; files beside its rooms see them all."""
+    """What breaks the order of a house's rooms; files beside its rooms see them all, unseen by them."""
     step_of = {room: step for step, here in enumerate(order) for room in here}
     found = {}
     for path in tree.files:
@@ -139,6 +151,9 @@ def _order(tree, house, order):
         if room is None:
             continue
         for include in tree.includes(path):
+            if include.quoted and posixpath.dirname(include.name) == house:
+                text = f"{house}/{room}/ does not include what joins the rooms: {include.name}"
+                yield Finding(path, include.line, "room-order", text)
             target = _room_of(include.name, house) if include.quoted else None
             if target is None or target == room or target not in step_of:
                 continue

@@ -115,6 +115,11 @@ class RoomsTest(RuleTest):
             self.assertEqual(found, [("tools/a.cc", 2, "room-order")])
         self.assertEqual(self.find_include("tools/a.cc", "log"), [])
 
+    def test_refuses_what_joins_the_rooms_in_a_room(self):
+        files = {**self.ALL, "server/log/a.cc": '\n#include "server/app.h"\n'}
+        found = self.find(includes.rooms, files, self.ORDER)
+        self.assertEqual(found, [("server/log/a.cc", 2, "room-order")])
+
     def test_refuses_a_room_that_the_list_lacks(self):
         files = {**self.ALL, "server/attic/a.h": ""}
         found = self.find(includes.rooms, files, self.ORDER)
@@ -170,6 +175,30 @@ class FleetRoomsTest(RuleTest):
         del files[f"{self.HOUSE}/attic/a.h"], files[f"{self.HOUSE}/report/x.h"]
         found = self.find(includes.fleet_rooms, files)
         self.assertEqual(found, [("tests/tidy/includes.py", 1, "room")])
+
+
+class FrontRoomsTest(RuleTest):
+    STEP_OF = {room: step for step, here in enumerate(includes.FRONT_ROOMS) for room in here}
+
+    def test_a_room_sees_itself_and_the_steps_before(self):
+        for room, step in self.STEP_OF.items():
+            for target, before in self.STEP_OF.items():
+                path = f"server/front/{room}/a.cc"
+                files = {f"server/front/{each}/x.h": "" for each in self.STEP_OF}
+                files[path] = f'\n#include "server/front/{target}/x.h"\n'
+                sees = target == room or before < step
+                with self.subTest(f"{room} includes {target}"):
+                    found = self.find(includes.front_rooms, files)
+                    self.assertEqual(found, [] if sees else [(path, 2, "room-order")])
+
+    def test_the_files_beside_the_rooms_see_them_and_are_not_seen(self):
+        files = {f"server/front/{each}/x.h": "" for each in self.STEP_OF}
+        for room in self.STEP_OF:
+            beside = {**files, "server/front/worker.cc": f'#include "server/front/{room}/x.h"\n'}
+            self.assert_clean(includes.front_rooms, beside)
+            path = f"server/front/{room}/a.cc"
+            found = self.find(includes.front_rooms, {**files, path: '#include "server/front/worker.h"\n'})
+            self.assertEqual(found, [(path, 1, "room-order")])
 
 
 class FormTest(RuleTest):

@@ -18,6 +18,7 @@ RULES = (
     includes.foreign,
     includes.rooms,
     includes.fleet_rooms,
+    includes.front_rooms,
     includes.form,
     text.length,
     text.banned,

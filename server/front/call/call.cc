@@ -8,7 +8,7 @@
 
 #include "schema/base/check.h"
 #include "server/front/call/thread.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)

@@ -16,7 +16,7 @@
 #include "server/front/call/response.h"
 #include "server/front/door/origin.h"
 #include "server/front/http2/http2.h"
-#include "server/front/tls/tls_engine.h"
+#include "server/front/tls/tls_peer.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {

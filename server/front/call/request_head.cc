@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "schema/base/utf8.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 namespace {

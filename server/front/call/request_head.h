@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,6 +11,9 @@
 #include "schema/base/clock.h"
 
 namespace uplink::front {
+
+/// Bytes of a path that is told apart from others; longer ones are no method of ours.
+inline constexpr std::size_t kPathBytesMax = 256;
 
 /// `grpc-timeout`: at most 8 digits and a unit. Nothing if the text is none (Source: gRPC over
 /// HTTP/2, Requests). A timeout under a millisecond is one millisecond.

@@ -12,7 +12,7 @@
 #include "server/front/door/debug_lines.h"
 #include "server/front/door/door_book.h"
 #include "server/front/http2/http2.h"
-#include "server/front/limits.h"
+#include "server/front/loop/socket.h"
 #include "server/front/tls/tls_engine.h"
 #include "server/robot/wake.h"
 #include "server/session/context.h"

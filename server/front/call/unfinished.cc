@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "server/front/call/message_reader.h"
-#include "server/front/limits.h"
 
 namespace uplink::front {
 namespace {

@@ -15,6 +15,10 @@
 
 namespace uplink::front {
 
+/// Bytes of unfinished frames that the streams of all threads may hold together, unless the process
+/// may use less memory, or one frame may have more.
+inline constexpr std::size_t kUnfinishedBytesMax = std::size_t{256} * 1024 * 1024;
+
 /// The memory of messages that have begun and are not whole, over all calls of all threads. Past
 /// the bound one call ends: whoever announces much and sends little pays with its own.
 ///

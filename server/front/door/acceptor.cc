@@ -13,7 +13,6 @@
 #include <pthread.h>
 #include <sys/socket.h>
 
-#include "server/front/limits.h"
 #include "server/transport/listenable.h"
 
 namespace uplink::front {
@@ -26,6 +25,9 @@ namespace {
 constexpr int kBacklog = 4096;
 /// Connections that are accepted before others of the thread have their turn.
 constexpr int kAcceptsAtOnce = 64;
+/// Bytes of a connection that the system keeps and has not sent yet: some tenths of a second of a
+/// robot's slow network. What is on its way to the peer does not count.
+constexpr std::size_t kUnsentBytesMax = 32 * 1024;
 /// How long nobody is accepted when descriptors have run out.
 constexpr std::chrono::milliseconds kNoDescriptorsPause{100};
 

@@ -6,8 +6,6 @@
 
 #include <sys/socket.h>
 
-#include "server/front/door/own_probe.h"
-
 namespace uplink::front {
 
 namespace asio = boost::asio;

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "server/front/limits.h"
-
 namespace uplink::front {
 namespace {
 

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "server/front/door/door_book.h"
-#include "server/front/tls/tls_engine.h"
+#include "server/front/tls/tls_peer.h"
 
 namespace uplink::front {
+
+/// Connections of one public key: more than one only while an old one is not known to be gone, and
+/// a gateway's may spread its robots.
+inline constexpr std::size_t kRobotConnectionsMax = 4;
+inline constexpr std::size_t kGatewayConnectionsMax = 16;
 
 /// The place that a connection has among those that have shown a certificate, from Take until it is
 /// left: the number of all, and those of its key. Without one it may have one of the few among

@@ -7,7 +7,8 @@
 #include <string_view>
 
 #include "schema/base/clock.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
+#include "server/transport/turned_away.h"
 
 namespace uplink::front {
 
@@ -50,6 +51,8 @@ struct FrameLimit {
   FrameScope scope = FrameScope::kConnection;
   /// Frames besides, for each HEADERS or DATA frame of ours: clients answer what we send.
   std::uint16_t per_sent = 0;
+  /// What too many of them count as.
+  transport::TurnedAway cause = transport::TurnedAway::kProtocol;
   /// The kind's value of a metric's label.
   std::string_view label;
 };
@@ -57,20 +60,28 @@ struct FrameLimit {
 /// By kind. Clients answer our frames by PING and WINDOW_UPDATE alone (per_sent). SETTINGS follow
 /// the bandwidth that a client measures, which doubles a dozen times at most.
 inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
-    {FrameKind::kReset, 20, 100, FrameScope::kStreams, 0, "reset"},
+    {FrameKind::kReset, 20, 100, FrameScope::kStreams, 0, transport::TurnedAway::kResets, "reset"},
     // Source: bdp_estimator.go of grpc-go, which measures the bandwidth by a PING after DATA.
-    {FrameKind::kPing, 100, 100, FrameScope::kConnection, 1, "ping"},
-    {FrameKind::kPong, 5, 20, FrameScope::kConnection, 0, "pong"},
-    {FrameKind::kSettings, 5, 20, FrameScope::kConnection, 0, "settings"},
-    {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, 0, "empty_data"},
-    {FrameKind::kPriority, 100, 200, FrameScope::kStreams, 0, "priority"},
+    {FrameKind::kPing, 100, 100, FrameScope::kConnection, 1, transport::TurnedAway::kPings, "ping"},
+    {FrameKind::kPong, 5, 20, FrameScope::kConnection, 0, transport::TurnedAway::kPongs, "pong"},
+    {FrameKind::kSettings, 5, 20, FrameScope::kConnection, 0, transport::TurnedAway::kSettings,
+     "settings"},
+    {FrameKind::kEmptyData, 50, 100, FrameScope::kStreams, 0, transport::TurnedAway::kEmptyData,
+     "empty_data"},
+    {FrameKind::kPriority, 100, 200, FrameScope::kStreams, 0, transport::TurnedAway::kPriorities,
+     "priority"},
     // A client may open the stream's window and the connection's for each DATA.
-    {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, 2, "window_update"},
-    {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, 0, "unknown"},
-    {FrameKind::kHeaders, 200, 400, FrameScope::kStreams, 0, "headers"},
+    {FrameKind::kWindowUpdate, 2000, 4000, FrameScope::kStreams, 2,
+     transport::TurnedAway::kWindowUpdates, "window_update"},
+    {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, 0,
+     transport::TurnedAway::kUnknownFrames, "unknown"},
+    {FrameKind::kHeaders, 200, 400, FrameScope::kStreams, 0, transport::TurnedAway::kHeaders,
+     "headers"},
     // Below the number with which nghttp2 ends a session for a rule that was broken.
-    {FrameKind::kContinuation, 5, 7, FrameScope::kConnection, 0, "continuation"},
-    {FrameKind::kKeyUpdate, 1, 20, FrameScope::kConnection, 0, "key_update"},
+    {FrameKind::kContinuation, 5, 7, FrameScope::kConnection, 0,
+     transport::TurnedAway::kContinuations, "continuation"},
+    {FrameKind::kKeyUpdate, 1, 20, FrameScope::kConnection, 0, transport::TurnedAway::kKeyUpdates,
+     "key_update"},
 }};
 
 [[nodiscard]] constexpr const FrameLimit& LimitOf(FrameKind kind) {

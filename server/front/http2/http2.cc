@@ -8,7 +8,7 @@
 
 #include "schema/base/check.h"
 #include "server/front/http2/frame_kinds.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 namespace {

@@ -11,7 +11,7 @@
 #include "server/front/http2/frame_rates.h"
 #include "server/front/http2/goaway_number.h"
 #include "server/front/http2/http2_memory.h"
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 struct nghttp2_session;
 struct nghttp2_session_callbacks;

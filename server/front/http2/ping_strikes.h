@@ -25,9 +25,19 @@ class PingStrikes final {
     kTooMany,
   };
 
-  [[nodiscard]] Verdict OnPing(SteadyTime now);
+  [[nodiscard]] Verdict OnPing(SteadyTime now) {
+    const bool strike = pinged_ && now - last_ping_ < kPingGap;
+    last_ping_ = now;
+    pinged_ = true;
+    if (!strike) return Verdict::kInOrder;
+    if (strikes_ <= kStrikesMax) ++strikes_;
+    return strikes_ > kStrikesMax ? Verdict::kTooMany : Verdict::kForgiven;
+  }
   /// We sent HEADERS or DATA.
-  void OnSent();
+  void OnSent() {
+    pinged_ = false;
+    strikes_ = 0;
+  }
 
  private:
   SteadyTime last_ping_;

@@ -6,10 +6,17 @@
 #include <string>
 #include <string_view>
 
-#include "server/front/limits.h"
 #include "server/front/loop/event_loop.h"
 
 namespace uplink::front {
+
+/// What a thread reads at once, over all its connections.
+inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
+/// Bytes that go out in one call of the system at most; what does not fit waits at its connection.
+inline constexpr std::size_t kSendBytesMax = 64 * 1024;
+/// Bytes that wait for a peer that takes nothing, past which it is cut: TLS's own records are sent
+/// even while the socket is blocked, so they need this bound.
+inline constexpr std::size_t kKeptBytesMax = 4 * kSendBytesMax;
 
 /// Whom a socket tells what happens to it; on its thread, never from within a call to it.
 class SocketOwner {

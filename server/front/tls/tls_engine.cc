@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ctime>
 #include <utility>
 
 #include <fmt/format.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
-#include <openssl/evp.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
 #include "schema/base/check.h"
-#include "server/front/limits.h"
 
 namespace uplink::front {
+
+using transport::TurnedAway;
+
 namespace {
 
 TlsBuffers& BuffersOf(BIO* bio) { return *static_cast<TlsBuffers*>(BIO_get_data(bio)); }
@@ -55,29 +55,6 @@ bool IsTrusted(int error, int depth) {
   return error == X509_V_ERR_INVALID_PURPOSE && depth == 0;
 }
 
-/// What is told to who shows a trusted chain with this X509_V_ERR_....
-absl::Status SentenceOf(int verify_error) {
-  switch (verify_error) {
-    case X509_V_ERR_CERT_HAS_EXPIRED:
-      return absl::UnauthenticatedError(
-          "client certificate: it, or one that signed it, has expired");
-    case X509_V_ERR_CERT_NOT_YET_VALID:
-      return absl::UnauthenticatedError(
-          "client certificate: it, or one that signed it, is not valid yet");
-    case X509_V_ERR_INVALID_PURPOSE:
-      return absl::UnauthenticatedError(
-          "client certificate: its key usage or extended key usage lacks what a client needs");
-    default:  // IsTrusted lets no other through
-      return absl::UnauthenticatedError("client certificate: it is not valid");
-  }
-}
-
-SystemTime ExpiryOf(const X509* certificate) {
-  std::tm utc{};
-  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &utc) != 1) return SystemTime{};
-  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
-}
-
 SSL* New(const TlsContext& context) {
   SSL* ssl = SSL_new(context.get());
   UPLINK_CHECK(ssl != nullptr, "out of memory");
@@ -85,10 +62,6 @@ SSL* New(const TlsContext& context) {
 }
 
 }  // namespace
-
-milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
-  return identity.ok() && vouched ? std::min<milliseconds>(expiry - now, kFarAway) : kFarAway;
-}
 
 BufferMethod::BufferMethod()
     : method_(BIO_meth_new(BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "uplinkd buffers")) {
@@ -222,36 +195,6 @@ TlsEngine::Step TlsEngine::FailByOpenSsl() {
   }
 }
 
-TlsPeer TlsEngine::Peer() const {
-  X509* certificate = SSL_get0_peer_certificate(ssl_);
-  TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
-               .ruri = {},
-               .expiry = SystemTime{}};
-  if (certificate == nullptr) return peer;
-  unsigned int size = 0;
-  X509_pubkey_digest(certificate, EVP_sha256(), peer.key.data(), &size);
-  peer.expiry = ExpiryOf(certificate);
-  const STACK_OF(X509)* chain = SSL_get0_verified_chain(ssl_);
-  for (int i = 0; i < sk_X509_num(chain); ++i) {
-    peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
-  }
-  peer.identity = identity::IdentityOf(*certificate);
-  if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {
-    peer.ruri = peer.identity->ruri();
-  } else if (peer.IsGateway()) {
-    peer.gateway = peer.identity->subject;
-    // Behind its own stand those that signed it.
-    for (int i = 1; i < sk_X509_num(chain); ++i) {
-      peer.identity->constraints.Add(*sk_X509_value(chain, i));
-    }
-  } else {
-    peer.subject = identity::SubjectOf(*certificate);
-  }
-  if (verify_error_ != X509_V_OK) peer.identity = SentenceOf(verify_error_);
-  ERR_clear_error();
-  return peer;
-}
-
 std::optional<std::string_view> TlsEngine::Read() {
   if (late_messages_ > 0 || over_) return TakeLate();
   const int size = static_cast<int>(buffers_.plain.size());
@@ -287,6 +230,25 @@ bool TlsEngine::Write(std::string_view plain) {
 void TlsEngine::WriteEnd() {
   SSL_shutdown(ssl_);
   ERR_clear_error();
+}
+
+TurnedAway CauseOf(TlsEngine::Failure failure) {
+  switch (failure) {
+    case TlsEngine::Failure::kNoTls:
+      return TurnedAway::kNoTls;
+    case TlsEngine::Failure::kNothingShared:
+      return TurnedAway::kNothingShared;
+    case TlsEngine::Failure::kNoCertificate:
+      return TurnedAway::kNoCertificate;
+    case TlsEngine::Failure::kUntrusted:
+      return TurnedAway::kUntrusted;
+    case TlsEngine::Failure::kCertificate:
+      return TurnedAway::kCertificate;
+    case TlsEngine::Failure::kNone:
+    case TlsEngine::Failure::kOther:
+      return TurnedAway::kHandshakeError;
+  }
+  return TurnedAway::kHandshakeError;
 }
 
 }  // namespace uplink::front

@@ -8,17 +8,16 @@
 #include <string>
 #include <string_view>
 
-#include <absl/status/statusor.h>
 #include <openssl/bio.h>
 #include <openssl/types.h>
 
-#include "schema/base/clock.h"
 #include "server/front/tls/client_offer.h"
 #include "server/front/tls/hello_size.h"
 #include "server/front/tls/tls_context.h"
+#include "server/front/tls/tls_peer.h"
 #include "server/identity/certificate_gate.h"
 #include "server/identity/certificate_messages.h"
-#include "server/identity/peer_identity.h"
+#include "server/transport/turned_away.h"
 
 namespace uplink::front {
 
@@ -59,33 +58,6 @@ class BufferMethod final {
 
  private:
   BIO_METHOD* const method_;
-};
-
-/// Whom a finished handshake has shown. A value.
-struct TlsPeer {
-  /// Not OK: what the certificate lacks; whoever shows it is told, and not served.
-  absl::StatusOr<identity::PeerIdentity> identity;
-  /// The name that its certificate has, if it has one, though it may have expired.
-  std::string ruri;
-  /// The subject of a gateway's, the same.
-  std::string gateway = {};
-  /// The subject of one that is neither a robot's nor a gateway's.
-  std::string subject = {};
-  /// SHA-256 of its public key.
-  std::array<std::uint8_t, 32> key{};
-  /// When the first certificate of its chain expires.
-  SystemTime expiry;
-
-  [[nodiscard]] bool IsGateway() const {
-    return identity.ok() && identity->role == identity::Role::kGateway;
-  }
-  /// What is left of its chain, at most kFarAway; kFarAway if the identity is bad or the clock is
-  /// not vouched for.
-  [[nodiscard]] milliseconds UntilExpiry(SystemTime now, bool vouched) const;
-  /// Spreads what robots with different keys do, evenly.
-  [[nodiscard]] std::uint16_t jitter() const {
-    return static_cast<std::uint16_t>(key[0] * 256 + key[1]);
-  }
 };
 
 /// The TLS of one connection, without its socket: bytes in, bytes out, by the thread's buffers.
@@ -135,7 +107,7 @@ class TlsEngine final {
   /// What is wrong with the certificates that it shows, with Failure::kCertificate.
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// Who is there; after the handshake.
-  [[nodiscard]] TlsPeer Peer() const;
+  [[nodiscard]] TlsPeer Peer() const { return PeerOf(ssl_, verify_error_); }
 
   /// The next piece of what the peer said; an empty one stands for a message of the handshake's
   /// kind that came after it: new keys, mostly. Nothing if more bytes are needed, or it is over.
@@ -178,5 +150,8 @@ class TlsEngine final {
   /// Messages of the handshake's kind that came after it, and that Read has not told of.
   std::uint32_t late_messages_ = 0;
 };
+
+/// What a handshake that failed counts as.
+[[nodiscard]] transport::TurnedAway CauseOf(TlsEngine::Failure failure);
 
 }  // namespace uplink::front

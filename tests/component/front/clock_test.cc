@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/limits.h"
+#include "server/front/lifetime.h"
 #include "tests/component/front/connection_bench.h"
 #include "tests/support/raw_tcp.h"
 #include "tests/support/relay_bytes.h"

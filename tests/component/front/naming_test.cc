@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/front/door/evictions.h"
-#include "server/front/limits.h"
+#include "server/front/door/place.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"
 

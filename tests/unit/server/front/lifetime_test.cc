@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
+#include "server/front/tls/tls_peer.h"
 
 namespace uplink::front {
 namespace {

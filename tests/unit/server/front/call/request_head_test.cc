@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/limits.h"
+#include "server/front/http2/limits.h"
 
 namespace uplink::front {
 namespace {

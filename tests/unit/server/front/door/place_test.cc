@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "server/front/limits.h"
-
 namespace uplink::front {
 namespace {
 

@@ -1,0 +1,73 @@
+#include "server/front/tls/tls_peer.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+namespace uplink::front {
+namespace {
+
+/// What is told to who shows a trusted chain with this X509_V_ERR_....
+absl::Status SentenceOf(int verify_error) {
+  switch (verify_error) {
+    case X509_V_ERR_CERT_HAS_EXPIRED:
+      return absl::UnauthenticatedError(
+          "client certificate: it, or one that signed it, has expired");
+    case X509_V_ERR_CERT_NOT_YET_VALID:
+      return absl::UnauthenticatedError(
+          "client certificate: it, or one that signed it, is not valid yet");
+    case X509_V_ERR_INVALID_PURPOSE:
+      return absl::UnauthenticatedError(
+          "client certificate: its key usage or extended key usage lacks what a client needs");
+    default:  // TlsEngine lets no other through
+      return absl::UnauthenticatedError("client certificate: it is not valid");
+  }
+}
+
+SystemTime ExpiryOf(const X509* certificate) {
+  std::tm utc{};
+  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &utc) != 1) return SystemTime{};
+  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
+}
+
+}  // namespace
+
+milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
+  return identity.ok() && vouched ? std::min<milliseconds>(expiry - now, kFarAway) : kFarAway;
+}
+
+TlsPeer PeerOf(const SSL* connection, int verify_error) {
+  X509* certificate = SSL_get0_peer_certificate(connection);
+  TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
+               .ruri = {},
+               .expiry = SystemTime{}};
+  if (certificate == nullptr) return peer;
+  unsigned int size = 0;
+  X509_pubkey_digest(certificate, EVP_sha256(), peer.key.data(), &size);
+  peer.expiry = ExpiryOf(certificate);
+  const STACK_OF(X509)* chain = SSL_get0_verified_chain(connection);
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
+  }
+  peer.identity = identity::IdentityOf(*certificate);
+  if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {
+    peer.ruri = peer.identity->ruri();
+  } else if (peer.IsGateway()) {
+    peer.gateway = peer.identity->subject;
+    // Behind its own stand those that signed it.
+    for (int i = 1; i < sk_X509_num(chain); ++i) {
+      peer.identity->constraints.Add(*sk_X509_value(chain, i));
+    }
+  } else {
+    peer.subject = identity::SubjectOf(*certificate);
+  }
+  if (verify_error != X509_V_OK) peer.identity = SentenceOf(verify_error);
+  ERR_clear_error();
+  return peer;
+}
+
+}  // namespace uplink::front
