@@ -7,10 +7,13 @@
 #include <nghttp2/nghttp2.h>
 
 #include "schema/base/check.h"
+#include "server/front/call/grpc_status.h"
 #include "server/front/call/thread.h"
 #include "server/front/http2/limits.h"
+#include "server/session/limits.h"
 
 namespace uplink::front {
+
 Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
     : thread_(thread),
       owner_(owner),
@@ -18,6 +21,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
       stream_(stream),
       id_(thread.next_call++),
       head_(std::make_unique<RequestHead>()),
+      inbound_(thread.unfinished, {&thread.inbox, id_}),
       response_(http2, stream) {
   thread_.calls.emplace(id_, this);
   // Headers that trickle in, and never end, keep a place no longer than silence does.
@@ -27,14 +31,9 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
 Call::~Call() {
   thread_.calls.erase(id_);
   thread_.call_timers.Forget(id_, timer_);
-  NoteUnfinished(0);
 }
 
 // --- The request ---
-
-bool Call::OnHeader(std::string_view name, std::string_view value) {
-  return head_ != nullptr && head_->Add(name, value);
-}
 
 void Call::OnHeadersEnd() {
   if (cancelled_) return;
@@ -88,11 +87,11 @@ void Call::Refuse(const absl::Status& status) {
 
 void Call::OnData(std::string_view bytes) {
   if (!serving()) return http2_.ConsumeStream(stream_, bytes.size());
-  reader_.Add(bytes);
+  inbound_.reader().Add(bytes);
   Deliver();
-  if (wants_message_ && serving() && reader_.waiting() > 0) handler_->OnMessageBytes();
-  reader_.Keep();
-  ConsumeUnfinished();
+  if (wants_message_ && serving() && inbound_.reader().waiting() > 0) handler_->OnMessageBytes();
+  inbound_.reader().Keep();
+  NoteUnfinished();
   owner_.Touch(*this);
 }
 
@@ -104,7 +103,7 @@ void Call::OnEnd() {
 
 void Call::RequestMessage() {
   UPLINK_CHECK(!wants_message_, "a message has been asked for");
-  reader_.SetMax(handler_->message_bytes_max());
+  inbound_.reader().SetMax(handler_->message_bytes_max());
   wants_message_ = true;
   owner_.Touch(*this);
 }
@@ -113,24 +112,24 @@ void Call::Deliver() {
   while (wants_message_ && serving()) {
     if (!DeliverOne()) break;
   }
-  if (!serving()) DropReceived();
+  if (!serving()) OpenWindow(inbound_.Drop());
 }
 
 bool Call::DeliverOne() {
   using Kind = MessageReader::Next::Kind;
-  const MessageReader::Next next = reader_.Peek();
+  const MessageReader::Next next = inbound_.reader().Peek();
   switch (next.kind) {
     case Kind::kNone:
       if (peer_ended_) EndOfMessages();
       return false;
     case Kind::kMessage:
-      if (kind_ != MethodKind::kBidirectional && reader_.popped() > 0) {
+      if (kind_ != MethodKind::kBidirectional && inbound_.reader().popped() > 0) {
         Fail(absl::InternalError("the method takes one message, and more came"));
         return false;
       }
       wants_message_ = false;
       handler_->OnMessage(next.message);
-      Consume(reader_.Pop());
+      OpenWindow(inbound_.Pop());
       return true;
     case Kind::kTooLarge:
       wants_message_ = false;
@@ -145,45 +144,19 @@ bool Call::DeliverOne() {
 }
 
 void Call::EndOfMessages() {
-  if (reader_.waiting() > 0) return Fail(absl::InternalError("the stream ended within a message"));
-  if (kind_ != MethodKind::kBidirectional && reader_.popped() == 0) {
+  if (inbound_.reader().waiting() > 0) {
+    return Fail(absl::InternalError("the stream ended within a message"));
+  }
+  if (kind_ != MethodKind::kBidirectional && inbound_.reader().popped() == 0) {
     return Fail(absl::InternalError("the method takes one message, and none came"));
   }
   wants_message_ = false;
   handler_->OnHalfClose();
 }
 
-void Call::Consume(std::size_t taken) {
-  const std::size_t early = std::exchange(consumed_early_, 0);
-  if (taken > early) http2_.ConsumeStream(stream_, taken - early);
-}
-
-void Call::ConsumeUnfinished() {
-  const std::optional<std::size_t> whole =
-      serving() && wants_message_ ? reader_.unfinished() : std::nullopt;
-  // nghttp2 tells the peer of a window once half of it was given back: as much as that half may be
-  // missing from what a message can count on.
-  if (whole && *whole > static_cast<std::size_t>(kStreamWindowBytes) / 2) {
-    // All that waits belongs to it.
-    const std::size_t waiting = reader_.waiting();
-    http2_.ConsumeStream(stream_, waiting - consumed_early_);
-    consumed_early_ = waiting;
-  }
-  NoteUnfinished(whole ? reader_.held() : 0);
-}
-
-void Call::NoteUnfinished(std::size_t bytes) {
-  const std::uint64_t message = bytes > 0 ? reader_.popped() : 0;
-  if (bytes == unfinished_bytes_ && message == unfinished_message_) return;
-  unfinished_bytes_ = bytes;
-  unfinished_message_ = message;
-  thread_.unfinished.Set({&thread_.inbox, id_}, owner_.tls_peer().key, message, bytes,
-                         thread_.clock.Steady());
-}
-
-void Call::DropReceived() {
-  Consume(reader_.waiting());
-  reader_.Clear();
+void Call::NoteUnfinished() {
+  OpenWindow(inbound_.NoteUnfinished(serving() && wants_message_, owner_.tls_peer().key,
+                                     thread_.clock.Steady()));
 }
 
 // --- The response ---
@@ -229,18 +202,96 @@ void Call::Settle() {
   }
   if (std::exchange(written_, false) && serving()) handler_->OnWritten();
   Deliver();
-  ConsumeUnfinished();
+  NoteUnfinished();
   SetTimer();
 }
 
 void Call::OnWake() {
-  if (unfinished_bytes_ > 0 && thread_.unfinished.ToEnd({&thread_.inbox, id_})) {
+  if (inbound_.ToEnd()) {
     thread_.relay.probe.unfinished_ends_total.Add();
     Fail(absl::ResourceExhaustedError(
         "the memory for unfinished frames is used up, and this one was the slowest"));
   }
   if (serving()) handler_->OnWake();
   owner_.Touch(*this);
+}
+
+// --- How it ends: by its handler, its peer, its connection, or when its time is over ---
+
+void Call::Finish(const absl::Status& status) {
+  UPLINK_CHECK(!over_, "a call ends once");
+  over_ = true;
+  finish_by_ = thread_.clock.Steady() + session::kFinishWait;
+  response_.Finish(status);
+  owner_.Touch(*this);
+}
+
+void Call::Fail(const absl::Status& status) {
+  if (over_ || cancelled_ || closed_) return;
+  thread_.book.TellFailure(status, owner_.origin(), thread_.clock.Steady());
+  if (handler_ != nullptr) handler_->OnBroken(status.code());
+  // What the handler still wanted to say is lost with it.
+  response_.DropMessage();
+  Finish(status);
+}
+
+void Call::OnReset(std::uint32_t code) { reset_code_ = CodeOfReset(code); }
+
+void Call::OnClosed() {
+  closed_ = true;
+  owner_.Touch(*this);
+}
+
+void Call::Break() {
+  if (handler_ != nullptr) handler_->OnBroken(reset_code_);
+  handler_.reset();
+  finish_by_.reset();
+  OpenWindow(inbound_.Drop());
+  inbound_.End();
+}
+
+void Call::DrainAt(SteadyTime at, SteadyTime end) {
+  drain_at_ = at;
+  drain_end_ = end;
+  SetTimer();
+}
+
+void Call::OnTimer() {
+  timer_.reset();
+  const SteadyTime now = thread_.clock.Steady();
+  if (finish_by_ && now >= *finish_by_ && !closed_) {
+    finish_by_.reset();
+    thread_.relay.probe.finish_timeouts_total.Add();
+    return Cancel();
+  }
+  if (head_ != nullptr && now >= *give_up_at_) return Cancel();
+  if (serving()) {
+    if (give_up_at_ && now >= *give_up_at_) {
+      give_up_at_.reset();
+      Fail(absl::DeadlineExceededError("the time that grpc-timeout gave is over"));
+    } else if (drain_at_ && now >= *drain_at_) {
+      drain_at_.reset();
+      handler_->OnDrain(
+          std::max(milliseconds(0), std::chrono::duration_cast<milliseconds>(drain_end_ - now)));
+    } else if (handler_due_ && now >= *handler_due_) {
+      handler_->OnTimer();
+    }
+  }
+  owner_.Touch(*this);
+}
+
+void Call::SetTimer() {
+  std::optional<SteadyTime> deadline = cancelled_ ? std::nullopt : finish_by_;
+  const auto consider = [&deadline](const std::optional<SteadyTime>& at) {
+    if (at && (!deadline || *at < *deadline)) deadline = at;
+  };
+  if (serving()) {
+    handler_due_ = handler_->deadline();
+    consider(handler_due_);
+    consider(drain_at_);
+  }
+  if (serving() || head_ != nullptr) consider(give_up_at_);
+  if (deadline) thread_.call_timers.Want(id_, timer_, *deadline, thread_.clock.Steady());
 }
 
 }  // namespace uplink::front

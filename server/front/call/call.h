@@ -11,7 +11,7 @@
 #include <absl/status/status.h>
 
 #include "server/front/call/call_handler.h"
-#include "server/front/call/message_reader.h"
+#include "server/front/call/inbound.h"
 #include "server/front/call/request_head.h"
 #include "server/front/call/response.h"
 #include "server/front/door/origin.h"
@@ -63,7 +63,10 @@ class Call final : public Http2Stream {
   /// Ends the call, after a write under way.
   void Finish(const absl::Status& status);
   /// Ends it at once.
-  void Cancel();
+  void Cancel() {
+    cancelled_ = true;
+    owner_.Touch(*this);
+  }
   /// Asks whether the peer is there: answered by the handler's OnPeerAnswered, if it ever is.
   void AskPeer() {
     asks_peer_ = true;
@@ -99,7 +102,9 @@ class Call final : public Http2Stream {
   bool touched = false;
 
   // Http2Stream
-  bool OnHeader(std::string_view name, std::string_view value) override;
+  bool OnHeader(std::string_view name, std::string_view value) override {
+    return head_ != nullptr && head_->Add(name, value);
+  }
   void OnHeadersEnd() override;
   void OnData(std::string_view bytes) override;
   void OnEnd() override;
@@ -118,12 +123,11 @@ class Call final : public Http2Stream {
   void Deliver();
   bool DeliverOne();
   void EndOfMessages();
-  /// Opens the stream's window by what was taken, and for what a large message still needs.
-  void Consume(std::size_t taken);
-  void ConsumeUnfinished();
-  /// So many bytes are kept of a message that is not whole.
-  void NoteUnfinished(std::size_t bytes);
-  void DropReceived();
+  void OpenWindow(Inbound::Opens bytes) {
+    if (bytes > 0) http2_.ConsumeStream(stream_, bytes);
+  }
+  /// The memory of the message that the handler waits for.
+  void NoteUnfinished();
   void SetTimer();
   /// A write may begin.
   void BeginWrite();
@@ -137,17 +141,12 @@ class Call final : public Http2Stream {
 
   /// Until the request's headers are whole.
   std::unique_ptr<RequestHead> head_;
-  MessageReader reader_;
-  /// Bytes of the unfinished message that the window was opened for already.
-  std::size_t consumed_early_ = 0;
+  Inbound inbound_;
   bool wants_message_ = false;
   bool has_written_ = false;
   bool asks_peer_ = false;
   bool peer_ended_ = false;
   MethodKind kind_ = MethodKind::kBidirectional;
-  /// What Thread::unfinished has of it.
-  std::size_t unfinished_bytes_ = 0;
-  std::uint64_t unfinished_message_ = 0;
 
   Response response_;
   /// What the handler wrote was taken, and it was not told yet.

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "server/front/call/message_reader.h"
+#include "server/front/call/unfinished.h"
+#include "server/robot/wake.h"
+
+namespace uplink::front {
+
+/// What came of one call and its handler has not taken: its messages, how far the stream's window
+/// opens for them, and the memory of one that is not whole.
+///
+/// Thread: confined to its connection's.
+class Inbound final {
+ public:
+  /// Each answers how many bytes the stream's window opens by.
+  using Opens = std::size_t;
+
+  Inbound(Unfinished& unfinished, const robot::StreamRef& call)
+      : unfinished_(unfinished), call_(call) {}
+  ~Inbound() { NoteHeld({}, 0, {}); }
+  Inbound(const Inbound&) = delete;
+  Inbound& operator=(const Inbound&) = delete;
+
+  [[nodiscard]] MessageReader& reader() { return reader_; }
+  /// Takes the message that reader().Peek showed.
+  [[nodiscard]] Opens Pop() { return Open(reader_.Pop()); }
+  /// Forgets all that waits.
+  [[nodiscard]] Opens Drop();
+  /// The handler waits for a message, or not: the window opens early for one that needs more than a
+  /// stream may send ahead, and its memory counts as `key`'s.
+  [[nodiscard]] Opens NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now);
+  /// The call takes nothing any more: no memory counts.
+  void End() { NoteHeld({}, 0, {}); }
+  /// Whether the call, which was woken, is to end for the memory that it holds.
+  [[nodiscard]] bool ToEnd() const { return held_ > 0 && unfinished_.ToEnd(call_); }
+
+ private:
+  [[nodiscard]] Opens Open(std::size_t taken);
+  void NoteHeld(const KeyDigest& key, std::size_t bytes, SteadyTime now);
+
+  Unfinished& unfinished_;
+  const robot::StreamRef call_;
+  MessageReader reader_;
+  /// Bytes of the unfinished message that the window was opened for already.
+  std::size_t opened_early_ = 0;
+  /// What `unfinished_` has of it.
+  std::size_t held_ = 0;
+  std::uint64_t held_message_ = 0;
+};
+
+}  // namespace uplink::front
