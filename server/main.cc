@@ -17,15 +17,15 @@
 #include "metrics/rcan/series.h"
 #include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
-#include "server/app.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
-#include "server/lifecycle/deadline.h"
-#include "server/lifecycle/from_config.h"
 #include "server/log/journal_stream.h"
 #include "server/log/logger.h"
 #include "server/log/standard_error.h"
-#include "server/process_setup.h"
+#include "server/run/app.h"
+#include "server/run/deadline.h"
+#include "server/run/from_config.h"
+#include "server/run/process_setup.h"
 #include "server/store/kernel_clock.h"
 #include "server/store/marked_clock.h"
 
@@ -101,11 +101,11 @@ storage::ProcessId DrawProcessId() {
 }
 
 std::unique_ptr<log::Logger> MakeLogger(const config::LogConfig& config, const Clock& clock) {
-  const log::Format format = lifecycle::LogFormatOf(config.format);
+  const log::Format format = run::LogFormatOf(config.format);
   auto lines =
       log::StandardError(clock, {.format = format, .priorities = IntoJournal(), .limits = {}});
   return std::make_unique<log::Logger>(std::move(lines), clock, format,
-                                       lifecycle::LogLevelOf(config.level));
+                                       run::LogLevelOf(config.level));
 }
 
 /// Serves until it is told to stop; the exit code.
@@ -117,15 +117,15 @@ int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& m
     logger.Warn(note.event, {{"note", config::ToText(note)}});
   }
   std::mt19937_64 random(std::random_device{}());
-  auto app = App::Start({.config = *loaded.config,
-                         .read_config = [path = flags.config_file] { return Load(path); },
-                         .logger = logger,
-                         .clock = clock,
-                         .boot_clock = boot_clock,
-                         .kernel_clock_synchronised = store::KernelClockSynchronised,
-                         .process = DrawProcessId(),
-                         .random = [&random] { return random(); },
-                         .version = UPLINK_VERSION});
+  auto app = run::App::Start({.config = *loaded.config,
+                              .read_config = [path = flags.config_file] { return Load(path); },
+                              .logger = logger,
+                              .clock = clock,
+                              .boot_clock = boot_clock,
+                              .kernel_clock_synchronised = store::KernelClockSynchronised,
+                              .process = DrawProcessId(),
+                              .random = [&random] { return random(); },
+                              .version = UPLINK_VERSION});
   if (!app.ok()) {
     logger.Error("start_failed", {{"error", std::string(app.status().message())}});
     return kExitFailed;
@@ -138,7 +138,7 @@ int Serve(const Flags& flags) {
   const config::LoadResult loaded = Load(flags.config_file);
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
-  const std::size_t descriptors = SetUpProcess();
+  const std::size_t descriptors = run::SetUpProcess();
   const SystemClock machine_clock;
   auto logger = MakeLogger(loaded.config->log, machine_clock);
   logger->Info("starting", {{"version", UPLINK_VERSION},
@@ -146,7 +146,7 @@ int Serve(const Flags& flags) {
                             {"memory_bytes_max", health::MemoryMax()}});
   const int code = ServeBy(flags, loaded, machine_clock, *logger);
   // The log's end waits for its reader for kFlushWait; in a write that blocks (WriteAll) for ever.
-  const lifecycle::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
+  const run::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
   logger.reset();
   return code;
 }

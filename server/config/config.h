@@ -110,7 +110,7 @@ struct LimitsConfig {
   std::size_t robots_max = 20'000;
   /// Streams of one connection of a gateway: one per robot.
   std::size_t gateway_streams_max = 256;
-  /// Live state of all robots and twins; zero: lifecycle::LiveBytesMaxOf.
+  /// Live state of all robots and twins; zero: run::LiveBytesMaxOf.
   std::size_t live_bytes_max = 0;
   milliseconds session_idle = std::chrono::hours(1);
   /// Zero: connections are never ended for their age.

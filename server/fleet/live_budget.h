@@ -46,7 +46,7 @@ class LiveBudget final {
     Fleet& fleet;
     cyberwave::Twins& twins;
     const log::Logger& logger;
-    /// At least 1 (lifecycle::LiveBytesMaxOf).
+    /// At least 1 (run::LiveBytesMaxOf).
     std::size_t bytes_max = 0;
   };
   /// Before the first thread: from now on a thread that applies a message past the budget calls

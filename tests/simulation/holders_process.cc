@@ -183,7 +183,7 @@ void HoldersProcess::HearLate(const std::string& ruri) {
 }
 
 void HoldersProcess::Stop() {
-  // As lifecycle::Drain ends.
+  // As run::Drain ends.
   const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNobody ||
                       ground_.fault == HoldersFault::kStopsWithUnknown;
   for (const fleet::RobotPtr& robot : fleet_.Sorted()) {

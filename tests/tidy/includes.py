@@ -31,7 +31,7 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/process_setup.cc", "tools/", "tests/"),
+        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -72,7 +72,8 @@ ROOMS = (
     ("transport",),  # what the listener for robots needs beside its wire
     ("front", "mqtt", "http"),  # the adapters: they translate and enqueue
     ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
-    ("store", "lifecycle"),  # what runs it all
+    ("store",),  # a store's life
+    ("run",),  # the program: its parts, the way up and down
 )
 # Tools do not see these.
 ADAPTERS = ("front", "mqtt", "http")

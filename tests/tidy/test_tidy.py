@@ -56,11 +56,11 @@ class ForeignTest(RuleTest):
         ("<kj/exception.h>", "schema/decode.cc", "tools/a.cc"),
         ('"schema/uplink.capnp.h"', "schema/decode.cc", "server/view/a.cc"),
         ("<boost/beast/core.hpp>", "server/http/a.cc", "server/session/a.cc"),
-        ("<boost/asio.hpp>", "server/loop/a.cc", "server/app.cc"),
+        ("<boost/asio.hpp>", "server/loop/a.cc", "server/run/app.cc"),
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
-        ("<toml++/toml.h>", "server/config/load.cc", "server/app.cc"),
+        ("<toml++/toml.h>", "server/config/load.cc", "server/run/app.cc"),
         ("<mosquitto.h>", "tools/uplink-fleet/broker/a.cc", "server/mqtt/a.cc"),
-        ("<CLI/CLI.hpp>", "server/main.cc", "server/app.cc"),
+        ("<CLI/CLI.hpp>", "server/main.cc", "server/run/app.cc"),
         ("<prometheus/counter.h>", "metrics/registry.cc", "server/session/a.cc"),
     )
 
@@ -105,7 +105,7 @@ class RoomsTest(RuleTest):
                         self.assertEqual(found, [(f"server/{room}/a.cc", 2, "room-order")])
 
     def test_the_root_and_tests_see_every_room(self):
-        for path in ("server/app.cc", "server/main.cc", "tests/e2e/a.cc"):
+        for path in ("server/root.cc", "server/main.cc", "tests/e2e/a.cc"):
             for target in self.ROOMS:
                 self.assertEqual(self.find_include(path, target), [])
 
@@ -116,7 +116,7 @@ class RoomsTest(RuleTest):
         self.assertEqual(self.find_include("tools/a.cc", "log"), [])
 
     def test_refuses_what_joins_the_rooms_in_a_room(self):
-        files = {**self.ALL, "server/log/a.cc": '\n#include "server/app.h"\n'}
+        files = {**self.ALL, "server/log/a.cc": '\n#include "server/root.h"\n'}
         found = self.find(includes.rooms, files, self.ORDER)
         self.assertEqual(found, [("server/log/a.cc", 2, "room-order")])
 
@@ -274,8 +274,8 @@ class BannedTest(RuleTest):
         ("auto t = std::chrono::steady_clock::now();", "schema/base/clock.cc", "tests/a.cc"),
         ("auto t = system_clock::now();", "schema/base/clock.cc", "tools/a.cc"),
         ("auto t = time(nullptr);", "schema/base/clock.cc", "server/a.cc"),
-        ('std::getenv("HOME");', "server/config/environment.cc", "server/app.cc"),
-        ("std::cout << 1;", "server/main.cc", "server/app.cc"),
+        ('std::getenv("HOME");', "server/config/environment.cc", "server/run/app.cc"),
+        ("std::cout << 1;", "server/main.cc", "server/run/app.cc"),
         ("std::cerr << 1;", "tools/a.cc", "storage/a.cc"),
         ('printf("x");', "tools/a.cc", "server/front/a.cc"),
         ("throw 1;", None, "server/a.cc"),

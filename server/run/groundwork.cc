@@ -1,0 +1,77 @@
+#include "server/run/groundwork.h"
+
+#include <utility>
+
+#include <signal.h>
+
+#include "server/config/address.h"
+#include "server/http/server.h"
+
+namespace uplink::run {
+
+Groundwork::Groundwork(Context context)
+    : context_(std::move(context)),
+      entrance_(http::KnownHosts(context_.http.hosts),
+                context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
+                                                  : http::Entrance::Covered::kData),
+      stop_signal_(context_.logger),
+      loop_(context_.logger) {
+  memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
+  reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
+  // A connection has one request under way at most, so no scrape is refused.
+  metrics_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMetricsThread,
+                   context_.http.connections_max);
+  scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
+}
+
+Groundwork::~Groundwork() {
+  StopLoop();
+  EndReaders();
+}
+
+absl::Status Groundwork::Begin() {
+  auto http = http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
+                                        *scrapes_, http_probe_, context_.clock, context_.logger},
+                                       {context_.address, context_.http.connections_max});
+  if (!http.ok()) return http.status();
+  http_ = *std::move(http);
+  loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
+  loop_.OnSignals({SIGHUP}, [this](int) {
+    reload_asked_ = !reload_;
+    if (reload_) reload_();
+  });
+  loop_.Start();
+  context_.logger.Info("probes_answered", {{"http", config::ToText(http_address())}});
+  return absl::OkStatus();
+}
+
+void Groundwork::Open(const http::Site& site) {
+  stop_signal_.NoteStarted();
+  entrance_.Open(site);
+}
+
+void Groundwork::OnReload(std::function<void()> reload) {
+  loop_.Post([this, reload = std::move(reload)]() mutable {
+    reload_ = std::move(reload);
+    if (std::exchange(reload_asked_, false)) reload_();
+  });
+}
+
+void Groundwork::Repeat(PeriodicWork work) {
+  loop_.Post([this, work = std::move(work)]() mutable {
+    DoPeriodically(
+        [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
+        std::move(work));
+  });
+}
+
+void Groundwork::EndReaders() {
+  scrapes_.reset();
+  metrics_.reset();
+  memory_.reset();
+  reads_.reset();
+}
+
+config::ListenAddress Groundwork::http_address() const { return http_->bound(); }
+
+}  // namespace uplink::run

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/http/entrance.h"
+#include "server/http/probe.h"
+#include "server/http/read_thread.h"
+#include "server/log/logger.h"
+#include "server/loop/event_loop.h"
+#include "server/loop/one_at_a_time.h"
+#include "server/rcan/probe.h"
+#include "server/run/periodic.h"
+#include "server/run/stop_signal.h"
+
+namespace uplink::http {
+class HttpServer;
+}
+
+namespace uplink::run {
+
+/// What runs from the first second on, before there is a store: the event loop, signals that stop
+/// the process, and HTTP, which answers that the server starts until there is a site.
+///
+/// Thread: main. Whatever else uses the loop or the threads that may wait must live until StopLoop
+/// and EndReaders.
+class Groundwork final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    log::Logger& logger;
+    config::ListenAddress address;
+    config::HttpConfig http;
+  };
+  explicit Groundwork(Context context);
+  ~Groundwork();
+  Groundwork(const Groundwork&) = delete;
+  Groundwork& operator=(const Groundwork&) = delete;
+
+  /// Listens for HTTP and hears signals from now on. Logs `probes_answered` with the address that
+  /// was really bound. Errors: as HttpServer::Listen.
+  [[nodiscard]] absl::Status Begin();
+  /// The server has started: the site answers, and a signal begins a drain.
+  void Open(const http::Site& site);
+  /// What SIGHUP does, on the loop's thread; at once if one came before. The job's parts live until
+  /// StopLoop.
+  void OnReload(std::function<void()> reload);
+
+  /// Begins what is done again and again, on the loop's thread. Its parts live until StopLoop.
+  void Repeat(PeriodicWork work);
+
+  void StopLoop() { loop_.Stop(); }
+  /// Drops what waits for the threads that may wait, and ends them.
+  void EndReaders();
+
+  [[nodiscard]] loop::EventLoop& loop() { return loop_; }
+  [[nodiscard]] StopSignal& stop_signal() { return stop_signal_; }
+  /// Posts a job to the thread that may wait for the store; false if it takes none now. Until
+  /// EndReaders.
+  [[nodiscard]] loop::Post OnReads() {
+    return [this](auto job) { return reads_->TryPost(std::move(job)); };
+  }
+  /// The same, ahead of what others posted.
+  [[nodiscard]] loop::Post OnReadsAhead() {
+    return [this](auto job) { return reads_->TryPostAhead(std::move(job)); };
+  }
+  [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
+  [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
+  [[nodiscard]] config::ListenAddress http_address() const;
+
+ private:
+  const Context context_;
+  http::HttpProbe http_probe_;
+  rcan::RcanProbe rcan_probe_;
+  http::Entrance entrance_;
+  StopSignal stop_signal_;
+  // Confined to the loop's thread.
+  std::function<void()> reload_;
+  bool reload_asked_ = false;
+  std::optional<http::ReadThread> memory_;
+  std::optional<http::ReadThread> reads_;
+  std::optional<http::ReadThread> metrics_;
+  std::optional<http::ReadThread> scrapes_;
+  loop::EventLoop loop_;
+  std::unique_ptr<http::HttpServer> http_;
+};
+
+}  // namespace uplink::run

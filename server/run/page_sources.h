@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "metrics/cells.h"
+#include "metrics/ledger.h"
+#include "metrics/page.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/fleet/live_budget.h"
+#include "server/forward/forwarding.h"
+#include "server/health/monitor.h"
+#include "server/http/probe.h"
+#include "server/journal/probe.h"
+#include "server/journal/shards.h"
+#include "server/log/logger.h"
+#include "server/rcan/probe.h"
+#include "server/session/probe.h"
+#include "server/store/lease_probe.h"
+#include "server/store/open.h"
+#include "server/store/space_rounds.h"
+#include "server/transport/probe.h"
+
+namespace uplink::run {
+
+class BrokerSide;
+
+/// Where the samples of /metrics come from. All of it outlives the page.
+struct PageParts {
+  const Clock& clock;
+  const std::string& version;
+  const metrics::LedgerBook& ledgers;
+  const session::SessionProbe& sessions;
+  const fleet::Fleet& fleet;
+  const fleet::LiveBudget& live_budget;
+  const metrics::LatencyDistribution& sweep_seconds;
+  const journal::Shards& journals;
+  journal::JournalLimits journal_limits;
+  const journal::JournalProbe& journal_probe;
+  const store::Stores& stores;
+  const store::SpaceRounds& space;
+  const store::LeaseProbe& leases;
+  const forward::Forwarding& forwarding;
+  const http::HttpProbe& http;
+  std::size_t http_connections_max = 0;
+  const rcan::RcanProbe& rcan;
+  std::size_t rcan_series_max = 0;
+  health::Monitor& monitor;
+  const transport::RelayProbe& relay;
+  const BrokerSide& broker;
+  const log::Logger& logger;
+};
+
+/// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in
+/// flight holds in each text.
+[[nodiscard]] std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts);
+
+}  // namespace uplink::run

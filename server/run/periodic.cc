@@ -1,0 +1,41 @@
+#include "server/run/periodic.h"
+
+#include <chrono>
+#include <utility>
+
+#include "server/health/liveness.h"
+#include "server/rcan/fault_counts.h"
+#include "server/transport/options.h"
+
+namespace uplink::run {
+namespace {
+
+constexpr std::chrono::seconds kSweepEvery{1};
+constexpr std::chrono::seconds kStoreEvery{1};
+constexpr milliseconds kSeedEvery{500};
+/// A third of the unit's WatchdogSec.
+constexpr std::chrono::seconds kFeedEvery{10};
+/// One short statement. An age of minutes is what counts.
+constexpr std::chrono::seconds kSnapshotEvery{10};
+/// One call of the kernel and a short statement. Robots may fill some hundred megabytes meanwhile.
+constexpr std::chrono::seconds kSpaceEvery{2};
+/// An operator who confirmed the clock waits for no more.
+constexpr std::chrono::seconds kClockEvery{5};
+
+}  // namespace
+
+void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
+                    PeriodicWork work) {
+  every(kSweepEvery, std::move(work.sweep));
+  every(transport::kFilesRefresh, std::move(work.look_at_certificate));
+  every(kStoreEvery, std::move(work.look_at_store));
+  every(kSeedEvery, std::move(work.read_robots));
+  every(kSnapshotEvery, std::move(work.ask_for_snapshot));
+  every(kSpaceEvery, std::move(work.look_at_space));
+  every(kClockEvery, std::move(work.look_at_clock));
+  every(rcan::kFaultCountsEvery, std::move(work.count_faults));
+  every(health::kHandshakeEvery, std::move(work.ask_relay));
+  every(kFeedEvery, std::move(work.feed_watchdog));
+}
+
+}  // namespace uplink::run

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+
+#include "schema/base/clock.h"
+
+namespace uplink::run {
+
+/// What the server does again and again while it runs. Each is short, and posts what may wait to a
+/// thread that may.
+struct PeriodicWork {
+  /// The presence sweep.
+  std::function<void()> sweep;
+  /// Looks whether the relay's certificate files were replaced, and when the certificate expires.
+  std::function<void()> look_at_certificate;
+  /// Looks at the store's last error, for the log.
+  std::function<void()> look_at_store;
+  /// Reads the robots, if the store was away at the start, and what those that became ours had.
+  std::function<void()> read_robots;
+  /// Asks the store for the oldest snapshot.
+  std::function<void()> ask_for_snapshot;
+  /// Looks at how much the store's disk has left.
+  std::function<void()> look_at_space;
+  /// Judges the civil clock, and keeps the store's mark.
+  std::function<void()> look_at_clock;
+  /// Counts the robots' active faults, for their series.
+  std::function<void()> count_faults;
+  /// Asks our own relay for a handshake.
+  std::function<void()> ask_relay;
+  /// Tells the service manager that the server is well.
+  std::function<void()> feed_watchdog;
+};
+
+/// Has each done at its interval: `every` is given both, and does it at once and then again and
+/// again.
+void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
+                    PeriodicWork work);
+
+}  // namespace uplink::run

@@ -1,0 +1,49 @@
+#include "server/run/reload.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/ranges.h>
+
+#include "server/config/settings.h"
+#include "server/run/from_config.h"
+
+namespace uplink::run {
+
+Changes CompareConfigs(const config::Config& running, const config::Config& read) {
+  Changes changes;
+  for (const config::Setting& setting : config::Settings()) {
+    if (setting.get(running) == setting.get(read)) continue;
+    std::vector<std::string>& keys =
+        setting.effect == config::Effect::kReload ? changes.taken_over : changes.needs_restart;
+    keys.push_back(config::FullKey(setting));
+  }
+  return changes;
+}
+
+Reload::Reload(config::Config running, Context context)
+    : running_(std::move(running)), context_(std::move(context)) {}
+
+void Reload::Run() {
+  log::Logger& logger = context_.logger;
+  const config::LoadResult read = context_.read();
+  for (const config::Problem& problem : read.problems) {
+    logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
+  }
+  if (!read.ok()) return;
+  const Changes changes = CompareConfigs(running_, *read.config);
+  const log::Level after = LogLevelOf(read.config->log.level);
+  // By whichever level lets the line through.
+  logger.SetLevel(std::min(LogLevelOf(running_.log.level), after));
+  // Nothing else is taken over, so that the next reload names the rest again.
+  for (const config::Setting& setting : config::Settings()) {
+    if (setting.effect == config::Effect::kReload) setting.set(running_, setting.get(*read.config));
+  }
+  context_.allowances.Set(AllowanceOf(running_));
+  logger.Write(changes.needs_restart.empty() ? log::Level::kInfo : log::Level::kWarn, "reloaded",
+               {{"taken_over", fmt::format("{}", fmt::join(changes.taken_over, ","))},
+                {"needs_restart", fmt::format("{}", fmt::join(changes.needs_restart, ","))}});
+  logger.SetLevel(after);
+}
+
+}  // namespace uplink::run

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/config/config.h"
+#include "server/config/load.h"
+#include "server/ingest/allowances.h"
+#include "server/log/logger.h"
+
+namespace uplink::run {
+
+/// What a configuration that was read again asks for. A value.
+struct Changes {
+  /// Keys that changed and are taken over at once.
+  std::vector<std::string> taken_over;
+  /// Keys that changed and count only after a restart.
+  std::vector<std::string> needs_restart;
+};
+
+/// Compares what runs with what was read. Pure.
+[[nodiscard]] Changes CompareConfigs(const config::Config& running, const config::Config& read);
+
+/// What SIGHUP does: reads the configuration again, takes over what may change while the server
+/// runs, and names the rest in the log. Confined to one thread.
+class Reload final {
+ public:
+  struct Context {
+    std::function<config::LoadResult()> read;
+    // They outlive it, and follow what is taken over.
+    ingest::Allowances& allowances;
+    log::Logger& logger;
+  };
+  /// `running`: what the server was started with.
+  Reload(config::Config running, Context context);
+
+  /// A configuration with a problem changes nothing.
+  void Run();
+
+ private:
+  config::Config running_;
+  const Context context_;
+};
+
+}  // namespace uplink::run

@@ -1,0 +1,22 @@
+#include "server/run/stop_signal.h"
+
+#include <cstdlib>
+
+namespace uplink::run {
+
+void StopSignal::OnSignal(int signal) {
+  if (stopping_) {
+    logger_.Warn("stopped_at_once", {{"signal", signal}});
+    logger_.Flush();
+    std::_Exit(1);
+  }
+  stopping_ = true;
+  if (!started_.load()) {
+    logger_.Info("stopped_while_starting", {{"signal", signal}});
+    logger_.Flush();
+    std::_Exit(0);
+  }
+  stop_.release();
+}
+
+}  // namespace uplink::run

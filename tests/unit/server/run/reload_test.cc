@@ -1,0 +1,104 @@
+#include "server/run/reload.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/kept_lines.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::run {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+TEST(CompareConfigs, SeesNothingInTheSame) {
+  const Changes changes = CompareConfigs({}, {});
+  EXPECT_THAT(changes.taken_over, IsEmpty());
+  EXPECT_THAT(changes.needs_restart, IsEmpty());
+}
+
+TEST(CompareConfigs, TakesTheLogLevelAndWhatRobotsMaySend) {
+  config::Config read;
+  read.log.level = config::LogLevel::kDebug;
+  read.limits.durable_bytes_rate = 7;
+  read.rates.shape_burst = 3;
+  const Changes changes = CompareConfigs({}, read);
+  EXPECT_THAT(changes.taken_over,
+              ElementsAre("limits.durable_bytes_rate", "rates.shape_burst", "log.level"));
+  EXPECT_THAT(changes.needs_restart, IsEmpty());
+}
+
+TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
+  config::Config read;
+  read.listen.http.port = 1;
+  read.presence.timeout = config::milliseconds(1);
+  const Changes changes = CompareConfigs({}, read);
+  EXPECT_THAT(changes.taken_over, IsEmpty());
+  EXPECT_THAT(changes.needs_restart, ElementsAre("listen.http", "presence.timeout"));
+}
+
+class ReloadTest : public ::testing::Test {
+ protected:
+  ReloadTest() { read_.config.emplace(); }
+
+  testing::ManualClock clock_;
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  config::LoadResult read_;
+  ingest::Allowances allowances_;
+  Reload reload_{{}, {[this] { return read_; }, allowances_, logger_}};
+};
+
+TEST_F(ReloadTest, TakesTheLevelOverAndSaysSo) {
+  read_.config->log.level = config::LogLevel::kError;
+  reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("reloaded taken_over=log.level")));
+  EXPECT_FALSE(logger_.Enabled(log::Level::kWarn));
+  // The line goes by whichever level lets it through.
+  read_.config->log.level = config::LogLevel::kInfo;
+  reload_.Run();
+  EXPECT_EQ(lines_.size(), 2U);
+  reload_.Run();
+  EXPECT_THAT(lines_.back(), Not(HasSubstr("log.level")));
+}
+
+TEST_F(ReloadTest, RobotsMaySendAsItSaysFromThenOn) {
+  read_.config->rates.object = 7;
+  read_.config->limits.durable_records_rate = 9;
+  read_.config->limits.robots_max = 3;
+  const std::uint64_t before = allowances_.version();
+  reload_.Run();
+  EXPECT_GT(allowances_.version(), before);
+  const auto allowance = allowances_.Get();
+  EXPECT_EQ(allowance->rates[static_cast<std::size_t>(model::Variant::kObject)].rate, 7U);
+  EXPECT_EQ(allowance->flow.records.rate, 9U);
+  EXPECT_THAT(lines_.back(), HasSubstr("needs_restart=limits.robots_max"));
+  reload_.Run();
+  EXPECT_THAT(lines_.back(), Not(HasSubstr("rates.object"))) << "it is in force already";
+}
+
+TEST_F(ReloadTest, NamesTheRestEachTime) {
+  read_.config->listen.http.port = 1;
+  for (int run = 0; run < 2; ++run) reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("needs_restart=listen.http"),
+                                  HasSubstr("needs_restart=listen.http")));
+}
+
+TEST_F(ReloadTest, AConfigurationWithAProblemChangesNothing) {
+  read_.config.reset();
+  read_.problems.push_back({.key = "log.level", .text = "must be one of these"});
+  reload_.Run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("reload_refused")));
+  EXPECT_TRUE(logger_.Enabled(log::Level::kInfo));
+}
+
+}  // namespace
+}  // namespace uplink::run
