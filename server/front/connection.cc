@@ -1,14 +1,13 @@
 #include "server/front/connection.h"
 
+#include <algorithm>
 #include <utility>
-
-#include <fmt/format.h>
-#include <nghttp2/nghttp2.h>
 
 #include "server/front/call/thread.h"
 #include "server/front/http2/limits.h"
 
 namespace uplink::front {
+
 using transport::TurnedAway;
 
 Connection::Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, Setup setup)
@@ -52,26 +51,27 @@ void Connection::Handshake() {
       FailHandshake(CauseOf(tls_->failure()));
       return Linger();
     case TlsEngine::Step::kDone:
-      return BeginHttp2();
+      return BeginGrpc();
   }
 }
 
-void Connection::BeginHttp2() {
+void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
-  peer_ = tls_->Peer();
-  origin_.NotePeer(peer_->ruri, peer_->gateway, peer_->subject);
+  TlsPeer peer = tls_->Peer();
+  origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();
-  const std::uint32_t streams_max = peer_->IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
-  frames_ = FrameRates(streams_max);
-  http2_ = std::make_unique<Http2>(thread_.http2_rules, thread_.http2_memory, *this, streams_max);
-  lifetime_.Open(now, age_max_, UntilExpiry(), peer_->jitter());
+  const std::uint32_t streams_max = peer.IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
+  grpc_ = std::make_unique<GrpcConnection>(
+      thread_, *this, GrpcConnection::Setup{std::move(peer), origin_, streams_max});
+  lifetime_.Open(now, age_max_, UntilExpiry(), grpc_->tls_peer().jitter());
   owner_.OnHandshakeEnded(*this);
   thread_.debug.ConnectionOpened(id_, origin_);
   if (!place_.Take()) {
-    return TurnAway(TurnedAway::kFull, "the server has no place for more connections");
+    return grpc_->TurnAway(TurnedAway::kFull, "the server has no place for more connections");
   }
-  if (const auto evicted = place_.Count(*peer_, origin_, now)) owner_.OnEvicted(*evicted);
+  const auto evicted = place_.Count(grpc_->tls_peer(), origin_, now);
+  if (evicted) owner_.OnEvicted(*evicted);
 }
 
 void Connection::ReadPlain() {
@@ -80,31 +80,26 @@ void Connection::ReadPlain() {
     if (!plain) break;
     if (plain->empty()) {
       // One of them costs some 10 us, and 27 bytes: each is counted before the next is read.
-      OnFrame(FrameKind::kKeyUpdate);
-      if (turned_away_) break;
+      grpc_->OnFrame(FrameKind::kKeyUpdate);
+      if (grpc_->turned_away()) break;
       continue;
     }
-    if (http2_->Receive(*plain) && AnswersGoOut()) continue;
-    TurnAway(TurnedAway::kProtocol, "");
+    if (!grpc_->Receive(*plain)) break;
+    if (grpc_->turned_away() || !grpc_->http2().flooded()) continue;
+    // They go out ahead of all else: those that still wait are what the peer does not read.
+    static_cast<void>(Flush());
+    if (phase_ != Phase::kOpen || !grpc_->http2().flooded()) continue;
+    grpc_->EndFlood();
     break;
   }
   if (tls_->over()) OnReceiveEnd();
-}
-
-bool Connection::AnswersGoOut() {
-  if (turned_away_ || !http2_->flooded()) return true;
-  // They go out ahead of all else: those that still wait are what the peer does not read.
-  static_cast<void>(Flush());
-  if (phase_ != Phase::kOpen || !http2_->flooded()) return true;
-  http2_->End(NGHTTP2_ENHANCE_YOUR_CALM, kFloodedText);
-  return false;
 }
 
 void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
   // A handshake for nothing, unless we sent it away.
   if (phase_ == Phase::kHandshake && tls_->begun()) FailHandshake(TurnedAway::kHandshakeError);
-  if (phase_ == Phase::kOpen && !turned_away_ && !ending_ && !lifetime_.served() && !answered_) {
+  if (phase_ == Phase::kOpen && !grpc_->ends() && !grpc_->served() && !grpc_->answered()) {
     thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
   }
   Close();
@@ -122,72 +117,16 @@ Turn Connection::turn() const {
   return origin_.known ? Turn::kKnownHandshake : Turn::kHandshake;
 }
 
-// --- Streams ---
-
-Http2Stream* Connection::OnStream(std::int32_t id) {
-  Call& call = calls_.Open(std::make_unique<Call>(thread_, *this, *http2_, id));
-  calls_.Touch(call);
-  if (calls_.size() == 1) NoteCalls();
-  return &call;
-}
-
-void Connection::OnFrame(FrameKind kind) {
-  const SteadyTime now = thread_.clock.Steady();
-  if (frames_.TakeForSent(kind, now)) return;
-  if (!frames_.Take(kind, now)) return TurnAway(LimitOf(kind).cause, LimitOf(kind).label);
-  if (kind == FrameKind::kPing && pings_.OnPing(now) == PingStrikes::Verdict::kTooMany) {
-    // The words that gRPC's clients know: they ping less from then on.
-    TurnAway(TurnedAway::kPings, "too_many_pings");
-  }
-}
-
-void Connection::OnSent() {
-  frames_.NoteSent(thread_.clock.Steady());
-  pings_.OnSent();
-}
-
-void Connection::OnStreamFault(std::string_view code) {
-  if (turned_away_) return;
-  thread_.book.NoteRequest(fmt::format("it breaks a rule of HTTP/2: {}", code), origin_,
-                           thread_.clock.Steady());
-  OnFrame(FrameKind::kReset);
-}
-
-void Connection::TurnAway(TurnedAway cause, std::string_view text) {
-  if (std::exchange(turned_away_, true)) return;
-  thread_.book.Note(cause, origin_, thread_.clock.Steady());
-  // After Receive has failed the session has said itself why it ends.
-  if (cause != TurnedAway::kProtocol) http2_->End(NGHTTP2_ENHANCE_YOUR_CALM, text);
-}
-
 void Connection::FailHandshake(TurnedAway cause) {
   thread_.debug.HandshakeFailed(id_, origin_,
                                 transport::kTurnedAwayTexts[static_cast<std::size_t>(cause)]);
   thread_.book.NoteFailedHandshake(cause, tls_->detail(), origin_, thread_.clock.Steady());
 }
 
-std::optional<absl::Status> Connection::refusal() const {
-  if (thread_.gate.closed()) {
-    thread_.relay.probe.refused_draining_total.Add();
-    return absl::UnavailableError("the server drains");
-  }
-  if (!ending_) return std::nullopt;
-  return absl::UnavailableError("the connection ends; a new one is served");
-}
-
-void Connection::NoteCalls() {
-  lifetime_.SetCalls(calls_.size(), thread_.clock.Steady());
-  place_.SetStreams(calls_.size());
-}
-
-void Connection::SettleCalls() {
-  const bool had_calls = calls_.size() > 0;
-  calls_.Settle([this](const Call& call) {
-    if (call.has_handler()) lifetime_.NoteServed();
-    answered_ = answered_ || call.answered();
-    if (call.finished() && call.unwelcome()) ending_ = true;
-  });
-  if (had_calls && calls_.size() == 0) NoteCalls();
+void Connection::OnCalls(std::size_t calls) {
+  if (grpc_->served()) lifetime_.NoteServed();
+  lifetime_.SetCalls(calls, thread_.clock.Steady());
+  place_.SetStreams(calls);
 }
 
 // --- What is said ---
@@ -195,11 +134,11 @@ void Connection::SettleCalls() {
 void Connection::Settle() {
   if (phase_ == Phase::kClosed) return;
   do {
-    SettleCalls();
-  } while (Flush() || !calls_.settled());
+    if (grpc_ != nullptr) grpc_->SettleCalls();
+  } while (Flush() || (grpc_ != nullptr && !grpc_->settled()));
   EndIfDone();
   if (phase_ == Phase::kClosed) return;
-  const bool goes = turned_away_ || ending_;
+  const bool goes = grpc_ != nullptr && grpc_->ends();
   lifetime_.SetBlocked(socket_.blocked(), goes ? kAgeGrace : kBlockedWait, thread_.clock.Steady());
   SetTimer();
 }
@@ -208,7 +147,7 @@ bool Connection::Flush() {
   std::string& out = thread_.tls.out;
   bool good = true;
   while (good && phase_ == Phase::kOpen && !socket_.blocked() && out.size() < kSendBytesMax) {
-    http2_->Gather(thread_.gathered, kRecordBytes);
+    grpc_->http2().Gather(thread_.gathered, kRecordBytes);
     if (thread_.gathered.empty()) break;
     good = tls_->Write(thread_.gathered);
   }
@@ -225,11 +164,8 @@ bool Connection::Flush() {
 
 void Connection::EndIfDone() {
   if (phase_ != Phase::kOpen) return;
-  if (ending_ && calls_.size() == 0 && !std::exchange(last_streams_told_, true)) {
-    http2_->End(NGHTTP2_NO_ERROR, "");
-    static_cast<void>(Flush());
-  }
-  if (phase_ == Phase::kOpen && http2_->over()) Linger();
+  if (grpc_->EndIfLast()) static_cast<void>(Flush());
+  if (phase_ == Phase::kOpen && grpc_->http2().over()) Linger();
 }
 
 void Connection::Linger() {
@@ -239,10 +175,11 @@ void Connection::Linger() {
   const bool was_handshake = phase_ == Phase::kHandshake;
   // An alert means nothing to who speaks no TLS; and only so many descriptors may wait.
   if (tls_->failure() == TlsEngine::Failure::kNoTls) return Close();
-  if (!place_.Linger(peer_ ? std::optional(peer_->key) : std::nullopt)) return Close();
+  const auto key = grpc_ != nullptr ? std::optional(grpc_->tls_peer().key) : std::nullopt;
+  if (!place_.Linger(key)) return Close();
   phase_ = Phase::kLinger;
   if (was_handshake) owner_.OnHandshakeEnded(*this);
-  calls_.Break();
+  if (grpc_ != nullptr) grpc_->Break();
   // A peer that has not read all yet gets the time to.
   const bool blocked = socket_.blocked();
   if (!blocked) socket_.EndOutput();
@@ -255,13 +192,98 @@ void Connection::Close() {
   phase_ = Phase::kClosed;
   // What TLS still wanted to say is this connection's, and the buffer the thread's.
   thread_.tls.out.clear();
-  calls_.Break();
+  if (grpc_ != nullptr) grpc_->Break();
   socket_.Close();
   place_.Leave();
   thread_.connection_timers.Forget(id_, timer_);
   thread_.debug.ConnectionClosed(id_, origin_);
   if (was_handshake) owner_.OnHandshakeEnded(*this);
   owner_.OnClosed(*this);
+}
+
+// --- When it ends, besides by its peer: time, a drain, and others ---
+
+void Connection::Evict() {
+  if (phase_ == Phase::kOpen) {
+    grpc_->TurnAway(TurnedAway::kKey, "too many connections of this certificate");
+    Settle();
+    if (phase_ == Phase::kLinger) return;
+  }
+  // One that lingered before, or does not read what it is told, has had its place for long enough.
+  Close();
+}
+
+void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end) {
+  if (phase_ == Phase::kHandshake) return Close();
+  if (phase_ != Phase::kOpen) return;
+  lifetime_.EndBy(end);
+  grpc_->Drain(spread, first, end);
+  Settle();
+}
+
+void Connection::Shutdown() {
+  if (phase_ == Phase::kOpen) grpc_->End();
+  static_cast<void>(Flush());
+  Close();
+}
+
+void Connection::OnTimer() {
+  timer_.reset();
+  const SteadyTime now = thread_.clock.Steady();
+  if (phase_ == Phase::kHandshake) LookAtHandshake(now);
+  if (phase_ == Phase::kLinger && now >= *phase_by_) return Close();
+  if (phase_ == Phase::kOpen) LookAtLifetime(now);
+  Settle();
+}
+
+void Connection::LookAtHandshake(SteadyTime now) {
+  if (now < *phase_by_) return;
+  if (now < handshake_by_ && !thread_.book.pressed()) {
+    // Nobody waits for its place: it may go on, and is looked at again.
+    phase_by_ = std::min(handshake_by_, now + kLookAgain);
+    return;
+  }
+  FailHandshake(TurnedAway::kHandshakeTimeout);
+  Close();
+}
+
+milliseconds Connection::UntilExpiry() const {
+  return grpc_->tls_peer().UntilExpiry(thread_.clock.System(), thread_.relay.clock_trust.vouched());
+}
+
+void Connection::LookAtLifetime(SteadyTime now) {
+  switch (lifetime_.Take(now, thread_.book.pressed())) {
+    case Lifetime::Due::kNothing:
+      return;
+    case Lifetime::Due::kPing:
+      static_cast<void>(socket_.TakesSome());
+      return grpc_->http2().Ping();
+    case Lifetime::Due::kNotRead:
+      thread_.book.Note(TurnedAway::kNotRead, origin_, now);
+      return Close();
+    case Lifetime::Due::kSilent:
+      // While bytes of ours are kept back, kNotRead judges how fast it takes them.
+      if (socket_.blocked() || socket_.TakesSome()) return lifetime_.StillTakes(now);
+      thread_.book.Note(TurnedAway::kSilent, origin_, now);
+      return Close();
+    case Lifetime::Due::kAge:
+      return Drain({calls(), now, kAgeGrace}, 0, now + kAgeGrace);
+    case Lifetime::Due::kOver:
+      return grpc_->End();
+    case Lifetime::Due::kIdle:
+      return grpc_->StopServing();
+    case Lifetime::Due::kNoCall:
+      if (grpc_->answered()) return grpc_->StopServing();
+      return grpc_->TurnAway(TurnedAway::kNoStream, "no stream was opened");
+    case Lifetime::Due::kLookAtExpiry:
+      return lifetime_.SetExpiry(now, UntilExpiry());
+  }
+}
+
+void Connection::SetTimer() {
+  const SteadyTime now = thread_.clock.Steady();
+  const SteadyTime at = phase_by_ ? *phase_by_ : lifetime_.next(now);
+  thread_.connection_timers.Want(id_, timer_, at, now);
 }
 
 }  // namespace uplink::front

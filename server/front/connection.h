@@ -1,17 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
+#include <string_view>
 
-#include "server/front/call/call.h"
-#include "server/front/call/call_set.h"
+#include "server/front/call/grpc_connection.h"
 #include "server/front/door/door_book.h"
 #include "server/front/door/place.h"
-#include "server/front/http2/frame_rates.h"
-#include "server/front/http2/http2.h"
-#include "server/front/http2/ping_strikes.h"
 #include "server/front/lifetime.h"
 #include "server/front/loop/socket.h"
 #include "server/front/tls/tls_engine.h"
@@ -20,7 +17,6 @@
 
 namespace uplink::front {
 
-struct Thread;
 class Connection;
 
 /// What a connection tells its thread.
@@ -35,12 +31,12 @@ class ConnectionOwner {
   virtual void OnClosed(Connection& connection) = 0;
 };
 
-/// One TCP connection: TLS, HTTP/2 and its calls, and when it ends.
+/// One TCP connection: its socket and TLS, what gRPC has to say over them, and when it ends.
 ///
 /// Every event ends in Settle: calls are settled, what they say goes out, and when nothing is left
 /// to be said the connection closes.
 /// Thread: confined to its thread's.
-class Connection final : public SocketOwner, public Http2Peer, public CallOwner {
+class Connection final : public SocketOwner, public GrpcConnectionOwner {
  public:
   struct Setup {
     std::uint64_t id = 0;
@@ -77,7 +73,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void Settle() override;
 
   [[nodiscard]] std::uint64_t id() const { return id_; }
-  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] std::size_t calls() const { return grpc_ != nullptr ? grpc_->calls() : 0; }
 
   // SocketOwner
   void OnReceived(std::string_view bytes) override;
@@ -85,20 +81,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void OnUnblocked() override;
   void AfterEvent() override { Settle(); }
   [[nodiscard]] Turn turn() const override;
-  // Http2Peer
-  Http2Stream* OnStream(std::int32_t id) override;
-  void OnFrame(FrameKind kind) override;
-  void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
-  void OnPong() override { calls_.TellPeerAnswered(); }
-  void OnSent() override;
-  void OnStreamFault(std::string_view code) override;
-  void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
-  // CallOwner
-  void Touch(Call& call) override { calls_.Touch(call); }
-  [[nodiscard]] const TlsPeer& tls_peer() const override { return *peer_; }
-  [[nodiscard]] const Origin& origin() const override { return origin_; }
-  void AskPeer() override { http2_->PingOnce(); }
-  [[nodiscard]] std::optional<absl::Status> refusal() const override;
+  // GrpcConnectionOwner
+  void OnCalls(std::size_t calls) override;
 
  private:
   enum class Phase : std::uint8_t {
@@ -110,11 +94,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   };
 
   void Handshake();
-  void BeginHttp2();
+  void BeginGrpc();
   void ReadPlain();
-  /// Whether the peer reads the answers that it asks for; if not, ends its connection.
-  [[nodiscard]] bool AnswersGoOut();
-  void SettleCalls();
   /// Writes what is to be said, as far as the peer takes it; true if anything went out.
   bool Flush();
   void EndIfDone();
@@ -125,11 +106,7 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   void LookAtHandshake(SteadyTime now);
   void LookAtLifetime(SteadyTime now);
   [[nodiscard]] milliseconds UntilExpiry() const;
-  /// The first call began or the last one ended.
-  void NoteCalls();
   void FailHandshake(transport::TurnedAway cause);
-  /// Ends the connection for what its peer does, with the reason in a GOAWAY.
-  void TurnAway(transport::TurnedAway cause, std::string_view text);
 
   Thread& thread_;
   ConnectionOwner& owner_;
@@ -143,17 +120,8 @@ class Connection final : public SocketOwner, public Http2Peer, public CallOwner 
   std::unique_ptr<TlsEngine> tls_;
   Place place_;
   Lifetime lifetime_;
-  std::unique_ptr<Http2> http2_;
-  std::optional<TlsPeer> peer_;
-  CallSet calls_;
-  /// No call is served here any more, and the connection ends with its last.
-  bool ending_ = false;
-  bool last_streams_told_ = false;
-  /// A call of it was answered: served, or refused, which has been counted as that.
-  bool answered_ = false;
-  bool turned_away_ = false;
-  FrameRates frames_;
-  PingStrikes pings_;
+  /// Once the handshake is done.
+  std::unique_ptr<GrpcConnection> grpc_;
 
   /// Until when the phase may last: the handshake, or the time that we linger.
   std::optional<SteadyTime> phase_by_;

@@ -76,7 +76,6 @@ class Lifetime final {
   void StillTakes(SteadyTime now);
   /// A call of it was served: from then on it may be without one for long.
   void NoteServed() { had_call_ = true; }
-  [[nodiscard]] bool served() const { return had_call_; }
   /// So many calls are open now.
   void SetCalls(std::size_t calls, SteadyTime now);
   /// Whether bytes wait for a peer that does not read, which it must take within `wait`; a shorter

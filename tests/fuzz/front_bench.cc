@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <nghttp2/nghttp2.h>
-
 #include "schema/base/check.h"
 #include "server/front/call/relay_handler.h"
 #include "server/front/http2/limits.h"
@@ -62,8 +60,7 @@ std::string RuriOf(std::uint8_t number) { return "rcan://fuzz/" + std::to_string
 FrontWire::FrontWire(front::Thread& thread, std::uint8_t robot)
     : thread_(thread),
       robot_(robot),
-      peer_(PeerOf(robot)),
-      http2_(thread.http2_rules, thread.http2_memory, *this, front::kRobotStreamsMax) {
+      grpc_(thread, *this, {PeerOf(robot), origin_, front::kRobotStreamsMax}) {
   Settle();
 }
 
@@ -72,7 +69,7 @@ FrontWire::~FrontWire() = default;
 void FrontWire::Receive(std::string_view bytes) {
   if (!open_) return;
   thread_.clock.Advance();
-  static_cast<void>(http2_.Receive(bytes));
+  static_cast<void>(grpc_.Receive(bytes));
   Settle();
 }
 
@@ -84,69 +81,41 @@ void FrontWire::ReadAgain() {
 
 void FrontWire::Break() {
   if (!std::exchange(open_, false)) return;
-  calls_.Break();
+  grpc_.Break();
 }
 
 void FrontWire::Drain(milliseconds grace) {
   if (!open_) return;
   thread_.clock.Advance();
-  if (!std::exchange(ending_, true)) http2_.NoticeEnd();
   const SteadyTime now = thread_.clock.Steady();
-  calls_.Drain({calls_.size(), now, grace}, 0, now + grace);
+  grpc_.Drain({calls(), now, grace}, 0, now + grace);
   Settle();
 }
 
 void FrontWire::Keepalive() {
   if (!open_) return;
-  http2_.Ping();
+  grpc_.http2().Ping();
   Settle();
 }
 
 void FrontWire::EndNow() {
   if (!open_) return;
-  http2_.End(NGHTTP2_NO_ERROR, "");
+  grpc_.End();
   Settle();
-}
-
-front::Http2Stream* FrontWire::OnStream(std::int32_t id) {
-  front::Call& call = calls_.Open(std::make_unique<front::Call>(thread_, *this, http2_, id));
-  calls_.Touch(call);
-  return &call;
-}
-
-void FrontWire::OnFrame(front::FrameKind kind) {
-  const SteadyTime now = thread_.clock.Steady();
-  if (frames_.TakeForSent(kind, now)) return;
-  const bool good = frames_.Take(kind, now);
-  const bool pings = kind == front::FrameKind::kPing &&
-                     pings_.OnPing(now) == front::PingStrikes::Verdict::kTooMany;
-  if (!good || pings) http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, "calm");
-}
-
-void FrontWire::OnHeaderBomb() { http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, "headers"); }
-
-std::optional<absl::Status> FrontWire::refusal() const {
-  if (!ending_ && !thread_.gate.closed()) return std::nullopt;
-  return absl::UnavailableError("the connection ends");
 }
 
 void FrontWire::Settle() {
   if (!open_) return;
   do {
-    calls_.Settle([this](const front::Call& call) {
-      if (call.finished() && call.unwelcome()) ending_ = true;
-    });
-  } while (Flush() || !calls_.settled());
-  if (ending_ && calls_.size() == 0 && !std::exchange(last_streams_told_, true)) {
-    http2_.End(NGHTTP2_NO_ERROR, "");
-    static_cast<void>(Flush());
-  }
-  if (http2_.over()) Break();
+    grpc_.SettleCalls();
+  } while (Flush() || !grpc_.settled());
+  if (grpc_.EndIfLast()) static_cast<void>(Flush());
+  if (grpc_.http2().over()) Break();
 }
 
 bool FrontWire::Flush() {
   if (!reads_) return false;
-  http2_.Gather(thread_.gathered, front::kRecordBytes);
+  grpc_.http2().Gather(thread_.gathered, front::kRecordBytes);
   answers_.Add(thread_.gathered);
   return !thread_.gathered.empty();
 }
@@ -157,8 +126,7 @@ model::Seq FrontWire::JudgedOn(std::uint32_t stream) const {
 }
 
 void FrontWire::Check() {
-  UPLINK_CHECK(calls_.size() <= front::kRobotStreamsMax,
-               "a connection has no more calls than it may");
+  UPLINK_CHECK(calls() <= front::kRobotStreamsMax, "a connection has no more calls than it may");
   for (const auto& [id, stream] : answers_.streams()) CheckStream(id, stream);
 }
 

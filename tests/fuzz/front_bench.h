@@ -10,11 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/front/call/call_set.h"
+#include "server/front/call/grpc_connection.h"
 #include "server/front/call/thread.h"
-#include "server/front/http2/frame_rates.h"
-#include "server/front/http2/http2.h"
-#include "server/front/http2/ping_strikes.h"
 #include "server/journal/step.h"
 #include "tests/fuzz/frame_order.h"
 #include "tests/support/fake_reject_source.h"
@@ -36,8 +33,8 @@ inline constexpr std::uint8_t kRobots = 4;
 inline constexpr std::uint32_t kFrameBytesMax = 90'000;
 inline constexpr std::size_t kUnfinishedMax = 200'000;
 
-/// One HTTP/2 connection, as front::Connection has it between its TLS and its calls.
-class FrontWire final : public front::Http2Peer, public front::CallOwner {
+/// A connection of gRPC without what front::Connection has below it.
+class FrontWire final : public front::GrpcConnectionOwner {
  public:
   FrontWire(front::Thread& thread, std::uint8_t robot);
   ~FrontWire() override;
@@ -59,31 +56,17 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
 
   [[nodiscard]] bool open() const { return open_; }
   [[nodiscard]] std::uint8_t robot() const { return robot_; }
-  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] std::size_t calls() const { return grpc_.calls(); }
+  [[nodiscard]] const front::Origin& origin() const { return origin_; }
   [[nodiscard]] const testing::Http2Answers& answers() const { return answers_; }
   /// The highest number that the server said it has judged, on the stream.
   [[nodiscard]] model::Seq JudgedOn(std::uint32_t stream) const;
   /// What every answer keeps to.
   void Check();
 
-  // front::Http2Peer
-  front::Http2Stream* OnStream(std::int32_t id) override;
-  void OnFrame(front::FrameKind kind) override;
-  void OnHeaderBomb() override;
-  void OnPong() override { calls_.TellPeerAnswered(); }
-  void OnSent() override {
-    frames_.NoteSent(thread_.clock.Steady());
-    pings_.OnSent();
-  }
-  void OnStreamFault(std::string_view /*code*/) override { OnFrame(front::FrameKind::kReset); }
-  void OnFault() override {}
-  // front::CallOwner
-  void Touch(front::Call& call) override { calls_.Touch(call); }
+  // front::GrpcConnectionOwner
   void Settle() override;
-  [[nodiscard]] const front::TlsPeer& tls_peer() const override { return peer_; }
-  [[nodiscard]] const front::Origin& origin() const override { return origin_; }
-  void AskPeer() override { http2_.PingOnce(); }
-  [[nodiscard]] std::optional<absl::Status> refusal() const override;
+  void OnCalls(std::size_t /*calls*/) override {}
 
  private:
   /// What was read of the answer on a stream.
@@ -98,16 +81,10 @@ class FrontWire final : public front::Http2Peer, public front::CallOwner {
 
   front::Thread& thread_;
   const std::uint8_t robot_;
-  const front::TlsPeer peer_;
   const front::Origin origin_{.text = "fuzz"};
-  front::Http2 http2_;
-  front::CallSet calls_;
-  front::FrameRates frames_;
-  front::PingStrikes pings_;
+  front::GrpcConnection grpc_;
   bool open_ = true;
   bool reads_ = true;
-  bool ending_ = false;
-  bool last_streams_told_ = false;
   testing::Http2Answers answers_;
   std::map<std::uint32_t, Watched> watched_;
 };

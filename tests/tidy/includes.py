@@ -33,7 +33,7 @@ FOREIGN = (
         re.compile(r"^google/protobuf/|\.pb\.h$"),
         ("server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
-    Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/", "tools/", "tests/")),
+    Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/http2/", "server/front/call/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
     Foreign("libpq", re.compile(r"^(postgresql/)?libpq"), ("storage/postgres/", "tests/")),
     Foreign(

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "server/front/call/call.h"
+#include "server/front/call/call_set.h"
+#include "server/front/call/thread.h"
+#include "server/front/door/origin.h"
+#include "server/front/http2/frame_rates.h"
+#include "server/front/http2/http2.h"
+#include "server/front/http2/ping_strikes.h"
+#include "server/front/tls/tls_peer.h"
+#include "server/transport/drain.h"
+#include "server/transport/turned_away.h"
+
+namespace uplink::front {
+
+/// Who sends what a connection of gRPC has to say.
+class GrpcConnectionOwner {
+ public:
+  virtual ~GrpcConnectionOwner() = default;
+  /// CallOwner::Settle.
+  virtual void Settle() = 0;
+  /// The first call began, or the last one ended: so many there are now.
+  virtual void OnCalls(std::size_t calls) = 0;
+};
+
+/// One connection from its plain bytes upwards: HTTP/2 and its calls, what its peer may cost, and
+/// when no more calls are served on it.
+///
+/// Thread: confined to its thread's.
+class GrpcConnection final : public Http2Peer, public CallOwner {
+ public:
+  struct Setup {
+    TlsPeer peer;
+    /// Outlives it.
+    const Origin& origin;
+    /// Streams that the peer may open at once.
+    std::uint32_t streams_max = 0;
+  };
+
+  GrpcConnection(Thread& thread, GrpcConnectionOwner& owner, Setup setup);
+  GrpcConnection(const GrpcConnection&) = delete;
+  GrpcConnection& operator=(const GrpcConnection&) = delete;
+
+  /// False if the peer broke the rules: it is turned away.
+  [[nodiscard]] bool Receive(std::string_view plain);
+  /// Turns away a peer that reads no answers (Http2::flooded).
+  void EndFlood();
+  /// Settles what was touched.
+  void SettleCalls();
+  /// All calls are settled.
+  [[nodiscard]] bool settled() const { return calls_.settled(); }
+  /// Once no more calls are served and the last one is over, says so; true if it did now.
+  [[nodiscard]] bool EndIfLast();
+  /// Ends the connection for what its peer does, with the reason in a GOAWAY.
+  void TurnAway(transport::TurnedAway cause, std::string_view text);
+  /// Serves no more calls.
+  void StopServing() { ending_ = true; }
+  /// Tells the peer, and each call (CallSet::Drain).
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
+  /// Ends all streams, for no fault.
+  void End();
+  /// The bytes' connection is gone.
+  void Break() { calls_.Break(); }
+
+  [[nodiscard]] Http2& http2() { return http2_; }
+  [[nodiscard]] std::size_t calls() const { return calls_.size(); }
+  [[nodiscard]] bool turned_away() const { return turned_away_; }
+  /// No call is served here any more.
+  [[nodiscard]] bool ends() const { return turned_away_ || ending_; }
+  /// A handler served a call of it.
+  [[nodiscard]] bool served() const { return served_; }
+  /// A call of it was answered: served, or refused, which has been counted as that.
+  [[nodiscard]] bool answered() const { return answered_; }
+
+  // Http2Peer
+  Http2Stream* OnStream(std::int32_t id) override;
+  void OnFrame(FrameKind kind) override;
+  void OnHeaderBomb() override { TurnAway(transport::TurnedAway::kHeaders, "headers"); }
+  void OnPong() override { calls_.TellPeerAnswered(); }
+  void OnSent() override;
+  void OnStreamFault(std::string_view code) override;
+  void OnFault() override { TurnAway(transport::TurnedAway::kProtocol, ""); }
+  // CallOwner
+  void Touch(Call& call) override { calls_.Touch(call); }
+  void Settle() override { owner_.Settle(); }
+  [[nodiscard]] const TlsPeer& tls_peer() const override { return peer_; }
+  [[nodiscard]] const Origin& origin() const override { return origin_; }
+  void AskPeer() override { http2_.PingOnce(); }
+  [[nodiscard]] std::optional<absl::Status> refusal() const override;
+
+ private:
+  Thread& thread_;
+  GrpcConnectionOwner& owner_;
+  const TlsPeer peer_;
+  const Origin& origin_;
+  Http2 http2_;
+  CallSet calls_;
+  FrameRates frames_;
+  PingStrikes pings_;
+  /// The connection ends with its last call.
+  bool ending_ = false;
+  bool last_streams_told_ = false;
+  bool served_ = false;
+  bool answered_ = false;
+  bool turned_away_ = false;
+};
+
+}  // namespace uplink::front
