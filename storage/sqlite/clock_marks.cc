@@ -10,7 +10,7 @@ namespace uplink::storage::sqlite {
 namespace {
 
 std::string SetIfEmptySql() {
-  std::string sql = "INSERT INTO clock_mark (id, at_ms) SELECT 0, ?1 WHERE true";
+  std::string sql = "INSERT INTO clock_mark (id, at) SELECT 0, ?1 WHERE true";
   for (const std::string_view table : kKeptTables) {
     sql.append(" AND NOT EXISTS (SELECT 1 FROM ").append(table).append(")");
   }
@@ -25,10 +25,10 @@ absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const s
   if (!beside.ok()) return beside.status();
   Preparer prepare(*beside->database);
   std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(beside)));
-  prepare.Into(marks->read_, "SELECT at_ms FROM clock_mark WHERE id = 0");
+  prepare.Into(marks->read_, "SELECT at FROM clock_mark WHERE id = 0");
   prepare.Into(marks->set_,
-               "INSERT INTO clock_mark (id, at_ms) VALUES (0, ?)"
-               " ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms");
+               "INSERT INTO clock_mark (id, at) VALUES (0, ?)"
+               " ON CONFLICT (id) DO UPDATE SET at = excluded.at");
   prepare.Into(marks->set_if_empty_, SetIfEmptySql());
   if (!prepare.status().ok()) return prepare.status();
   return marks;

@@ -26,37 +26,37 @@ absl::Status DecidingTables::Prepare(Database& database) {
   prepare.Into(draw_epoch_, "UPDATE epochs SET last = last + 1 WHERE id = 0 RETURNING last");
   // The right sides of an update see the row as it was.
   prepare.Into(open_robot_,
-               "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms,"
-               " last_seen_ms) VALUES (?1, ?2, ?5, ?5, ?3, ?4, ?4)"
+               "INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen,"
+               " last_seen) VALUES (?1, ?2, ?5, ?5, ?3, ?4, ?4)"
                " ON CONFLICT (ruri) DO UPDATE SET fleet = excluded.fleet, epoch = excluded.epoch,"
                " held_since = iif(owner = excluded.owner, held_since, excluded.epoch),"
                " owner = excluded.owner, holder_silent = 0,"
-               " last_seen_ms = max(last_seen_ms, excluded.last_seen_ms)"
+               " last_seen = max(last_seen, excluded.last_seen)"
                " RETURNING epoch, held_since");
   prepare.Into(adopt_robot_,
                "UPDATE robots SET epoch = iif(owner = ?3, epoch, ?5),"
                " held_since = iif(owner = ?3, held_since, ?5),"
                " holder_silent = max(holder_silent, ?4 AND owner <> ?3), owner = ?3"
                " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
-  prepare.Into(presence_, "SELECT presence, at_ms FROM presence_latest WHERE ruri = ?");
+  prepare.Into(presence_, "SELECT presence, changed_at FROM presence_latest WHERE ruri = ?");
   prepare.Into(latest_kinds_, "SELECT kind FROM latest WHERE ruri = ?");
   prepare.Into(hold_, "SELECT owner, held_since FROM robots WHERE ruri = ?");
   prepare.Into(fleet_, "SELECT fleet FROM robots WHERE ruri = ?");
   prepare.Into(open_session_,
-               "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
+               "INSERT INTO sessions (ruri, session, cursor_seq, last_used, first_entry)"
                " VALUES (?1, ?2, 0, ?3, ?4) ON CONFLICT (ruri, session) DO UPDATE"
-               " SET last_used_ms = max(last_used_ms, excluded.last_used_ms),"
-               " settled_seq = max(settled_seq, min(?5, cursor))"
-               " RETURNING cursor, first_entry");
+               " SET last_used = max(last_used, excluded.last_used),"
+               " settled_seq = max(settled_seq, min(?5, cursor_seq))"
+               " RETURNING cursor_seq, first_entry");
   prepare.Into(find_session_,
-               "SELECT cursor, first_entry FROM sessions WHERE ruri = ? AND session = ?");
+               "SELECT cursor_seq, first_entry FROM sessions WHERE ruri = ? AND session = ?");
   prepare.Into(raise_cursor_,
-               "INSERT INTO sessions (ruri, session, cursor, last_used_ms, first_entry)"
+               "INSERT INTO sessions (ruri, session, cursor_seq, last_used, first_entry)"
                " VALUES (?, ?, ?, ?, ?) ON CONFLICT (ruri, session) DO UPDATE"
-               " SET cursor = max(cursor, excluded.cursor),"
-               " last_used_ms = max(last_used_ms, excluded.last_used_ms)");
+               " SET cursor_seq = max(cursor_seq, excluded.cursor_seq),"
+               " last_used = max(last_used, excluded.last_used)");
   prepare.Into(sessions_,
-               "SELECT session FROM sessions WHERE ruri = ? ORDER BY last_used_ms, session");
+               "SELECT session FROM sessions WHERE ruri = ? ORDER BY last_used, session");
   prepare.Into(delete_session_, "DELETE FROM sessions WHERE ruri = ? AND session = ?");
   return prepare.status();
 }

@@ -21,14 +21,14 @@ constexpr std::size_t kLastColumns = 3;
 
 // Only the holder's row of robots lets anything through.
 std::string UpsertSql() {
-  std::string sql = "INSERT INTO live (ruri, last_sign_ms, clock_skew_ms" + PartColumns() +
+  std::string sql = "INSERT INTO live (ruri, last_sign_at, clock_skew_ms" + PartColumns() +
                     ", session, settled_seq, held_since) SELECT ?1, ?3, ?4";
   for (std::size_t i = 0; i < kLivePartKinds + kLastColumns; ++i) sql += ", ?";
   sql += " WHERE EXISTS (SELECT 1 FROM robots WHERE ruri = ?1 AND owner = ?2 AND held_since = ";
   sql += "?" + std::to_string(kFirstPartBound + kLivePartKinds + kLastColumns - 1);
   sql +=
       ") ON CONFLICT (ruri) DO UPDATE SET held_since = excluded.held_since,"
-      " last_sign_ms = coalesce(excluded.last_sign_ms, last_sign_ms),"
+      " last_sign_at = coalesce(excluded.last_sign_at, last_sign_at),"
       " clock_skew_ms = coalesce(excluded.clock_skew_ms, clock_skew_ms),"
       " session = coalesce(excluded.session, session),"
       " settled_seq = coalesce(excluded.settled_seq, settled_seq)";
@@ -100,7 +100,7 @@ absl::StatusOr<bool> LiveTable::Upsert(const LiveRow& row, const ProcessId& proc
 
 absl::StatusOr<Reader::LiveRows> ReadLiveOf(Database& database,
                                             std::span<const std::string> ruris) {
-  auto statement = database.Prepare("SELECT ruri, held_since, last_sign_ms, clock_skew_ms" +
+  auto statement = database.Prepare("SELECT ruri, held_since, last_sign_at, clock_skew_ms" +
                                     PartColumns() + " FROM live WHERE ruri = ?");
   if (!statement.ok()) return statement.status();
   Reader::LiveRows live;

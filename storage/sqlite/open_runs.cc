@@ -7,25 +7,25 @@
 #include "storage/rows.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/tables/missions.h"
 #include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 
 absl::Status OpenRuns::Prepare(Database& database) {
-  const std::string open(kMissionRunsTable.listed.open_if);
   const auto close = [](RunClosed why) {
-    return "UPDATE mission_runs SET closed_why = " + std::to_string(static_cast<int>(why)) +
-           ", closed_ms = ?1 WHERE rowid IN (SELECT rowid FROM mission_runs WHERE ";
+    return "UPDATE mission_runs SET is_open = 0, closed_why = " +
+           std::to_string(static_cast<int>(why)) +
+           ", closed_at = ?1 WHERE rowid IN (SELECT rowid FROM mission_runs WHERE ";
   };
   Preparer prepare(database);
-  prepare.Into(count_, "SELECT COUNT(*) FROM mission_runs WHERE ruri = ? AND " + open);
-  // Rows from before last_entry was there come first.
-  prepare.Into(close_over_, close(RunClosed::kForBound) + "ruri = ?2 AND " + open +
-                                " ORDER BY last_entry, last_ms, entry LIMIT ?3)");
+  prepare.Into(count_, "SELECT COUNT(*) FROM mission_runs WHERE ruri = ? AND is_open");
+  prepare.Into(close_over_, close(RunClosed::kForBound) +
+                                "ruri = ?2 AND is_open"
+                                " ORDER BY last_entry, last_at, entry LIMIT ?3)");
   // A run's last report is hardly ever older than its first one, by which the index goes.
-  prepare.Into(close_old_, close(RunClosed::kForAge) + "first_ms < ?2 AND last_ms < ?2 AND " +
-                               open + " ORDER BY first_ms, entry LIMIT ?3) RETURNING 1");
+  prepare.Into(close_old_, close(RunClosed::kForAge) +
+                               "first_at < ?2 AND last_at < ?2 AND is_open"
+                               " ORDER BY first_at, entry LIMIT ?3) RETURNING 1");
   return prepare.status();
 }
 

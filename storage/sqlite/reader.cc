@@ -52,13 +52,13 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
   return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<RobotRow>> {
     // Commits touch a robot's sessions, not its own row.
     auto statement = database.Prepare(
-        "SELECT r.ruri, r.fleet, r.first_seen_ms, max(r.last_seen_ms, coalesce(s.last_used_ms, 0),"
-        " coalesce(l.last_sign_ms, 0)) AS heard_ms,"
-        " p.presence, p.at_ms, s.session, CASE WHEN l.session = s.session THEN"
-        " max(s.cursor, l.settled_seq) ELSE s.cursor END, r.owner FROM robots AS r"
+        "SELECT r.ruri, r.fleet, r.first_seen, max(r.last_seen, coalesce(s.last_used, 0),"
+        " coalesce(l.last_sign_at, 0)) AS heard_ms,"
+        " p.presence, p.changed_at, s.session, CASE WHEN l.session = s.session THEN"
+        " max(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END, r.owner FROM robots AS r"
         " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
         " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
-        " WHERE ruri = r.ruri ORDER BY last_used_ms DESC, session DESC LIMIT 1)"
+        " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1)"
         " LEFT JOIN live AS l ON l.ruri = r.ruri"
         // Those that stand for no robot (origin.h).
         " WHERE substr(r.ruri, 1, 10) <> 'cyberwave:'"
@@ -215,7 +215,7 @@ absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::str
                                                         LatestKindSet kinds) {
   return pool_->With([&](Database& database) -> absl::StatusOr<LatestRows> {
     auto statement = database.Prepare(
-        "SELECT kind, received_ms, body FROM latest WHERE ruri = ? AND (? >> kind) & 1"
+        "SELECT kind, received_at, body FROM latest WHERE ruri = ? AND (? >> kind) & 1"
         " ORDER BY kind");
     if (!statement.ok()) return statement.status();
     LatestRows latest;

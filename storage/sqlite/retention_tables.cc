@@ -38,8 +38,8 @@ absl::Status RetentionTables::Prepare(Database& database) {
       " (ruri, session, last, first, entry, reason, field, detail)"
       " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail"
       " FROM (SELECT ruri, session, seq, entry, source, reason, field, detail FROM quarantine"
-      " WHERE received_ms < ?1"
-      " ORDER BY received_ms, entry LIMIT ?2) AS q"
+      " WHERE received_at < ?1"
+      " ORDER BY received_at, entry LIMIT ?2) AS q"
       " JOIN sessions AS s ON s.ruri = q.ruri AND s.session = q.session"
       " AND q.entry >= s.first_entry"
       " WHERE q.source = 0 AND q.seq > s.settled_seq RETURNING 1");

@@ -22,10 +22,10 @@ absl::Status SqliteRobotRemoval::Prepare() {
   prepare.Into(hold_, "SELECT owner, epoch FROM robots WHERE ruri = ?");
   // The store is one process's at a time: no other can have a stream.
   prepare.Into(silent_,
-               "SELECT ruri, epoch FROM robots AS r WHERE last_seen_ms < ?1"
-               " AND coalesce((SELECT last_sign_ms FROM live WHERE ruri = r.ruri) < ?1, 1)"
-               " AND coalesce((SELECT at_ms FROM presence_latest WHERE ruri = r.ruri) < ?1, 1)"
-               " AND NOT EXISTS (SELECT 1 FROM sessions WHERE ruri = r.ruri AND last_used_ms >= ?1)"
+               "SELECT ruri, epoch FROM robots AS r WHERE last_seen < ?1"
+               " AND coalesce((SELECT last_sign_at FROM live WHERE ruri = r.ruri) < ?1, 1)"
+               " AND coalesce((SELECT changed_at FROM presence_latest WHERE ruri = r.ruri) < ?1, 1)"
+               " AND NOT EXISTS (SELECT 1 FROM sessions WHERE ruri = r.ruri AND last_used >= ?1)"
                // Those that stand for no robot (origin.h).
                " AND substr(ruri, 1, 10) <> 'cyberwave:'"
                " AND ruri > ?2 ORDER BY ruri LIMIT ?3");

@@ -44,7 +44,7 @@ absl::Status SetAsideTables::Prepare(Database& database) {
   prepare.Into(count_gaps_, "SELECT COUNT(*) FROM gaps WHERE ruri = ?");
   prepare.Into(trim_gaps_,
                "DELETE FROM gaps WHERE rowid IN (SELECT rowid FROM gaps WHERE ruri = ?"
-               " ORDER BY seen_ms, entry LIMIT ?)");
+               " ORDER BY seen_at, entry LIMIT ?)");
   return prepare.status();
 }
 

@@ -42,16 +42,16 @@ absl::Status SqliteTopicLeases::Prepare() {
   prepare.Into(begin_, "BEGIN IMMEDIATE");
   prepare.Into(commit_, "COMMIT");
   prepare.Into(read_,
-               "SELECT c.client_id, c.process, c.epoch, c.released, c.taken_ms, p.prefix"
+               "SELECT c.client_id, c.process, c.epoch, c.released, c.taken_at, p.prefix"
                " FROM topic_clients AS c LEFT JOIN topic_prefixes AS p ON p.client_id = c.client_id"
                " ORDER BY c.client_id, p.prefix");
   prepare.Into(draw_epoch_, "UPDATE epochs SET last = last + 1 WHERE id = 0 RETURNING last");
   prepare.Into(end_, "UPDATE topic_clients SET released = 1, epoch = ?2 WHERE client_id = ?1");
   prepare.Into(take_,
-               "INSERT INTO topic_clients (client_id, process, epoch, released, taken_ms)"
+               "INSERT INTO topic_clients (client_id, process, epoch, released, taken_at)"
                " VALUES (?, ?, ?, 0, ?) ON CONFLICT (client_id) DO UPDATE SET"
                " process = excluded.process, epoch = excluded.epoch, released = 0,"
-               " taken_ms = excluded.taken_ms");
+               " taken_at = excluded.taken_at");
   prepare.Into(drop_prefixes_, "DELETE FROM topic_prefixes WHERE client_id = ?");
   prepare.Into(add_prefix_, "INSERT INTO topic_prefixes (prefix, client_id) VALUES (?, ?)");
   prepare.Into(release_,
@@ -62,7 +62,7 @@ absl::Status SqliteTopicLeases::Prepare() {
   prepare.Into(drop_through_, "DELETE FROM deliveries WHERE client_id = ? AND number <= ?");
   prepare.Into(drop_clients_,
                "DELETE FROM topic_clients WHERE client_id IN (SELECT client_id FROM topic_clients"
-               " WHERE released ORDER BY taken_ms, client_id LIMIT max(0, (SELECT count(*)"
+               " WHERE released ORDER BY taken_at, client_id LIMIT max(0, (SELECT count(*)"
                " FROM topic_clients) - ?))");
   prepare.Into(
       drop_deliveries_,

@@ -34,7 +34,7 @@ sums AS (
     count(*) FILTER (WHERE seq % 8 = 4) AS reports
   FROM said JOIN acked ON acked.ruri = said.ruri GROUP BY said.ruri
 )
-SELECT acked.ruri, acked.t, coalesce({cursor}, 0), coalesce(n, 0), coalesce(numbers, 0),
+SELECT acked.ruri, acked.t, coalesce(cursor_seq, 0), coalesce(n, 0), coalesce(numbers, 0),
   coalesce(kept, 0), coalesce(wrong, 0), coalesce(top, 0), coalesce(reports, 0),
   (SELECT count(*) FROM faults_active AS f WHERE f.ruri = acked.ruri),
   coalesce((SELECT sum(updates) FROM mission_runs AS m WHERE m.ruri = acked.ruri), 0),
@@ -64,7 +64,7 @@ class Sqlite:
             connection.close()
 
     def rows(self, acked):
-        return self.read(COMPARISON.format(acked=acked, cursor="cursor"))
+        return self.read(COMPARISON.format(acked=acked))
 
     def close(self):
         pass
@@ -87,7 +87,7 @@ class Postgres:
 
     def rows(self, acked):
         text = self.sql(
-            "SET search_path = uplinkd;" + COMPARISON.format(acked=acked, cursor="cursor_seq")
+            "SET search_path = uplinkd;" + COMPARISON.format(acked=acked)
         )
         return [
             [part if i == 0 else int(part) for i, part in enumerate(line.split("|"))]

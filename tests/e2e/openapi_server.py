@@ -51,7 +51,7 @@ class Served(EndToEnd):
         with sqlite3.connect(self.folder / "uplinkd.db", timeout=WAIT_SECONDS) as store:
             for first in (5, 20):
                 store.execute(
-                    "INSERT INTO gaps (ruri, session, first, last, fleet, seen_ms, entry)"
+                    "INSERT INTO gaps (ruri, session, first, last, fleet, seen_at, entry)"
                     " SELECT ruri, x'00112233445566778899aabbccddeeff', ?, ? + 4, fleet, ?, 0 FROM robots",
                     (first, first, 1763683200000 + first),
                 )

@@ -177,7 +177,7 @@ class Clock(EndToEnd):
 
     def test_what_a_clock_behind_stamps_is_kept_on_sqlite(self):
         self.what_a_clock_behind_stamps_is_kept(
-            SqliteRows(self.folder), "received_ms < (strftime('%s', 'now') - 86400) * 1000"
+            SqliteRows(self.folder), "received_at < (strftime('%s', 'now') - 86400) * 1000"
         )
 
     def test_what_a_clock_behind_stamps_is_kept_on_postgres(self):

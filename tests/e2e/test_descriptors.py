@@ -83,7 +83,7 @@ class Descriptors(EndToEnd):
     def stored(self):
         """Messages of the victim that are committed, by the store itself: HTTP may have no descriptor left."""
         with sqlite3.connect(f"file:{self.folder}/uplinkd.db?mode=ro", uri=True, timeout=30) as store:
-            return store.execute("SELECT coalesce(max(cursor), 0) FROM sessions").fetchone()[0]
+            return store.execute("SELECT coalesce(max(cursor_seq), 0) FROM sessions").fetchone()[0]
 
     def wait_for_more(self, than):
         return wait_until(

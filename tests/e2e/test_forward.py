@@ -39,7 +39,7 @@ class Incomplete(EndToEnd):
         # Beside the server: its look finds the change. One that was silent for long would be removed.
         now = time.time_ns() // 1_000_000
         self.store(
-            ("INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen_ms, last_seen_ms)"
+            ("INSERT INTO robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
              " VALUES (?, 'north', 1, 1, zeroblob(16), ?, ?)", RURI, now, now),
             ("INSERT INTO shapes VALUES (?, 'pit', 'north', 1, 1, 1, 0, 'The pit', 1, '', 3, 1, 0, 0, 0, 'broken')",
              RURI),

@@ -45,7 +45,7 @@ class Schema(EndToEnd):
         denied = uplinkctl("store", "migrate", "--url", self.cluster.url("uplinkd"), code=1)
         self.assertIn("permission denied", denied.stderr)
         applied = uplinkctl("store", "migrate", "--url", owner, "--grant-to", "uplinkd").stdout
-        self.assertIn("applied 0001_first_tables", applied)
+        self.assertIn("applied 0001_schema", applied)
         self.assertIn("granted to uplinkd", applied)
         status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd")).stdout
         self.assertIn("server          PostgreSQL ", status)

@@ -12,7 +12,7 @@ namespace {
 
 // By their places in the table: a join by their names was planned as all runs of the robot times
 // those to close, until the table's first ANALYZE (95 ms per commit with 4,600 runs).
-// closed_why is RunClosed::kForBound. Rows from before last_entry was there come first.
+// closed_why is RunClosed::kForBound.
 constexpr std::string_view kCloseOver =
     "UPDATE uplinkd.mission_runs AS m SET is_open = false, closed_why = 1, closed_at = u.at"
     " FROM unnest($1::text[], $2::timestamptz[]) AS u (ruri, at)"

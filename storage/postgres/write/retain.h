@@ -15,7 +15,7 @@ namespace uplink::storage::postgres {
 inline constexpr int kPartitionDaysBefore = 1;
 inline constexpr int kPartitionDaysAfter = 3;
 /// Days after its own today up to which the database makes partitions
-/// (migrations/postgres/0009_partition_bounds.sql).
+/// (migrations/postgres/0001_schema.sql).
 inline constexpr int kPartitionDaysAheadMax = 31;
 static_assert(kPartitionDaysAfter + 1 < kPartitionDaysAheadMax, "clocks may differ by a day");
 

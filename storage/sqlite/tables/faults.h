@@ -45,11 +45,11 @@ inline constexpr Table<FaultReport, FaultRow, 14> kFaultHistoryTable = {
                    [](const Cell& cell, FaultRow& row) { row.fault.active = cell.Int() != 0; }},
               })))};
 
-/// raised_ms and entry are those of the raise that made the fault active.
+/// raised_at and entry are those of the raise that made the fault active.
 inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
     "faults_active",
     Writes::kUpserts,
-    {"raised_ms",
+    {"raised_at",
      [](SystemTime time, FaultRow& row) {
        row.raised_at = time;
        row.fault.active = true;
@@ -59,10 +59,10 @@ inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
               [](Binder& to, const RaisedFault& row) { to.Text(row.record->robot->ruri); }},
              {"fleet", Role::kValue,
               [](Binder& to, const RaisedFault& row) { to.Text(row.record->robot->fleet); }},
-             {"raised_ms", Role::kKept,
+             {"raised_at", Role::kKept,
               [](Binder& to, const RaisedFault& row) { to.Time(row.record->received_at); }},
              {"entry", Role::kKept, [](Binder& to, const RaisedFault& row) { to.Int(row.entry); }},
-             {"received_ms", Role::kValue,
+             {"received_at", Role::kValue,
               [](Binder& to, const RaisedFault& row) { to.Time(row.record->received_at); },
               [](const Cell& cell, FaultRow& row) { row.received_at = cell.Time(); }},
          }),

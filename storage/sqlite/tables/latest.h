@@ -30,7 +30,7 @@ inline constexpr Table<LatestReport, Unlisted, 5> kLatestTable = {
          [](Binder& to, const LatestReport& row) { to.Int(static_cast<std::int64_t>(row.kind)); }},
         {"fleet", Role::kValue,
          [](Binder& to, const LatestReport& row) { to.Text(row.record->robot->fleet); }},
-        {"received_ms", Role::kValue,
+        {"received_at", Role::kValue,
          [](Binder& to, const LatestReport& row) { to.Time(row.record->received_at); }},
         {"body", Role::kValue, [](Binder& to, const LatestReport& row) { to.Text(row.body_json); }},
     })};
@@ -43,11 +43,11 @@ struct PresenceChange {
 inline constexpr Table<PresenceChange, PresenceRow, 5> kPresenceChangesTable = {
     "presence_changes",
     Writes::kInserts,
-    {"at_ms", [](SystemTime time, PresenceRow& row) { row.at = time; }},
+    {"changed_at", [](SystemTime time, PresenceRow& row) { row.at = time; }},
     std::to_array<Column<PresenceChange, PresenceRow>>({
         {"ruri", Role::kValue,
          [](Binder& to, const PresenceChange& row) { to.Text(row.item->robot->ruri); }},
-        {"at_ms", Role::kValue,
+        {"changed_at", Role::kValue,
          [](Binder& to, const PresenceChange& row) { to.Time(row.item->at); }},
         {"entry", Role::kValue, [](Binder& to, const PresenceChange& row) { to.Int(row.entry); }},
         {"fleet", Role::kValue,
@@ -70,7 +70,8 @@ inline constexpr Table<PresenceItem, Unlisted, 3> kLatestPresenceTable = {
          [](Binder& to, const PresenceItem& item) {
            to.Int(static_cast<std::int64_t>(item.presence));
          }},
-        {"at_ms", Role::kValue, [](Binder& to, const PresenceItem& item) { to.Time(item.at); }},
+        {"changed_at", Role::kValue,
+         [](Binder& to, const PresenceItem& item) { to.Time(item.at); }},
     })};
 
 }  // namespace uplink::storage::sqlite

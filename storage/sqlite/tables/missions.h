@@ -39,15 +39,13 @@ inline constexpr Table<MissionReport, MissionReportRow, 10> kMissionReportsTable
                    [](const Cell& cell, MissionReportRow& row) { row.report_json = cell.Text(); }},
               })))};
 
-/// first_ms and entry are those of the run's first report. A report opens a run that the server
+/// first_at and entry are those of the run's first report. A report opens a run that the server
 /// closed.
-inline constexpr Table<MissionReport, MissionRunRow, 14> kMissionRunsTable = {
+inline constexpr Table<MissionReport, MissionRunRow, 15> kMissionRunsTable = {
     "mission_runs",
     Writes::kUpserts,
-    // `open_if` is word for word the condition of the partial indexes.
-    {"first_ms", [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; },
-     "status NOT IN (6, 7, 8) AND closed_why = 0",
-     "last_ms < ?1 AND (status IN (6, 7, 8) OR closed_why <> 0)"},
+    {"first_at", [](SystemTime time, MissionRunRow& row) { row.first_received_at = time; },
+     "is_open", "last_at < ?1 AND NOT is_open"},
     Join(
         kMissionColumns<MissionRunRow>,
         std::to_array<Column<MissionReport, MissionRunRow>>({
@@ -67,12 +65,15 @@ inline constexpr Table<MissionReport, MissionRunRow, 14> kMissionRunsTable = {
              [](Binder& to, const MissionReport& row) { to.Text(row.record->robot->ruri); }},
             {"fleet", Role::kValue,
              [](Binder& to, const MissionReport& row) { to.Text(row.record->robot->fleet); }},
-            {"first_ms", Role::kKept,
+            {"first_at", Role::kKept,
              [](Binder& to, const MissionReport& row) { to.Time(row.record->received_at); }},
             {"entry", Role::kKept, [](Binder& to, const MissionReport& row) { to.Int(row.entry); }},
-            {"last_ms", Role::kValue,
+            {"last_at", Role::kValue,
              [](Binder& to, const MissionReport& row) { to.Time(row.record->received_at); },
              [](const Cell& cell, MissionRunRow& row) { row.last_received_at = cell.Time(); }},
+            {"is_open", Role::kValue,
+             [](Binder& to,
+                const MissionReport& row) { to.Int(model::IsTerminal(row.body->status) ? 0 : 1); }},
             {"updates",
              Role::kValue,
              [](Binder& to, const MissionReport& /*row*/) { to.Int(1); },
@@ -89,7 +90,7 @@ inline constexpr Table<MissionReport, MissionRunRow, 14> kMissionRunsTable = {
             {"closed_why", Role::kValue,
              [](Binder& to, const MissionReport& /*row*/) { to.Int(0); },
              [](const Cell& cell, MissionRunRow& row) { row.closed = RunClosedOf(cell.Int()); }},
-            {"closed_ms", Role::kValue, [](Binder& to, const MissionReport& /*row*/) { to.Int(0); },
+            {"closed_at", Role::kValue, [](Binder& to, const MissionReport& /*row*/) { to.Int(0); },
              [](const Cell& cell, MissionRunRow& row) { row.closed_at_ms = cell.Int(); }},
         }))};
 

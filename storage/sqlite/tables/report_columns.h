@@ -42,7 +42,7 @@ constexpr std::optional<Read<Out>> SeqReader() {
 template <typename In, typename Out>
 inline constexpr std::array<Column<In, Out>, 6> kReportColumns = {{
     {"ruri", Role::kValue, [](Binder& to, const In& row) { to.Text(row.record->robot->ruri); }},
-    {"received_ms", Role::kValue,
+    {"received_at", Role::kValue,
      [](Binder& to, const In& row) { to.Time(row.record->received_at); }},
     {"entry", Role::kValue, [](Binder& to, const In& row) { to.Int(row.entry); }},
     {"fleet", Role::kValue, [](Binder& to, const In& row) { to.Text(row.record->robot->fleet); }},
@@ -55,7 +55,7 @@ inline constexpr std::array<Column<In, Out>, 6> kReportColumns = {{
 /// Lists of histories stand by the arrival.
 template <typename Out>
 constexpr Listed<Out> ByArrival() {
-  return {"received_ms", [](SystemTime time, Out& row) { row.received_at = time; }};
+  return {"received_at", [](SystemTime time, Out& row) { row.received_at = time; }};
 }
 
 }  // namespace uplink::storage::sqlite

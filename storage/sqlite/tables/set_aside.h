@@ -77,7 +77,7 @@ struct Gap {
 inline constexpr Table<Gap, GapRow, 7> kGapsTable = {
     "gaps",
     Writes::kUpserts,
-    {"seen_ms", [](SystemTime time, GapRow& row) { row.seen_at = time; }},
+    {"seen_at", [](SystemTime time, GapRow& row) { row.seen_at = time; }},
     std::to_array<Column<Gap, GapRow>>({
         {"ruri", Role::kKey, [](Binder& to, const Gap& row) { to.Text(row.item->robot->ruri); }},
         {"session", Role::kKey, [](Binder& to, const Gap& row) { to.Session(row.item->session); },
@@ -91,7 +91,7 @@ inline constexpr Table<Gap, GapRow, 7> kGapsTable = {
          {},
          "max(last, excluded.last)"},
         {"fleet", Role::kKept, [](Binder& to, const Gap& row) { to.Text(row.item->robot->fleet); }},
-        {"seen_ms", Role::kKept, [](Binder& to, const Gap& row) { to.Time(row.item->seen_at); }},
+        {"seen_at", Role::kKept, [](Binder& to, const Gap& row) { to.Time(row.item->seen_at); }},
         {"entry", Role::kKept, [](Binder& to, const Gap& row) { to.Int(row.entry); }},
     })};
 

@@ -25,16 +25,16 @@ inline std::string& IdOf(ObjectRow& row) { return row.id; }
 inline std::string& NameOf(ShapeRow& row) { return row.identity.name; }
 inline std::string& NameOf(ObjectRow& row) { return row.name; }
 
-/// The columns of both. first_ms and entry are those of the upsert that made the id present.
+/// The columns of both. first_at and entry are those of the upsert that made the id present.
 template <typename In, typename Out>
 inline constexpr std::array<Column<In, Out>, 9> kSpatialColumns = {{
     {"ruri", Role::kKey, [](Binder& to, const In& row) { to.Text(row.record->robot->ruri); }},
     {"id", Role::kKey, [](Binder& to, const In& row) { to.Text(IdOf(*row.body)); },
      [](const Cell& cell, Out& row) { IdOf(row) = cell.Text(); }},
     {"fleet", Role::kValue, [](Binder& to, const In& row) { to.Text(row.record->robot->fleet); }},
-    {"first_ms", Role::kKept, [](Binder& to, const In& row) { to.Time(row.record->received_at); }},
+    {"first_at", Role::kKept, [](Binder& to, const In& row) { to.Time(row.record->received_at); }},
     {"entry", Role::kKept, [](Binder& to, const In& row) { to.Int(row.entry); }},
-    {"received_ms", Role::kValue,
+    {"received_at", Role::kValue,
      [](Binder& to, const In& row) { to.Time(row.record->received_at); },
      [](const Cell& cell, Out& row) { row.received_at = cell.Time(); }},
     {"expires_ms", Role::kValue, [](Binder& to, const In& row) { to.Int(row.expires_ms); },
@@ -48,7 +48,7 @@ inline constexpr std::array<Column<In, Out>, 9> kSpatialColumns = {{
 /// Lists stand by the upsert that made the id present, which their rows do not show.
 template <typename Out>
 constexpr Listed<Out> ByFirstUpsert() {
-  return {"first_ms", nullptr};
+  return {"first_at", nullptr};
 }
 
 inline constexpr Table<UpsertedShape, ShapeRow, 16> kShapesTable = {

@@ -10,8 +10,6 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/migrations.h"
-#include "storage/postgres/schema.h"
 #include "storage/postgres/shared_items.h"
 #include "tests/support/eventually.h"
 #include "tests/support/postgres_database.h"
@@ -19,7 +17,6 @@
 namespace uplink::storage::postgres {
 namespace {
 
-using testing::DatabaseContent;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using testing::PostgresDatabase;
@@ -210,34 +207,6 @@ TEST_F(PostgresChangesTest, SweepsOfTwoSessionsDoNotWaitForEachOther) {
   EXPECT_EQ(Sweep(0), "0\n");
   other_.Run("COMMIT");
   EXPECT_EQ(Count("changes"), "1\n");
-}
-
-TEST_F(PostgresChangesTest, ItemsFromBeforeTheStepAreThere) {
-  PostgresDatabase older(DatabaseContent::kEmpty);
-  ConnectionOptions options;
-  options.url = *ParseUrl(older.owner_url());
-  const auto owner = *Connection::Open(options, clock_);
-  const auto all = Migrations();
-  std::size_t step = 0;
-  while (std::string_view(all[step].name) != "0015_changes") ++step;
-  ASSERT_TRUE(Migrate(*owner, all.first(step)).ok());
-  ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
-  PostgresShell server(older.url());
-  server.Run(Upsert("before"));
-  ASSERT_TRUE(Migrate(*owner, all).ok());
-  StoreOptions serving;
-  serving.url = older.url();
-  const auto items = *PostgresSharedItems::Make(serving, clock_);
-  const auto positions = items->Positions();
-  ASSERT_TRUE(positions.ok()) << positions.status();
-  const auto page = items->Page(std::nullopt);
-  ASSERT_TRUE(page.ok()) << page.status();
-  ASSERT_THAT(page->items, SizeIs(1));
-  EXPECT_EQ(page->items[0].Key(), Key("before"));
-  server.Run("DELETE FROM uplinkd.objects");
-  const auto changes = items->ChangesSince(*positions);
-  ASSERT_TRUE(changes.ok()) << changes.status();
-  EXPECT_THAT(changes->keys, ElementsAre(Key("before")));
 }
 
 TEST_F(PostgresChangesTest, ATruncationMakesWhoReadsReadAllAnew) {

@@ -7,8 +7,6 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/migrations.h"
-#include "storage/postgres/schema.h"
 #include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
 #include "tests/support/postgres_database.h"
@@ -17,7 +15,6 @@
 namespace uplink::storage::postgres {
 namespace {
 
-using testing::DatabaseContent;
 using testing::PostgresDatabase;
 using testing::PostgresShell;
 
@@ -123,28 +120,6 @@ TEST_F(PostgresSnapshotTest, ACommitLooksForItsRobotsAloneHoweverManyThereAre) {
   constexpr int kLevels = 8 * kBatches;
   EXPECT_LE(PagesRead("robots") - robots_before, robots + kLevels);
   EXPECT_LE(PagesRead("sessions") - sessions_before, sessions + kLevels);
-}
-
-TEST_F(PostgresSnapshotTest, TheStepKeepsCursorsAndRefusesTheOlderProgram) {
-  PostgresDatabase older(DatabaseContent::kEmpty);
-  ConnectionOptions options;
-  options.url = *ParseUrl(older.owner_url());
-  const auto owner = *Connection::Open(options, clock_);
-  const auto all = Migrations();
-  std::size_t step = 0;
-  while (std::string_view(all[step].name) != "0007_session_parts") ++step;
-  ASSERT_TRUE(Migrate(*owner, all.first(step)).ok());
-  PostgresShell shell = older.Shell();
-  shell.Run(
-      "INSERT INTO uplinkd.sessions VALUES"
-      " ('a', '07000000-0000-0000-0000-000000000000', 0, '2026-01-01', 3),"
-      " ('b', '07000000-0000-0000-0000-000000000000', 9007199254740991, '2026-01-02', 4)");
-  const std::string read =
-      "SELECT ruri, session, cursor_seq, last_used, first_entry FROM uplinkd.sessions ORDER BY 1";
-  const std::string kept = shell.Read(read);
-  ASSERT_TRUE(Migrate(*owner, all).ok());
-  EXPECT_EQ(shell.Read(read), kept);
-  EXPECT_TRUE(absl::IsFailedPrecondition(CheckSchema(*owner, all.first(step))));
 }
 
 }  // namespace

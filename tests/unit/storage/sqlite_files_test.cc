@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -218,25 +217,6 @@ TEST_F(SqliteFiles, KeepsNothingOfAMigrationThatFails) {
     EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), next);
   }
   EXPECT_THAT(Text(Open()), HasSubstr(fmt::format("version {}", next)));
-}
-
-TEST_F(SqliteFiles, EpochsBeginAboveAllThatRowsName) {
-  const auto step = std::ranges::find_if(Migrations(), [](const Migration& migration) {
-    return std::string_view(migration.name).ends_with("_epochs");
-  });
-  ASSERT_NE(step, Migrations().end());
-  const auto before = static_cast<std::size_t>(step - Migrations().begin());
-  auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
-  ASSERT_TRUE(database.ok()) << database.status();
-  ASSERT_TRUE(Migrate(**database, Migrations().first(before), IfOlder::kMigrate).ok());
-  ASSERT_TRUE(
-      (*database)
-          ->Execute("INSERT INTO robots (ruri, fleet, epoch, held_since, owner,"
-                    " first_seen_ms, last_seen_ms) VALUES ('rcan://a', 'f', 41, 1, x'07',"
-                    " 0, 0); INSERT INTO live (ruri, held_since) VALUES ('rcan://gone', 57)")
-          .ok());
-  ASSERT_TRUE(Migrate(**database, Migrations(), IfOlder::kMigrate).ok());
-  EXPECT_EQ(*(*database)->ReadInt("SELECT last FROM epochs"), 57);
 }
 
 TEST_F(SqliteFiles, ReadsBackThatEveryCommitIsSynced) {

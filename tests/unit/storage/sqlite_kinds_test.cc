@@ -4,20 +4,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "storage/sqlite/reader.h"
-#include "storage/sqlite/schema.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/records.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"
 #include "tests/unit/schema/samples.h"
 
-/// The durable kinds in a file: an older file, rows that SQLite refuses, the sweep's bound.
+/// The durable kinds in a file: rows that SQLite refuses, the sweep's bound.
 namespace uplink::storage::sqlite {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::SizeIs;
 using testing::SqliteShell;
 
 class SqliteKinds : public ::testing::Test {
@@ -54,28 +51,6 @@ class SqliteKinds : public ::testing::Test {
   Epoch held_since_ = 0;
   model::Seq seq_ = 0;
 };
-
-TEST_F(SqliteKinds, AFileOfTheFirstVersionIsBroughtUpWithItsRows) {
-  {
-    auto database = Database::Open(path_, Access::kWrite, milliseconds(100));
-    ASSERT_TRUE(database.ok()) << database.status();
-    ASSERT_TRUE(Migrate(**database, Migrations().first(1), IfOlder::kMigrate).ok());
-    EXPECT_EQ(*(*database)->ReadInt("PRAGMA user_version"), 1);
-  }
-  SqliteShell(path_).Run(
-      "INSERT INTO faults_history VALUES ('rcan://r/1', 5, 1, 'f', x'00', 1, 0, 'F1', 's', 1, 1,"
-      " '', '', '')");
-  Open();
-  const std::vector<CommitRecord> records = {Record(test::SampleEvent())};
-  ASSERT_TRUE(store_->Commit({.records = records}).ok());
-  const auto reader = SqliteReader::Open(path_);
-  ASSERT_TRUE(reader.ok()) << reader.status();
-  const auto faults = (*reader)->FaultHistory({});
-  ASSERT_TRUE(faults.ok()) << faults.status();
-  ASSERT_THAT(faults->rows, SizeIs(1));
-  EXPECT_EQ(faults->rows[0].fault.fault_id, "F1");
-  EXPECT_THAT((*reader)->Events({})->rows, SizeIs(1));
-}
 
 class RefusedKinds : public SqliteKinds, public ::testing::WithParamInterface<const char*> {};
 

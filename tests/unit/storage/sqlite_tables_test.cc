@@ -57,7 +57,7 @@ TEST(SqliteInsertSql, NamesOfRunsAreTheParameterThatTheirUpdateMeans) {
 TEST(SqliteLists, LeaveOutColumnsThatNoListReads) {
   EXPECT_EQ(ListedColumns(kAdded).view(), "key, seen");
   EXPECT_EQ(List<PageKind::kGaps>::kShape.columns, "session, first, last");
-  EXPECT_EQ(List<PageKind::kGaps>::kShape.time_column, "seen_ms");
+  EXPECT_EQ(List<PageKind::kGaps>::kShape.time_column, "seen_at");
 }
 
 TEST(SqliteLists, AHistoryTakesTheReportsOfItsKindAlone) {

@@ -1,6 +1,0 @@
--- By which way a rejected message came: 0 a robot's stream, 1 Cyberwave; and the topic on which it was
--- published, empty for the first.
-ALTER TABLE quarantine
-  ADD COLUMN source integer NOT NULL DEFAULT 0,
-  ADD COLUMN topic text NOT NULL DEFAULT '';
-CREATE INDEX quarantine_by_source ON quarantine (source, received_at, entry) WHERE source <> 0;
