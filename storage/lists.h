@@ -6,16 +6,16 @@
 
 /// The lists that are read in pages, one row each: LIST(Name, number, Row, Query, retained).
 ///
-///   Name      the function of storage::Reader; names it in code: PageKind::kName. Each store has a
-///             table of it, kNameTable in its folder `tables/`
+///   Name      the function of storage::Reader; names it in code: PageKind::kName. It has a table,
+///             kNameTable in `tables/`
 ///   number    part of the tokens that readers hold: it never changes
 ///   Row       what it is a list of (rows.h)
 ///   Query     what it takes (reader.h); from and to are of the time by which it stands
 ///   retained  of Retained: how long its rows are kept
 ///
 /// Reader, the readers of both stores, tokens, the tables that a batch fills and what goes for its
-/// age are made from these rows, in this order. A new one also needs its row's struct, a table of
-/// each store, a migration of each, and a route for whoever asks.
+/// age are made from these rows, in this order. A new one also needs its row's struct, a table, a
+/// migration of each store, and a route for whoever asks.
 #define UPLINK_LISTS(LIST)                                              \
   /* Faults that are active now, one row per fault. */                  \
   LIST(FaultsActive, 1, FaultRow, HistoryQuery, kWhilePresent)          \

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "schema/model/enum_text.h"
 #include "schema/model/message_source.h"
@@ -39,5 +40,22 @@ template <model::WireEnum E>
 
 /// kUplink for a number that this program does not know.
 [[nodiscard]] model::MessageSource MessageSourceOf(std::int64_t column);
+
+/// The same by the type: one of the five above.
+template <typename E>
+[[nodiscard]] E KnownMemberOf(std::int64_t column) {
+  if constexpr (std::is_same_v<E, RunClosed>) {
+    return RunClosedOf(column);
+  } else if constexpr (std::is_same_v<E, model::Presence>) {
+    return PresenceOf(column);
+  } else if constexpr (std::is_same_v<E, model::RejectReason>) {
+    return ReasonOf(column);
+  } else if constexpr (std::is_same_v<E, model::ScopeKind>) {
+    return ScopeKindOf(column);
+  } else {
+    static_assert(std::is_same_v<E, model::MessageSource>, "no column holds such a number");
+    return MessageSourceOf(column);
+  }
+}
 
 }  // namespace uplink::storage

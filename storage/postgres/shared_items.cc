@@ -31,7 +31,7 @@ constexpr std::string_view kSince =
     " ORDER BY s.number LIMIT $3::bigint) AS c"
     " ORDER BY w.writer, c.number LIMIT $3::bigint";
 
-/// What List<kList>::Read reads.
+/// What ReadRow<kList> reads.
 template <PageKind kList>
 constexpr SqlText SelectSql() {
   return {"SELECT ",
@@ -103,7 +103,7 @@ absl::Status Gather(OwnConnection& connection, ItemKey after, GatheredPage& gath
     const Result& rows = answers->front();
     for (int row = 0; row < rows.rows(); ++row) {
       if (gathered.full()) break;
-      gathered.Add({List<kList>::Read(rows, row)}, rows.RowBytes(row));
+      gathered.Add({ReadRow<kList>(rows, row)}, rows.RowBytes(row));
     }
     if (rows.rows() < asked && !gathered.full()) return absl::OkStatus();
     after = items.back().Key();
@@ -132,7 +132,7 @@ absl::Status LookUp(OwnConnection& connection, std::span<const ItemKey* const> k
     if (!answers.ok()) return answers.status();
     const Result& rows = answers->front();
     for (int row = 0; row < rows.rows(); ++row) {
-      items.push_back({List<kList>::Read(rows, row)});
+      items.push_back({ReadRow<kList>(rows, row)});
     }
   }
   return absl::OkStatus();

@@ -113,7 +113,7 @@ absl::Status BatchCommit::WriteGap(const GapItem& gap) {
   if (!takes.ok()) return takes.status();
   if (!*takes) return absl::OkStatus();
   known_.robot(gap.robot->ruri).gaps = true;
-  return tables_.rows.Write<kGapsTable>({&gap, next_entry_++});
+  return tables_.rows.Write<kGapsTable>({&gap, gap.last, next_entry_++});
 }
 
 absl::Status BatchCommit::Finish() {

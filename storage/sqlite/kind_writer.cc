@@ -7,7 +7,7 @@
 #include "schema/base/check.h"
 #include "schema/json/text.h"
 #include "storage/sqlite/tables.h"
-#include "storage/sqlite/tables/lists.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::sqlite {
 
@@ -23,23 +23,23 @@ struct KindWriter::Visitor {
     absl::Status status = tables.rows.Write<kFaultHistoryTable>({&record, &fault, entry});
     if (!status.ok()) return status;
     if (!fault.active) return Remove();
-    return tables.rows.Write<kFaultsActiveTable>({&record, &fault, 0, entry});
+    return tables.rows.Write<kFaultsActiveTable>({&record, &fault, 0, record.received_at, entry});
   }
   absl::Status operator()(const model::MissionRunStatus& report) const {
     const std::string text = json::Text(report);
     const MissionReport row = {&record, &report, text, next_entry++};
     absl::Status status = tables.rows.Write<kMissionReportsTable>(row);
     if (!status.ok()) return status;
-    return tables.rows.Write<kMissionRunsTable>(row);
+    return tables.rows.Write<kMissionRunsTable>(MissionRun(row));
   }
-  absl::Status operator()(const model::AgentInfo& info) const {
-    return Latest(LatestKind::kAgentInfo, json::Text(info));
+  absl::Status operator()(const model::AgentInfo& /*body*/) const {
+    return Latest(LatestKind::kAgentInfo);
   }
-  absl::Status operator()(const model::CurrentSettings& settings) const {
-    return Latest(LatestKind::kSettings, json::Text(settings));
+  absl::Status operator()(const model::CurrentSettings& /*body*/) const {
+    return Latest(LatestKind::kSettings);
   }
-  absl::Status operator()(const model::UiCapabilities& capabilities) const {
-    return Latest(LatestKind::kUiCapabilities, json::Text(capabilities));
+  absl::Status operator()(const model::UiCapabilities& /*body*/) const {
+    return Latest(LatestKind::kUiCapabilities);
   }
   absl::Status operator()(const model::ShapeOp& op) const {
     return Spatial<kShapesTable>(op.upsert());
@@ -51,7 +51,7 @@ struct KindWriter::Visitor {
   absl::Status operator()(const Body& body) const {
     constexpr std::optional<PageKind> kHistory = HistoryOf<Body>();
     if constexpr (kHistory) {
-      return tables.rows.Write<ListTable<*kHistory>::kTable>({&record, &body, next_entry++});
+      return tables.rows.Write<List<*kHistory>::kTable>({&record, &body, next_entry++});
     } else {
       static_assert(model::SettlingOf<Body>::kSettling == model::Settling::kLive,
                     "a durable kind has a table, or an overload above");
@@ -60,14 +60,15 @@ struct KindWriter::Visitor {
   }
 
  private:
-  absl::Status Latest(LatestKind kind, const std::string& body_json) const {
-    return tables.rows.Write<kLatestTable>({&record, kind, body_json});
+  absl::Status Latest(LatestKind kind) const {
+    return tables.rows.Write<kLatestTable>({&record, kind});
   }
   /// A deletion if there is no upsert.
   template <const auto& kTable, typename Body>
   absl::Status Spatial(const Body* upsert) const {
     if (upsert == nullptr) return Remove();
-    return tables.rows.Write<kTable>({&record, upsert, ruling.change->expires_ms, next_entry++});
+    return tables.rows.Write<kTable>(
+        {&record, upsert, ruling.change->expires_ms, record.received_at, next_entry++});
   }
   absl::Status Remove() const {
     if (!ruling.was_present) return absl::OkStatus();

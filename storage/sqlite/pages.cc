@@ -1,6 +1,8 @@
 #include "storage/sqlite/pages.h"
 
 #include <algorithm>
+#include <string_view>
+#include <variant>
 
 namespace uplink::storage::sqlite {
 
@@ -19,7 +21,10 @@ std::string PageSql(const ListShape& shape, const HistoryQuery& query, const Lis
   if (query.from) sql += " AND " + time + " >= ?";
   if (query.to) sql += " AND " + time + " <= ?";
   if (!query.page_token.empty()) sql += " AND (" + time + ", entry) < (?, ?)";
-  sql += filter.sql;
+  for (const ListFilter::Condition& condition : filter.conditions) {
+    // The plus keeps the column's own index out.
+    sql.append(condition.by_other_index ? " AND +" : " AND ").append(condition.sql);
+  }
   sql += " ORDER BY " + time + " DESC, entry DESC LIMIT ?";
   return sql;
 }
@@ -36,8 +41,12 @@ void BindPage(Statement& statement, const HistoryQuery& query, const ListFilter&
     // A forged token may hold what no column does; it then means the largest.
     statement.Bind(++index, std::min(start->entry, std::uint64_t{model::kSeqMax}));
   }
-  for (const auto& value : filter.values) {
-    std::visit([&](const auto& one) { statement.Bind(++index, one); }, value);
+  for (const ListFilter::Condition& condition : filter.conditions) {
+    if (const auto* number = std::get_if<std::int64_t>(&condition.value)) {
+      statement.Bind(++index, *number);
+    } else if (const auto* text = std::get_if<std::string_view>(&condition.value)) {
+      statement.Bind(++index, *text);
+    }
   }
   statement.Bind(++index, rows);
 }

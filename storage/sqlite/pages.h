@@ -3,42 +3,15 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <variant>
-#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "storage/page_token.h"
 #include "storage/reader.h"
 #include "storage/sqlite/database.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::sqlite {
-
-/// One list as it lies in the file.
-struct ListShape {
-  PageKind kind;
-  std::string_view table;
-  /// The columns of a row, after its time, entry, ruri and fleet.
-  std::string_view columns;
-  /// What the list is ordered by, newest first; entry breaks ties.
-  std::string_view time_column;
-};
-
-/// What a query restricts beyond HistoryQuery. The texts must outlive the read.
-struct ListFilter {
-  /// Conditions, each beginning with ` AND `.
-  std::string sql;
-  /// Their parameters, in order.
-  std::vector<std::variant<std::int64_t, std::string_view>> values;
-};
-
-/// Columns that every row of a list begins with; those of ListShape follow.
-inline constexpr int kTimeColumn = 0;
-inline constexpr int kEntryColumn = 1;
-inline constexpr int kRuriColumn = 2;
-inline constexpr int kFleetColumn = 3;
-inline constexpr int kFirstOwnColumn = 4;
 
 /// The statement for a page: one of a few texts, by what the query restricts.
 [[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query,

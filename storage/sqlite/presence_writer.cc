@@ -38,8 +38,9 @@ absl::Status WritePresence(Tables& tables, Decider& decider, const Batch& batch,
     if (!outcome.ok()) return outcome.status();
     outcomes.push_back({*outcome, std::nullopt});
     if (*outcome != OutcomeKind::kStored) continue;
-    absl::Status written = tables.rows.Write<kPresenceChangesTable>({&item, next_entry++});
-    if (written.ok()) written = tables.rows.Write<kLatestPresenceTable>(item);
+    const PresenceChange change = {&item, next_entry++};
+    absl::Status written = tables.rows.Write<kPresenceChangesTable>(change);
+    if (written.ok()) written = tables.rows.Write<kLatestPresenceTable>(change);
     if (!written.ok()) return written;
   }
   absl::Status raised =

@@ -1,41 +1,22 @@
 #include "storage/sqlite/present_rows.h"
 
-#include <array>
 #include <string>
 
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
+#include "storage/tables/present.h"
 
 namespace uplink::storage::sqlite {
-namespace {
-
-/// How a table of what is present differs from the others.
-struct TableShape {
-  std::string_view name;
-  std::string_view id_column;
-  /// Empty if the id alone is the key of a robot's row.
-  std::string_view source_column;
-  /// When a row expires.
-  std::string_view expiry;
-};
-
-/// In the order of PresentKind.
-constexpr std::array<TableShape, kPresentKinds> kTables = {{
-    {"faults_active", "fault_id", "source", "0"},
-    {"shapes", "id", "", "expires_ms"},
-    {"objects", "id", "", "expires_ms"},
-}};
-
-}  // namespace
 
 absl::Status PresentRows::Prepare(Database& database, PresentKind kind) {
-  const TableShape& shape = kTables[static_cast<std::size_t>(kind)];
+  const PresentTable& shape = kPresentTables[static_cast<std::size_t>(kind)];
   has_source_ = !shape.source_column.empty();
   const std::string table(shape.name);
   std::string key = " WHERE ruri = ? AND " + std::string(shape.id_column) + " = ?";
   if (has_source_) key += " AND " + std::string(shape.source_column) + " = ?";
   Preparer prepare(database);
-  prepare.Into(expiry_, "SELECT " + std::string(shape.expiry) + " FROM " + table + key);
+  const std::string expiry(shape.expiry_column.empty() ? "0" : shape.expiry_column);
+  prepare.Into(expiry_, "SELECT " + expiry + " FROM " + table + key);
   prepare.Into(count_, "SELECT COUNT(*) FROM " + table + " WHERE ruri = ?");
   prepare.Into(delete_, "DELETE FROM " + table + key);
   if (!BoundOf(kind).expires) return prepare.status();

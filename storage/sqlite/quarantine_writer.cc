@@ -1,6 +1,6 @@
 #include "storage/sqlite/quarantine_writer.h"
 
-#include "storage/sqlite/tables/set_aside.h"
+#include "storage/tables/set_aside.h"
 
 namespace uplink::storage::sqlite {
 
@@ -10,7 +10,7 @@ absl::Status WriteQuarantineRow(TableWriters& rows, const CommitRecord& record,
   for (const QuarantineDetail detail :
        {QuarantineDetail::kAll, QuarantineDetail::kWithoutPayload, QuarantineDetail::kBare}) {
     if (detail == QuarantineDetail::kWithoutPayload && record.payload.empty()) continue;
-    status = rows.Write<kQuarantineTable>({&record, &rejection, detail, entry});
+    status = rows.Write<kQuarantineTable>({&record, rejection, detail, entry});
     if (!absl::IsInvalidArgument(status)) return status;
   }
   return status;

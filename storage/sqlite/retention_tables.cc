@@ -4,7 +4,7 @@
 
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/sqlite/tables/lists.h"
+#include "storage/tables/lists.h"
 #include "storage/types.h"
 
 namespace uplink::storage::sqlite {
@@ -16,7 +16,10 @@ std::string EraseSql(const Table& table) {
   const std::string time(table.listed.time_column);
   std::string sql = "DELETE FROM " + name + " WHERE rowid IN (SELECT rowid FROM " + name +
                     " WHERE " + time + " < ?1";
-  if (!table.listed.erase_if.empty()) sql.append(" AND ").append(table.listed.erase_if);
+  if (!table.listed.last_column.empty()) {
+    sql.append(" AND ").append(table.listed.last_column).append(" < ?1");
+  }
+  if (!table.listed.open_column.empty()) sql.append(" AND NOT ").append(table.listed.open_column);
   return sql + " ORDER BY " + time + ", entry LIMIT ?2) RETURNING 1";
 }
 
@@ -28,7 +31,7 @@ absl::Status RetentionTables::Prepare(Database& database) {
     constexpr Retained kRetained = RetainedOf(kList);
     if constexpr (kRetained != Retained::kWhilePresent) {
       Statements& statements = kRetained == Retained::kAsHistory ? history_ : set_aside_;
-      prepare.Into(statements.emplace_back(), EraseSql(ListTable<kList>::kTable));
+      prepare.Into(statements.emplace_back(), EraseSql(List<kList>::kTable));
     }
   });
   // The rows of quarantine that go next, as far as a Hello may still ask for them.

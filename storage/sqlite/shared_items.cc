@@ -17,7 +17,7 @@ namespace {
 
 constexpr WriterId kOnlyWriter{};
 
-/// What List<kList>::Read reads.
+/// What ReadRow<kList> reads.
 template <PageKind kList>
 constexpr SqlText SelectSql() {
   return {"SELECT ",
@@ -53,7 +53,7 @@ absl::Status Gather(Statement& statement, const ItemKey& after, GatheredPage& ga
       gathered.page.more = true;
       return absl::OkStatus();
     }
-    auto row = List<kList>::Read(rows);
+    auto row = ReadRow<kList>(rows);
     if (!row.ok()) return row.status();
     gathered.Add({*std::move(row)}, rows.TextBytes());
   }
@@ -65,7 +65,7 @@ absl::Status LookUp(Statement& statement, const ItemKey& key, std::vector<Shared
   Rows rows = statement.Select(std::string_view(key.ruri), std::string_view(key.id));
   const absl::StatusOr<bool> found = rows.Next();
   if (!found.ok() || !*found) return found.status();
-  auto row = List<kList>::Read(rows);
+  auto row = ReadRow<kList>(rows);
   if (!row.ok()) return row.status();
   items.push_back({*std::move(row)});
   return absl::OkStatus();

@@ -1,17 +1,29 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <tuple>
 #include <type_traits>
 
 #include <absl/status/status.h>
 
+#include "storage/sqlite/columns.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/sqlite/statement.h"
-#include "storage/sqlite/tables/lists.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::sqlite {
+
+/// Writes one row. The parameters are the columns, in order.
+template <typename Table>
+constexpr SqlText InsertSql(const Table& table) {
+  SqlText values;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) values.Add(i == 0 ? "?" : ", ?");
+  return {"INSERT INTO ", table.name,    " AS t (", ColumnNames(table).view(),
+          ") VALUES (",   values.view(), ")",       ConflictSql(table).view()};
+}
 
 /// Writes rows of one table, which must be a constant: by the statement that its description makes.
 ///
@@ -24,9 +36,12 @@ class TableWriter final {
   void Prepare(Preparer& prepare) { prepare.Into(insert_, kSql.view()); }
 
   [[nodiscard]] absl::Status Write(const In& row) {
-    Binder to(*insert_);
-    for (const auto& column : kTable.columns) column.bind(to, row);
-    return to.Run();
+    std::array<ColumnValue, kTable.columns.size()> values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = kTable.columns[i].value(row);
+      BindColumn(*insert_, static_cast<int>(i) + 1, kTable.columns[i].type, values[i]);
+    }
+    return insert_->Run();
   }
 
  private:

@@ -1,6 +1,9 @@
 #include "storage/postgres/read/pages.h"
 
+#include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "schema/model/ids.h"
 

@@ -5,15 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <variant>
-#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "storage/page_token.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/reader.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::postgres {
 
@@ -27,32 +25,6 @@ inline constexpr std::int64_t kFirstChunkRows = 128;
   const std::size_t left = bytes < kPageBytesMax ? kPageBytesMax - bytes : 0;
   return static_cast<std::int64_t>(left / each) + 1;
 }
-
-/// One list as it lies in the database.
-struct ListShape {
-  PageKind kind;
-  std::string_view table;
-  /// The columns of a row, after its time, entry, ruri and fleet.
-  std::string_view columns;
-  /// What the list is ordered by, newest first; entry breaks ties.
-  std::string_view time_column;
-};
-
-/// What a query restricts beyond HistoryQuery: a condition with `?` for its value.
-struct ListFilter {
-  struct Condition {
-    std::string_view sql;
-    std::variant<std::monostate, std::int64_t, std::string_view> value;
-  };
-  std::vector<Condition> conditions;
-};
-
-/// Columns that every row of a list begins with; those of ListShape follow.
-inline constexpr int kTimeColumn = 0;
-inline constexpr int kEntryColumn = 1;
-inline constexpr int kRuriColumn = 2;
-inline constexpr int kFleetColumn = 3;
-inline constexpr int kFirstOwnColumn = 4;
 
 /// A statement with its parameters. The text is the owner's, unlike a StoreCall's.
 struct OwnedStoreCall {

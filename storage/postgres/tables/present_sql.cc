@@ -2,39 +2,28 @@
 
 #include <array>
 
+#include "storage/tables/present.h"
+
 namespace uplink::storage::postgres {
 namespace {
 
-/// How a table of what is present differs from the others.
-struct TableShape {
-  std::string_view name;
-  std::string_view id_column;
-  /// Empty if the id alone is the key of a robot's row.
-  std::string_view source_column;
-  /// When the row `t` expires; empty: never.
-  std::string_view expiry;
-};
-
-constexpr TableShape kFaults = {"faults_active", "fault_id", "source", ""};
-constexpr TableShape kShapes = {"shapes", "id", "", "t.expires_ms"};
-constexpr TableShape kObjects = {"objects", "id", "", "t.expires_ms"};
-
-constexpr SqlText EntrySql(const TableShape& shape) {
+constexpr SqlText EntrySql(const PresentTable& shape) {
   SqlText sql = {"SELECT t.ruri, t.", shape.id_column, ", "};
   sql.Add(shape.source_column.empty() ? "''::text" : "t.");
   sql.Add({shape.source_column, ", "});
-  sql.Add(shape.expiry.empty() ? "0::bigint" : shape.expiry);
+  sql.Add(shape.expiry_column.empty() ? "0::bigint" : "t.");
+  sql.Add(shape.expiry_column);
   return sql;
 }
 
 /// `t` is the row of the entry `u`.
-constexpr SqlText MatchSql(const TableShape& shape) {
+constexpr SqlText MatchSql(const PresentTable& shape) {
   SqlText sql = {"t.ruri = u.ruri AND t.", shape.id_column, " = u.id"};
   if (!shape.source_column.empty()) sql.Add({" AND t.", shape.source_column, " = u.source"});
   return sql;
 }
 
-constexpr PresentSql SqlOf(const TableShape& shape) {
+constexpr PresentSql SqlOf(const PresentTable& shape) {
   PresentSql sql;
   sql.has_source = !shape.source_column.empty();
   const SqlText entry = EntrySql(shape);
@@ -46,7 +35,7 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
               shape.name,   " AS t ON ", match.view()};
   sql.count = {"SELECT u.ruri, (SELECT count(*) FROM uplinkd.", shape.name,
                " AS t WHERE t.ruri = u.ruri) FROM unnest($1::text[]) AS u (ruri)"};
-  if (shape.expiry.empty()) {
+  if (shape.expiry_column.empty()) {
     sql.remove = {
         "DELETE FROM uplinkd.", shape.name, " AS t USING ", keys, " WHERE ", match.view()};
     return sql;
@@ -83,8 +72,8 @@ constexpr PresentSql SqlOf(const TableShape& shape) {
 }
 
 /// In the order of PresentKind.
-constexpr std::array<PresentSql, kPresentKinds> kSql = {SqlOf(kFaults), SqlOf(kShapes),
-                                                        SqlOf(kObjects)};
+constexpr std::array<PresentSql, kPresentKinds> kSql = {
+    SqlOf(kPresentTables[0]), SqlOf(kPresentTables[1]), SqlOf(kPresentTables[2])};
 
 }  // namespace
 

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/tables/lists.h"
+#include "storage/postgres/tables/insert.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::postgres {
 
@@ -29,7 +30,7 @@ class AddedRows final {
   /// Adds a statement per table that gets any, in the order of the lists.
   void MoveInto(std::vector<StoreCall>& calls) const {
     ForEachList([this, &calls]<PageKind kList>() {
-      static constexpr const auto& kTable = ListTable<kList>::kTable;
+      static constexpr const auto& kTable = List<kList>::kTable;
       if constexpr (kTable.writes == Writes::kInserts) {
         AddInsert<kTable>(std::get<TableRows<kTable>>(tables_).rows, calls);
       }

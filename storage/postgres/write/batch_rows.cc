@@ -83,7 +83,7 @@ struct BatchRows::KindWriter {
   void operator()(const Body& body) const {
     constexpr std::optional<PageKind> kHistory = HistoryOf<Body>();
     if constexpr (kHistory) {
-      rows.added_.Add<ListTable<*kHistory>::kTable>({&record, &body, place});
+      rows.added_.Add<List<*kHistory>::kTable>({&record, &body, place});
     } else {
       static_assert(model::SettlingOf<Body>::kSettling == model::Settling::kLive,
                     "a durable kind has a table, or an overload above");

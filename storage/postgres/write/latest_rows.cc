@@ -2,36 +2,21 @@
 
 #include <algorithm>
 
+#include "storage/postgres/tables/insert.h"
+
 namespace uplink::storage::postgres {
 
 void MissionRunRows::Add(const MissionReport& report) {
-  MissionRun& run =
-      runs_[{report.record->robot->ruri, report.body->mission_id, report.body->run_id}];
-  if (run.record == nullptr) {
-    run.first_at = report.record->received_at;
-    run.place = report.place;
-  }
-  run.last_place = report.place;
-  run.record = report.record;
-  run.body = report.body;
-  run.latest_json = report.json;
-  if (report.body->name) run.name = &*report.body->name;
-  ++run.updates;
+  const Key key = {report.record->robot->ruri, report.body->mission_id, report.body->run_id};
+  const auto [run, is_new] = runs_.try_emplace(key, report);
+  if (!is_new) run->second.Add(report);
 }
 
 void MissionRunRows::MoveInto(std::vector<StoreCall>& calls) const {
-  MoveSome(true, calls);
-  MoveSome(false, calls);
-}
-
-void MissionRunRows::MoveSome(bool named, std::vector<StoreCall>& calls) const {
   std::vector<MissionRun> rows;
-  for (const auto& [key, run] : runs_) {
-    if ((run.name != nullptr) == named) rows.push_back(run);
-  }
-  if (rows.empty()) return;
+  rows.reserve(runs_.size());
+  for (const auto& [key, run] : runs_) rows.push_back(run);
   AddInsert<kMissionRunsTable>(rows, calls);
-  calls.back().parameters.Int4(named ? 1 : 0);
 }
 
 void LatestRows::MoveInto(std::vector<StoreCall>& calls) const {
@@ -43,21 +28,19 @@ void LatestRows::MoveInto(std::vector<StoreCall>& calls) const {
 
 void PresenceRows::MoveInto(std::vector<StoreCall>& calls) const {
   AddInsert<kPresenceChangesTable>(changes_, calls);
-  std::map<std::string_view, const PresenceItem*> last;
-  for (const PresenceChange& change : changes_) {
-    last[change.item->robot->ruri] = change.item;
-  }
-  std::vector<const PresenceItem*> rows;
+  std::map<std::string_view, PresenceChange> last;
+  for (const PresenceChange& change : changes_) last[change.item->robot->ruri] = change;
+  std::vector<PresenceChange> rows;
   rows.reserve(last.size());
-  for (const auto& [ruri, item] : last) rows.push_back(item);
+  for (const auto& [ruri, change] : last) rows.push_back(change);
   AddInsert<kLatestPresenceTable>(rows, calls);
 }
 
 void GapRows::Add(const GapItem& gap, std::int32_t place) {
   Gap& row = gaps_[{gap.robot->ruri, gap.session, gap.first}];
-  if (row.first == nullptr) {
-    row.first = &gap;
-    row.place = place;
+  if (row.item == nullptr) {
+    row.item = &gap;
+    row.entry = place;
   }
   row.last = std::max(row.last, gap.last);
 }

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/tables/latest.h"
-#include "storage/postgres/tables/mission_runs.h"
-#include "storage/postgres/tables/set_aside.h"
+#include "storage/tables/latest.h"
+#include "storage/tables/missions.h"
+#include "storage/tables/set_aside.h"
 
 // The latest of its key: a batch writes each key once, in order of the keys. Views and pointers
 // lead into the batch.
@@ -23,7 +23,6 @@ class MissionRunRows final {
 
  private:
   using Key = std::tuple<std::string_view, std::string_view, std::string_view>;
-  void MoveSome(bool named, std::vector<StoreCall>& calls) const;
 
   std::map<Key, MissionRun> runs_;
 };

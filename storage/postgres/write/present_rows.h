@@ -11,10 +11,10 @@
 
 #include "storage/expiry.h"
 #include "storage/postgres/link/connection.h"
+#include "storage/postgres/tables/insert.h"
 #include "storage/postgres/tables/present_sql.h"
-#include "storage/postgres/tables/table.h"
-#include "storage/postgres/tables/upserted.h"
 #include "storage/present.h"
+#include "storage/tables/present.h"
 
 namespace uplink::storage::postgres {
 
@@ -39,7 +39,7 @@ class PresentRows final {
     if (upserted.record == nullptr) {
       state.goes_if_expired_ms = std::max(state.goes_if_expired_ms, now_ms);
       upserted.first_at = record.received_at;
-      upserted.place = place;
+      upserted.entry = place;
     }
     upserted.record = &record;
     upserted.body = &body;

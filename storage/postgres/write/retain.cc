@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "storage/postgres/tables/lists.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/retention.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -27,20 +27,17 @@ constexpr std::string_view kDropPartitions =
 template <typename Table>
 constexpr SqlText EraseSql(const Table& table, std::string_view partition) {
   const std::string_view time = table.listed.time_column;
-  const std::string_view erase_if = table.listed.erase_if;
-  SqlText sql = {"DELETE FROM uplinkd.",
-                 table.name,
-                 partition,
-                 " WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd.",
-                 table.name,
-                 partition,
-                 " WHERE ",
-                 time,
-                 " < $1::timestamptz"};
-  if (!erase_if.empty()) sql.Add({" AND ", erase_if});
-  sql.Add({" ORDER BY ", time, ", entry LIMIT $2::bigint))"});
-  // Once more: a report that another shard commits meanwhile makes a row young again.
-  if (!erase_if.empty()) sql.Add({" AND ", erase_if});
+  SqlText ended;
+  if (!table.listed.last_column.empty()) {
+    ended.Add({" AND ", table.listed.last_column, " < $1::timestamptz"});
+  }
+  if (!table.listed.open_column.empty()) ended.Add({" AND NOT ", table.listed.open_column});
+  SqlText sql = {
+      "DELETE FROM uplinkd.", table.name, partition,
+      " WHERE ctid = ANY (ARRAY(SELECT ctid FROM uplinkd.", table.name, partition, " WHERE ", time,
+      " < $1::timestamptz", ended.view(), " ORDER BY ", time, ", entry LIMIT $2::bigint))",
+      // Once more: a report that another shard commits meanwhile makes a row young again.
+      ended.view()};
   return sql;
 }
 
@@ -65,7 +62,7 @@ class Eraser final {
   /// The list's table. Those to which rows are only added are partitioned by the day of arrival.
   template <PageKind kList>
   absl::Status EraseList() {
-    static constexpr const auto& kTable = ListTable<kList>::kTable;
+    static constexpr const auto& kTable = List<kList>::kTable;
     static constexpr bool kPartitioned = kTable.writes == Writes::kInserts;
     static constexpr SqlText kSql = EraseSql(kTable, kPartitioned ? "_default" : "");
     if constexpr (kList == PageKind::kQuarantine) {

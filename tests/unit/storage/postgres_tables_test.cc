@@ -1,54 +1,33 @@
-#include <optional>
-#include <string>
+#include <memory>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "storage/postgres/read/lists.h"
+#include "storage/postgres/tables/insert.h"
 #include "storage/postgres/tables/present_sql.h"
-#include "storage/postgres/tables/set_aside.h"
-#include "storage/postgres/tables/table.h"
+#include "storage/tables/latest.h"
+#include "storage/tables/set_aside.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
-struct Sample {
-  std::string key;
-  std::int64_t count = 0;
-};
-
-constexpr auto kSampleColumns = std::to_array<Column<Sample, Unlisted>>({
-    {"key", Type::kText, Role::kKey, [](Array& to, const Sample& row) { to.Text(row.key); },
-     [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
-    {"entry", Type::kInt4, Role::kKept, [](Array& to, const Sample& /*row*/) { to.Int4(1); },
-     std::nullopt, "entry + 1"},
-    {"seen", Type::kInt8, Role::kValue, [](Array& to, const Sample& row) { to.Int8(row.count); },
-     [](const Cell& /*cell*/, Unlisted& /*row*/) {}},
-    {"count",
-     Type::kInt8,
-     Role::kValue,
-     [](Array& to, const Sample& row) { to.Int8(row.count); },
-     std::nullopt,
-     {},
-     "t.count + excluded.count"},
-});
-constexpr Table<Sample, Unlisted, 4> kAdded = {"added", Writes::kInserts, {}, kSampleColumns};
-constexpr Table<Sample, Unlisted, 4> kUpserted = {"upserted", Writes::kUpserts, {}, kSampleColumns};
-
 TEST(InsertSql, NamesEachColumnInTheOrderOfItsParameters) {
-  EXPECT_EQ(InsertSql(kAdded).view(),
-            "INSERT INTO uplinkd.added AS t (key, entry, seen, count)"
-            " SELECT key, entry + 1, seen, count"
-            " FROM unnest($1::text[], $2::int[], $3::bigint[], $4::bigint[])"
-            " AS u (key, entry, seen, count)");
+  EXPECT_EQ(InsertSql(kPresenceChangesTable).view(),
+            "INSERT INTO uplinkd.presence_changes AS t (ruri, changed_at, entry, fleet, presence)"
+            " SELECT ruri, changed_at, (SELECT currval('uplinkd.batches') << 20) + entry, fleet,"
+            " presence"
+            " FROM unnest($1::text[], $2::timestamptz[], $3::int[], $4::text[], $5::int[])"
+            " AS u (ruri, changed_at, entry, fleet, presence)");
 }
 
 TEST(InsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {
-  const std::string sql(InsertSql(kUpserted).view());
   EXPECT_TRUE(
-      sql.ends_with(" ON CONFLICT (key) DO UPDATE SET seen = excluded.seen,"
-                    " count = t.count + excluded.count"))
-      << sql;
+      InsertSql(kGapsTable)
+          .view()
+          .ends_with(" ON CONFLICT (ruri, session, first) DO UPDATE SET last ="
+                     " CASE WHEN t.last < excluded.last THEN excluded.last ELSE t.last END"));
 }
 
 TEST(InsertSql, CountsPastNineParameters) {
@@ -56,27 +35,26 @@ TEST(InsertSql, CountsPastNineParameters) {
             std::string_view::npos);
 }
 
-TEST(ListedColumns, LeaveOutWhatNoListReads) {
-  EXPECT_EQ(ListedColumns(kAdded).view(), "key, seen");
-  EXPECT_EQ(List<PageKind::kGaps>::kShape.columns, "session, first, last");
-  EXPECT_EQ(List<PageKind::kGaps>::kShape.time_column, "seen_at");
-}
-
 TEST(AddInsert, FillsEveryColumnOnceForEachRow) {
+  PresenceItem online;
+  online.robot = std::make_shared<const model::RobotId>();
+  online.presence = model::Presence::kOnline;
+  PresenceItem offline = online;
+  offline.presence = model::Presence::kOffline;
   std::vector<StoreCall> calls;
-  AddInsert<kAdded>(std::vector<Sample>{{"a", 1}, {"b", 2}}, calls);
+  AddInsert<kPresenceChangesTable>(std::vector<PresenceChange>{{&online, 1}, {&offline, 2}}, calls);
   ASSERT_EQ(calls.size(), 1U);
-  EXPECT_EQ(calls[0].sql, InsertSql(kAdded).view());
-  ASSERT_EQ(calls[0].parameters.values().size(), 4U);
-  Array counts(Type::kInt8);
-  counts.Int8(std::int64_t{1});
-  counts.Int8(std::int64_t{2});
-  EXPECT_EQ(calls[0].parameters.values()[3], std::move(counts).Take());
+  EXPECT_EQ(calls[0].sql, InsertSql(kPresenceChangesTable).view());
+  ASSERT_EQ(calls[0].parameters.values().size(), 5U);
+  Array presences(Type::kInt4);
+  presences.Int4(static_cast<std::int32_t>(model::Presence::kOnline));
+  presences.Int4(static_cast<std::int32_t>(model::Presence::kOffline));
+  EXPECT_EQ(calls[0].parameters.values()[4], std::move(presences).Take());
 }
 
 TEST(AddInsert, AddsNothingWithoutRows) {
   std::vector<StoreCall> calls;
-  AddInsert<kAdded>(std::vector<Sample>{}, calls);
+  AddInsert<kGapsTable>(std::vector<Gap>{}, calls);
   EXPECT_TRUE(calls.empty());
 }
 

@@ -7,20 +7,10 @@
 
 #include "schema/base/clock.h"
 #include "storage/sql_text.h"
+#include "storage/tables/column.h"
 
-// What the descriptions of both stores' tables share. A store has its own types of columns and
-// tables; a column has a name, a role and an update, and a read function where lists show it.
+// A table as one description, for every store: its columns are named once.
 namespace uplink::storage {
-
-/// What an upsert does to a column of a row that is there.
-enum class Role : std::uint8_t {
-  /// By the key's columns the row is found.
-  kKey,
-  /// The value is replaced.
-  kValue,
-  /// What the first insert wrote stays.
-  kKept,
-};
 
 enum class Writes : std::uint8_t {
   /// Rows are only added, whatever the roles say.
@@ -38,10 +28,22 @@ template <typename Out>
 struct Listed {
   std::string_view time_column;
   void (*read_time)(SystemTime time, Out& row) = nullptr;
-  /// SQL: which rows count as open. Empty: there is no such difference.
-  std::string_view open_if = {};
-  /// SQL: which of the rows that are too old may go; the first parameter is the time. Empty: all.
-  std::string_view erase_if = {};
+  /// The column that says which rows are open. Retention leaves those. Empty: there is no such
+  /// difference.
+  std::string_view open_column = {};
+  /// The column that must be too old as well for a row to go. Empty: none.
+  std::string_view last_column = {};
+};
+
+template <typename InRow, typename Out, std::size_t kColumns>
+struct Table {
+  using In = InRow;
+  using ListRow = Out;
+
+  std::string_view name;
+  Writes writes = Writes::kInserts;
+  Listed<Out> listed;
+  std::array<Column<In, Out>, kColumns> columns;
 };
 
 /// Columns that several tables begin with, before their own.
@@ -54,7 +56,28 @@ constexpr std::array<Column, kFirst + kOwn> Join(const std::array<Column, kFirst
   return columns;
 }
 
-/// What an insert does where the row is there: nothing but fail, or an update by the roles.
+/// The columns' names, in order.
+template <typename Table>
+constexpr SqlText ColumnNames(const Table& table) {
+  SqlText sql;
+  for (const auto& column : table.columns) {
+    sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
+  }
+  return sql;
+}
+
+/// The columns that a list reads, in order.
+template <typename Table>
+constexpr SqlText ListedColumns(const Table& table) {
+  SqlText sql;
+  for (const auto& column : table.columns) {
+    if (!column.take) continue;
+    sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
+  }
+  return sql;
+}
+
+/// What an insert does where the row `t` is there: nothing but fail, or an update by the roles.
 template <typename Table>
 constexpr SqlText ConflictSql(const Table& table) {
   if (table.writes == Writes::kInserts) return {};
@@ -70,17 +93,6 @@ constexpr SqlText ConflictSql(const Table& table) {
     updates.Add(column.update);
   }
   return {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
-}
-
-/// The columns that a list reads, in order.
-template <typename Table>
-constexpr SqlText ListedColumns(const Table& table) {
-  SqlText sql;
-  for (const auto& column : table.columns) {
-    if (!column.read) continue;
-    sql.Add({sql.view().empty() ? std::string_view() : ", ", column.name});
-  }
-  return sql;
 }
 
 }  // namespace uplink::storage
