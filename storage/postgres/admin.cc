@@ -32,12 +32,14 @@ absl::StatusOr<StoreState> ReadState(const AdminOptions& options, const Clock& c
   if (!connection.ok()) return connection.status();
   const absl::StatusOr<ServerFacts> facts = AskServer(**connection, clock);
   if (!facts.ok()) return facts.status();
-  const absl::StatusOr<std::int64_t> version = SchemaVersion(**connection);
-  if (!version.ok()) return version.status();
+  const absl::StatusOr<AppliedSchema> schema = ReadSchema(**connection, Migrations());
+  if (!schema.ok()) return schema.status();
   StoreState state;
   state.where = (*connection)->where();
   state.server_version = facts->version;
-  state.schema_version = *version;
+  state.schema_version = schema->version;
+  state.schema_fits = schema->missing.status();
+  if (schema->missing.ok()) state.steps_missing = schema->missing->size();
   state.schema_needed = static_cast<std::int64_t>(Migrations().size());
   state.fsync = !facts->unsafe;
   state.read_only = facts->read_only;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
@@ -24,8 +26,11 @@ struct StoreState {
   std::int64_t server_version = 0;
   /// Of the schema; 0 if there is none.
   std::int64_t schema_version = 0;
-  /// That this program needs.
+  /// Of this program.
   std::int64_t schema_needed = 0;
+  /// Why this program may not use the schema, if so.
+  absl::Status schema_fits;
+  std::size_t steps_missing = 0;
   bool fsync = true;
   bool read_only = false;
   bool standby = false;

@@ -9,7 +9,9 @@ constexpr std::string_view kFindTable =
     "SELECT 1 FROM pg_catalog.pg_class AS c JOIN pg_catalog.pg_namespace AS n"
     " ON n.oid = c.relnamespace WHERE n.nspname = 'uplinkd' AND c.relname = 'schema_migrations'";
 constexpr std::string_view kReadMigrations =
-    "SELECT version, sha256 FROM uplinkd.schema_migrations ORDER BY version";
+    // An earlier build's table has no column `oldest`.
+    "SELECT version, coalesce((to_jsonb(m) ->> 'oldest')::bigint, 0), sha256"
+    " FROM uplinkd.schema_migrations AS m ORDER BY version";
 /// Held from before the first look until after the last step. The number is ours alone by chance.
 constexpr std::string_view kLock = "SELECT pg_advisory_lock(7593126044910271826)";
 constexpr std::string_view kUnlock = "SELECT pg_advisory_unlock(7593126044910271826)";
@@ -18,57 +20,34 @@ constexpr std::string_view kUnlock = "SELECT pg_advisory_unlock(7593126044910271
 constexpr std::string_view kMakeFirstDays =
     "SELECT uplinkd.make_partitions((now() AT TIME ZONE 'UTC')::date, 4)";
 
-absl::Status Precondition(const Connection& connection, const std::string& text) {
-  return absl::FailedPreconditionError("store postgresql " + connection.where() + " " + text);
+std::string NameOf(const Connection& connection) {
+  return "store postgresql " + connection.where();
 }
 
-struct Applied {
-  std::int64_t version = 0;
-  std::string sha256;
-};
-
-absl::StatusOr<std::vector<Applied>> ReadApplied(Connection& connection) {
+absl::StatusOr<std::vector<AppliedStep>> ReadApplied(Connection& connection) {
   std::vector<StoreCall> calls;
   calls.push_back({kFindTable, {}});
   auto found = connection.Run(calls, "look for the schema");
   if (!found.ok()) return found.status();
-  std::vector<Applied> applied;
+  std::vector<AppliedStep> applied;
   if (found->front().rows() == 0) return applied;
   calls.front() = {kReadMigrations, {}};
   auto read = connection.Run(calls, "read the schema's version");
   if (!read.ok()) return read.status();
   const Result& rows = read->front();
   for (int row = 0; row < rows.rows(); ++row) {
-    applied.push_back({rows.Int(row, 0), std::string(rows.Bytes(row, 1))});
+    applied.push_back({rows.Int(row, 0), rows.Int(row, 1), std::string(rows.Bytes(row, 2))});
   }
   return applied;
-}
-
-/// What was applied must be the first of ours, unchanged.
-absl::Status CheckSums(const Connection& connection, const std::vector<Applied>& applied,
-                       std::span<const Migration> migrations) {
-  if (applied.size() > migrations.size()) {
-    return Precondition(connection, "has schema version " + std::to_string(applied.size()) +
-                                        ", and this program knows versions up to " +
-                                        std::to_string(migrations.size()) +
-                                        ": run the newer uplinkd");
-  }
-  for (std::size_t i = 0; i < applied.size(); ++i) {
-    if (applied[i].version != migrations[i].version || applied[i].sha256 != migrations[i].sha256) {
-      return Precondition(connection, "was migrated by another " + std::string(migrations[i].name) +
-                                          " than this program's; restore it from a backup");
-    }
-  }
-  return absl::OkStatus();
 }
 
 absl::Status Apply(Connection& connection, const Migration& migration) {
   std::string sql =
       "BEGIN;\nCREATE SCHEMA IF NOT EXISTS uplinkd;\nSET LOCAL search_path = uplinkd;\n";
   sql += migration.sql;
-  sql += "\nINSERT INTO schema_migrations (version, name, sha256) VALUES (" +
-         std::to_string(migration.version) + ", '" + migration.name + "', '" + migration.sha256 +
-         "');\nCOMMIT;";
+  sql += "\nINSERT INTO schema_migrations (version, oldest, name, sha256) VALUES (" +
+         std::to_string(migration.version) + ", " + std::to_string(migration.oldest) + ", '" +
+         migration.name + "', '" + migration.sha256 + "');\nCOMMIT;";
   return connection.RunScript(sql, "migration " + std::string(migration.name));
 }
 
@@ -110,12 +89,12 @@ absl::Status GrantAgain(Connection& connection) {
 
 absl::StatusOr<std::vector<std::string>> MigrateLocked(Connection& connection,
                                                        std::span<const Migration> migrations) {
-  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
-  if (!applied.ok()) return applied.status();
-  absl::Status status = CheckSums(connection, *applied, migrations);
-  if (!status.ok()) return status;
+  const absl::StatusOr<AppliedSchema> schema = ReadSchema(connection, migrations);
+  if (!schema.ok()) return schema.status();
+  if (!schema->missing.ok()) return schema->missing.status();
+  absl::Status status;
   std::vector<std::string> names;
-  for (const Migration& migration : migrations.subspan(applied->size())) {
+  for (const Migration& migration : *schema->missing) {
     status = Apply(connection, migration);
     if (!status.ok()) return status;
     names.emplace_back(migration.name);
@@ -129,22 +108,22 @@ absl::StatusOr<std::vector<std::string>> MigrateLocked(Connection& connection,
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> SchemaVersion(Connection& connection) {
-  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
+absl::StatusOr<AppliedSchema> ReadSchema(Connection& connection,
+                                         std::span<const Migration> migrations) {
+  const absl::StatusOr<std::vector<AppliedStep>> applied = ReadApplied(connection);
   if (!applied.ok()) return applied.status();
-  return applied->empty() ? 0 : applied->back().version;
+  return AppliedSchema{applied->empty() ? 0 : applied->back().version,
+                       CheckApplied(NameOf(connection), *applied, migrations)};
 }
 
 absl::Status CheckSchema(Connection& connection, std::span<const Migration> migrations) {
-  const absl::StatusOr<std::vector<Applied>> applied = ReadApplied(connection);
-  if (!applied.ok()) return applied.status();
-  absl::Status status = CheckSums(connection, *applied, migrations);
-  if (!status.ok() || applied->size() == migrations.size()) return status;
-  return Precondition(connection, "has schema version " + std::to_string(applied->size()) +
-                                      ", and this program needs " +
-                                      std::to_string(migrations.size()) +
-                                      ": run `uplinkctl store migrate` as its owner, or set"
-                                      " store.migrate");
+  const absl::StatusOr<AppliedSchema> schema = ReadSchema(connection, migrations);
+  if (!schema.ok()) return schema.status();
+  if (!schema->missing.ok() || schema->missing->empty()) return schema->missing.status();
+  return absl::FailedPreconditionError(
+      NameOf(connection) + " has schema version " + std::to_string(schema->version) +
+      ", and this program needs " + std::to_string(migrations.size()) +
+      ": run `uplinkctl store migrate` as its owner, or set store.migrate");
 }
 
 absl::StatusOr<std::vector<std::string>> Migrate(Connection& connection,

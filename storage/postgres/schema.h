@@ -13,13 +13,19 @@
 
 // The schema `uplinkd` of a database: its version, its migrations, who may use it.
 //
-// Errors: beside those of the connection, kFailedPrecondition, saying what to do.
+// Errors: beside those of the connection, those of CheckApplied.
 namespace uplink::storage::postgres {
 
-/// The version of the schema; 0 if there is none.
-[[nodiscard]] absl::StatusOr<std::int64_t> SchemaVersion(Connection& connection);
+struct AppliedSchema {
+  /// That of its last step; 0 if there is none.
+  std::int64_t version = 0;
+  /// Those of `migrations` that it lacks, or why this program may not use it.
+  absl::StatusOr<std::span<const Migration>> missing;
+};
+[[nodiscard]] absl::StatusOr<AppliedSchema> ReadSchema(Connection& connection,
+                                                       std::span<const Migration> migrations);
 
-/// OK if the schema is that of `migrations`, with the same check sums.
+/// OK if this program may use the schema and none of `migrations` is missing (kFailedPrecondition).
 [[nodiscard]] absl::Status CheckSchema(Connection& connection,
                                        std::span<const Migration> migrations);
 

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "schema/base/check.h"
 #include "storage/sqlite/damage.h"
 
 namespace uplink::storage::sqlite {
@@ -45,30 +45,41 @@ absl::Status Pragma(Database& database, const std::string& name, const std::stri
   return Precondition(database, "does not take " + name + " = " + value + ": it stays " + *now);
 }
 
-absl::Status CheckSums(Database& database, std::span<const Migration> migrations,
-                       std::int64_t version) {
-  if (version == 0) return absl::OkStatus();
-  auto statement =
-      database.Prepare("SELECT version, name, sha256 FROM schema_migrations ORDER BY version");
+absl::StatusOr<std::vector<AppliedStep>> ReadApplied(Database& database) {
+  const absl::StatusOr<std::int64_t> columns = database.ReadInt(
+      "SELECT count(*) FILTER (WHERE name IN ('version', 'sha256')) * 2"
+      " + count(*) FILTER (WHERE name = 'oldest') FROM pragma_table_info('schema_migrations')");
+  if (!columns.ok()) return columns.status();
+  std::vector<AppliedStep> applied;
+  if (*columns == 0) return applied;
+  // An earlier build's table has no column `oldest`.
+  const std::string oldest = *columns % 2 == 0 ? "0" : "oldest";
+  auto statement = database.Prepare("SELECT version, " + oldest +
+                                    ", sha256 FROM schema_migrations ORDER BY version");
   if (!statement.ok()) return statement.status();
   Rows rows = (*statement)->Select();
-  for (std::int64_t i = 0; i < version; ++i) {
+  while (true) {
     const absl::StatusOr<bool> found = rows.Next();
     if (!found.ok()) return found.status();
-    const Migration& ours = migrations[static_cast<std::size_t>(i)];
-    if (!*found || rows.Int(0) != ours.version || rows.Bytes(2) != ours.sha256) {
-      return Precondition(database, "was migrated by another " + std::string(ours.name) +
-                                        " than this program's; restore it from a backup");
-    }
+    if (!*found) return applied;
+    applied.push_back({rows.Int(0), rows.Int(1), std::string(rows.Bytes(2))});
   }
-  return absl::OkStatus();
+}
+
+/// The steps that the file lacks.
+absl::StatusOr<std::span<const Migration>> Missing(Database& database,
+                                                   std::span<const Migration> migrations) {
+  const auto applied = ReadApplied(database);
+  if (!applied.ok()) return applied.status();
+  return CheckApplied("store " + database.path(), *applied, migrations);
 }
 
 absl::Status Apply(Database& database, const Migration& migration) {
   std::string sql = "BEGIN IMMEDIATE;\n";
   sql += migration.sql;
-  sql += "\nINSERT INTO schema_migrations (version, name, sha256) VALUES (" +
-         std::to_string(migration.version) + ", '" + migration.name + "', '" + migration.sha256 +
+  sql += "\nINSERT INTO schema_migrations (version, oldest, name, sha256) VALUES (" +
+         std::to_string(migration.version) + ", " + std::to_string(migration.oldest) + ", '" +
+         migration.name + "', '" + migration.sha256 +
          "');\nPRAGMA application_id = " + std::to_string(kApplicationId) +
          ";\nPRAGMA user_version = " + std::to_string(migration.version) + ";\nCOMMIT;";
   absl::Status applied = database.Execute(sql);
@@ -100,13 +111,7 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
   if (!tables.ok()) return tables.status();
   const bool is_empty = *application == 0 && *version == 0 && *tables == 0;
   if (!is_empty && *application != kApplicationId) return Precondition(database, kOthers);
-  const auto known = static_cast<std::int64_t>(migrations.size());
-  if (*version > known) {
-    return Precondition(database, "has schema version " + std::to_string(*version) +
-                                      ", and this program knows versions up to " +
-                                      std::to_string(known) + ": run the newer uplinkd");
-  }
-  return absl::OkStatus();
+  return Missing(database, migrations).status();
 }
 
 absl::Status ConfigureWriter(Database& database) {
@@ -125,22 +130,18 @@ absl::Status ConfigureWriter(Database& database) {
 }
 
 absl::Status Migrate(Database& database, std::span<const Migration> migrations, IfOlder if_older) {
-  const absl::StatusOr<std::int64_t> version = database.ReadInt("PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  const auto known = static_cast<std::int64_t>(migrations.size());
-  UPLINK_CHECK(*version >= 0 && *version <= known, "CheckFile goes before Migrate");
-  absl::Status status = CheckSums(database, migrations, *version);
-  if (!status.ok()) return status;
-  if (*version < known && if_older == IfOlder::kRefuse) {
-    return Precondition(
-        database, "has schema version " + std::to_string(*version) + ", and this program needs " +
-                      std::to_string(known) +
-                      ": start the server of this version once, with store.migrate on "
-                      "(the default); it migrates the file");
+  const absl::StatusOr<std::span<const Migration>> missing = Missing(database, migrations);
+  if (!missing.ok() || missing->empty()) return missing.status();
+  if (if_older == IfOlder::kRefuse) {
+    return Precondition(database,
+                        "has schema version " + std::to_string(missing->front().version - 1) +
+                            ", and this program needs " + std::to_string(migrations.size()) +
+                            ": start the server of this version once, with"
+                            " store.migrate on (the default); it migrates the file");
   }
-  for (const Migration& migration : migrations.subspan(static_cast<std::size_t>(*version))) {
-    status = Apply(database, migration);
-    if (!status.ok()) return status;
+  for (const Migration& migration : *missing) {
+    absl::Status applied = Apply(database, migration);
+    if (!applied.ok()) return applied;
   }
   return absl::OkStatus();
 }

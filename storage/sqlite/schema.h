@@ -16,10 +16,10 @@ inline constexpr std::int64_t kApplicationId = 0x55504C4B;
 /// What to do with a file whose schema is older than the program's.
 enum class IfOlder : std::uint8_t { kMigrate, kRefuse };
 
-/// Refuses what is neither empty nor ours, and what a newer program wrote, before anything in the
-/// file is touched.
+/// Refuses what is neither empty nor ours, and what this program may not use (CheckApplied), before
+/// anything in the file is touched.
 ///
-/// Errors: kFailedPrecondition, naming path and versions.
+/// Errors: kFailedPrecondition, naming the path; those of CheckApplied.
 [[nodiscard]] absl::Status CheckFile(Database& database, std::span<const Migration> migrations);
 
 /// Sets what durability rests on (WAL, synchronous FULL) and reads it back.
@@ -27,11 +27,10 @@ enum class IfOlder : std::uint8_t { kMigrate, kRefuse };
 /// Errors: kFailedPrecondition if SQLite did not take a setting.
 [[nodiscard]] absl::Status ConfigureWriter(Database& database);
 
-/// Brings the file to the last of `migrations`, each step in a transaction of its own, after
-/// comparing the check sums of the steps that it has.
+/// Applies those of `migrations` that the file lacks, each step in a transaction of its own.
 ///
-/// Errors: kFailedPrecondition if a step that it has differs from ours, or if it is older and
-///         `if_older` is kRefuse.
+/// Errors: those of CheckApplied; kFailedPrecondition if steps are missing and `if_older` is
+///         kRefuse.
 [[nodiscard]] absl::Status Migrate(Database& database, std::span<const Migration> migrations,
                                    IfOlder if_older);
 

@@ -52,10 +52,12 @@ class Schema(EndToEnd):
         self.assertIn("fsync           no", status)
         self.assertIn("nothing to apply", uplinkctl("store", "migrate", "--url", owner).stdout)
 
-    def test_a_newer_schema_is_refused(self):
+    def test_a_newer_schema_that_shuts_the_program_out_is_refused(self):
         self.cluster.migrate()
-        self.cluster.sql("INSERT INTO uplinkd.schema_migrations VALUES (99, 'later', 'sum')")
-        self.start_that_fails("run the newer uplinkd", UPLINKD_STORE_ACCEPT_UNSAFE="true")
+        self.cluster.sql("INSERT INTO uplinkd.schema_migrations VALUES (99, 99, 'later', 'sum')")
+        self.start_that_fails("run a newer uplinkd", UPLINKD_STORE_ACCEPT_UNSAFE="true")
+        status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd"), code=1)
+        self.assertIn("run a newer uplinkd", status.stderr)
 
     def test_fsync_off_is_refused_unless_it_is_accepted(self):
         self.cluster.migrate()

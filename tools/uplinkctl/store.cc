@@ -101,7 +101,8 @@ int Status(const Arguments& arguments) {
   fmt::print("fsync           {}\n", yes(state->fsync));
   fmt::print("takes writes    {}\n", yes(!state->read_only && !state->standby));
   fmt::print("clock offset    {} ms\n", state->clock_offset.count());
-  return state->schema_version == state->schema_needed ? kExitDone : kExitFailed;
+  if (!state->schema_fits.ok()) return ExitOf(state->schema_fits);
+  return state->steps_missing == 0 ? kExitDone : kExitFailed;
 }
 
 }  // namespace

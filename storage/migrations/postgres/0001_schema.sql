@@ -1,11 +1,14 @@
+-- oldest: 1
 -- Applied with search_path = uplinkd by the owner of the schema. Times of the server's clock are
 -- timestamptz; those of robots (sampled_ms, expires_ms) are Unix milliseconds as they came, 0 where
 -- there is none. Enumerations are the numbers of the wire. Texts of JSON hold an object by the
 -- specification's names. `entry` orders rows by their writing, over all tables: the number of the
 -- transaction, times 2^20, plus the place in it. Every primary key begins with the robot.
 
+-- oldest: the schema of the oldest program that may use a store with the step.
 CREATE TABLE schema_migrations (
   version integer NOT NULL PRIMARY KEY,
+  oldest integer NOT NULL,
   name text NOT NULL,
   sha256 text NOT NULL,
   applied_at timestamptz NOT NULL DEFAULT now()

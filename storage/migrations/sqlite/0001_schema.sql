@@ -1,3 +1,4 @@
+-- oldest: 1
 -- Names of tables and columns are those of PostgreSQL. Times are Unix milliseconds, UTC, of the
 -- server's clock, if not said otherwise; those of robots (sampled_ms, expires_ms) are as they came, 0
 -- where there is none. Enumerations are the numbers of the wire, those included that nobody knows yet.
@@ -5,8 +6,10 @@
 -- writing, over all tables; it breaks ties between equal times. fleet: the robot's when the row was
 -- written.
 
+-- oldest: the schema of the oldest program that may use a store with the step.
 CREATE TABLE schema_migrations (
   version INTEGER NOT NULL PRIMARY KEY,
+  oldest INTEGER NOT NULL,
   name TEXT NOT NULL,
   sha256 TEXT NOT NULL
 ) STRICT;

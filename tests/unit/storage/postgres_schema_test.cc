@@ -63,7 +63,7 @@ class PostgresSchemaTest : public ::testing::Test {
 
 TEST_F(PostgresSchemaTest, MigratesAnEmptyDatabaseOnce) {
   const auto owner = Owner();
-  EXPECT_EQ(*SchemaVersion(*owner), 0);
+  EXPECT_EQ(ReadSchema(*owner, Migrations())->version, 0);
   const absl::Status before = CheckSchema(*owner, Migrations());
   EXPECT_TRUE(absl::IsFailedPrecondition(before)) << before;
   EXPECT_TRUE(before.message().find("uplinkctl store migrate") != absl::string_view::npos);
@@ -117,32 +117,47 @@ TEST_F(PostgresSchemaTest, TwoThatMigrateAtOnceDoItOnce) {
   EXPECT_EQ(sum, Migrations().size());
 }
 
-TEST_F(PostgresSchemaTest, ANewerOrAnotherSchemaIsRefused) {
+TEST_F(PostgresSchemaTest, ANewerOneIsUsedUnlessItShutsThisProgramOut) {
   const auto owner = Owner();
   ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
   PostgresShell shell = database_.Shell();
-  shell.Run("INSERT INTO uplinkd.schema_migrations (version, name, sha256) VALUES (99, 'x', 'y')");
-  const absl::Status newer = CheckSchema(*owner, Migrations());
-  EXPECT_TRUE(absl::IsFailedPrecondition(newer)) << newer;
-  EXPECT_TRUE(newer.message().find("run the newer uplinkd") != absl::string_view::npos) << newer;
-  EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*owner, Migrations()).status()));
+  shell.Run("INSERT INTO uplinkd.schema_migrations VALUES (99, 1, 'x', 'y')");
+  EXPECT_TRUE(CheckSchema(*owner, Migrations()).ok());
+  EXPECT_EQ(Migrate(*owner, Migrations())->size(), 0U);
 
-  shell.Run("DELETE FROM uplinkd.schema_migrations WHERE version = 99");
+  shell.Run("UPDATE uplinkd.schema_migrations SET oldest = 99 WHERE version = 99");
+  const absl::Status newer = CheckSchema(*owner, Migrations());
+  EXPECT_TRUE(absl::IsUnimplemented(newer)) << newer;
+  EXPECT_TRUE(newer.message().find("run a newer uplinkd") != absl::string_view::npos) << newer;
+  EXPECT_TRUE(absl::IsUnimplemented(Migrate(*owner, Migrations()).status()));
+}
+
+TEST_F(PostgresSchemaTest, AnotherSchemaAndOneOfAnEarlierBuildAreRefused) {
+  const auto owner = Owner();
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  PostgresShell shell = database_.Shell();
   shell.Run("UPDATE uplinkd.schema_migrations SET sha256 = 'other' WHERE version = 1");
   const absl::Status other = CheckSchema(*owner, Migrations());
   EXPECT_TRUE(absl::IsFailedPrecondition(other)) << other;
   EXPECT_TRUE(other.message().find("another 0001_schema") != absl::string_view::npos);
+
+  shell.Run("ALTER TABLE uplinkd.schema_migrations DROP COLUMN oldest");
+  const absl::Status earlier = CheckSchema(*owner, Migrations());
+  EXPECT_TRUE(absl::IsFailedPrecondition(earlier)) << earlier;
+  EXPECT_TRUE(earlier.message().find("an earlier build") != absl::string_view::npos) << earlier;
+  EXPECT_TRUE(absl::IsFailedPrecondition(Migrate(*owner, Migrations()).status()));
 }
 
 TEST_F(PostgresSchemaTest, AFailedStepLeavesTheStepsBefore) {
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0002_broken", "sum",
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, 1, "0002_broken", "sum",
                         "CREATE TABLE half (a int); SELECT nothing_of_this_name();"});
   const auto owner = Owner();
   const auto steps = Migrate(*owner, migrations);
   EXPECT_FALSE(steps.ok());
   EXPECT_TRUE(steps.status().message().find("0002_broken") != absl::string_view::npos);
-  EXPECT_EQ(*SchemaVersion(*owner), static_cast<std::int64_t>(Migrations().size()));
+  EXPECT_EQ(ReadSchema(*owner, Migrations())->version,
+            static_cast<std::int64_t>(Migrations().size()));
   EXPECT_EQ(database_.Shell().Read("SELECT to_regclass('uplinkd.half')"), "\n");
 }
 
@@ -159,7 +174,7 @@ TEST_F(PostgresSchemaTest, LaterStepsAreGrantedToWhoWasGranted) {
   ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
   ASSERT_TRUE(GrantTo(*owner, "uplinkd").ok());
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, "0002_more", "sum",
+  migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, 1, "0002_more", "sum",
                         "CREATE TABLE more (a int);"});
   ASSERT_TRUE(Migrate(*owner, migrations).ok());
   PostgresShell(database_.url()).Run("INSERT INTO uplinkd.more VALUES (1)");
