@@ -130,8 +130,7 @@ int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& m
     logger.Error("start_failed", {{"error", std::string(app.status().message())}});
     return kExitFailed;
   }
-  (*app)->Run();
-  return kExitDone;
+  return (*app)->Run();
 }
 
 int Serve(const Flags& flags) {

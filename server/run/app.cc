@@ -69,7 +69,8 @@ class App::Impl {
         leases_(std::move(stores_.leases),
                 {fleet_, journals_, options_.clock, options_.logger, lease_probe_, options_.process,
                  options_.config.presence, store::IsGone,
-                 [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
+                 [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); },
+                 [this] { ground_.EndAsFailed(); }}),
         forget_rounds_({fleet_, journals_, options_.clock, options_.logger, *stores_.forget,
                         options_.process, !config::IsPostgres(options_.config.store),
                         store::RowsRuleOf(options_.config), *stores_.clock}),
@@ -147,10 +148,11 @@ class App::Impl {
                        .begin_work = [this] { ground_.Repeat(WorkToDo()); }});
   }
 
-  void Run() {
+  int Run() {
     ground_.stop_signal().Wait();
     Supervisor::NoteStopping();
     Drain(ContextOfDrain()).Run();
+    return ground_.stop_signal().exit_code();
   }
 
  private:
@@ -343,6 +345,6 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   return std::unique_ptr<App>(new App(std::move(ground), std::move(impl)));
 }
 
-void App::Run() { impl_->Run(); }
+int App::Run() { return impl_->Run(); }
 
 }  // namespace uplink::run

@@ -59,9 +59,10 @@ class App final {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Serves until SIGTERM or SIGINT, then drains (Drain). A second signal ends the
-  /// process at once, with 1.
-  void Run();
+  /// Serves until SIGTERM or SIGINT, or until a step of the store's schema shuts this program out,
+  /// then drains (Drain). Returns what the process ends with: 1 after such a step. A
+  /// second signal ends the process at once, with 1.
+  [[nodiscard]] int Run();
 
  private:
   class Impl;

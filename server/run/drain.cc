@@ -68,7 +68,7 @@ std::int64_t Drain::Unsettled() const { return context_.ledgers.Sum().messages.i
 void Drain::EndUnfinished() {
   context_.logger.Warn("stopped_unsettled", {{"uplinks", Unsettled()}});
   context_.logger.Flush();
-  std::_Exit(0);
+  std::_Exit(context_.signal.exit_code());
 }
 
 }  // namespace uplink::run

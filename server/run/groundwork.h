@@ -56,6 +56,11 @@ class Groundwork final {
   /// Begins what is done again and again, on the loop's thread. Its parts live until StopLoop.
   void Repeat(PeriodicWork work);
 
+  /// The server cannot go on: asks for an orderly stop, with exit code 1. Thread: any.
+  void EndAsFailed() {
+    loop_.Post([this] { stop_signal_.OnFailure(); });
+  }
+
   void StopLoop() { loop_.Stop(); }
   /// Drops what waits for the threads that may wait, and ends them.
   void EndReaders();

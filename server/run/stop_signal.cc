@@ -16,6 +16,12 @@ void StopSignal::OnSignal(int signal) {
     logger_.Flush();
     std::_Exit(0);
   }
+  // Whatever failed has asked already.
+  if (!failed_.load()) stop_.release();
+}
+
+void StopSignal::OnFailure() {
+  if (failed_.exchange(true) || stopping_) return;
   stop_.release();
 }
 

@@ -13,7 +13,7 @@ namespace uplink::run {
 /// While the server starts the first does that, with 0: nothing is under way that a drain would
 /// settle.
 ///
-/// Thread: OnSignal on one thread (the loop's); the rest on another (main).
+/// Thread: OnSignal and OnFailure on one thread (the loop's); the rest on another (main).
 class StopSignal final {
  public:
   explicit StopSignal(const log::Logger& logger) : logger_(logger) {}
@@ -24,8 +24,12 @@ class StopSignal final {
   void NoteStarted() { started_.store(true); }
   /// The signal came. The second time the process ends with 1.
   void OnSignal(int signal);
+  /// The server cannot go on: it stops as by the first signal, and the process ends with 1.
+  void OnFailure();
   /// Waits for the first signal.
   void Wait() { stop_.acquire(); }
+  /// After Wait: what the process ends with once it has stopped.
+  [[nodiscard]] int exit_code() const { return failed_.load() ? 1 : 0; }
   /// After Wait: a pause between two looks. Nothing ends it early, since a second signal ends the
   /// process.
   void Pause(milliseconds wait) { static_cast<void>(stop_.try_acquire_for(wait)); }
@@ -33,6 +37,7 @@ class StopSignal final {
  private:
   const log::Logger& logger_;
   std::atomic<bool> started_{false};
+  std::atomic<bool> failed_{false};
   bool stopping_ = false;
   std::binary_semaphore stop_{0};
 };

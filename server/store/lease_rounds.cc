@@ -232,6 +232,10 @@ void LeaseRounds::Adopt(robot::Robot& robot, const storage::ForeignRobot& foreig
 }
 
 void LeaseRounds::NoteOutcome(const absl::Status& status) {
+  if (absl::IsUnimplemented(status) && !std::exchange(shut_out_, true)) {
+    context_.logger.Error("store_outdated_program", {{"error", std::string(status.message())}});
+    context_.on_shut_out();
+  }
   const bool fails = !status.ok();
   context_.probe.failing.Set(fails ? 1 : 0);
   if (fails == failing_) return;

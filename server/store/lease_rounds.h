@@ -57,6 +57,8 @@ class LeaseRounds final {
     std::function<bool(std::string_view life)> is_gone = IsGone;
     /// Whether a robot that was heard last then is to be in memory no more.
     std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
+    /// The store shuts this program out: the process has to end. Called once.
+    std::function<void()> on_shut_out = [] {};
   };
   /// `leases` is null for a store that this process has alone: then there is nothing to do.
   LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context);
@@ -138,6 +140,7 @@ class LeaseRounds final {
   /// In how many looks, one after the other, a robot was in nobody's list; by RURI.
   std::map<std::string, int> unlisted_;
   bool failing_ = false;
+  bool shut_out_ = false;
   std::atomic<std::uint16_t> port_{0};
   std::atomic<bool> adopts_{true};
   std::atomic<bool> renews_now_{false};

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "storage/numbers.h"
+#include "storage/postgres/migrations.h"
 #include "storage/postgres/own_connection.h"
 
 namespace uplink::storage::postgres {
@@ -13,7 +14,8 @@ constexpr std::string_view kRenew =
     "INSERT INTO uplinkd.processes AS p (process, name, life, counter, released, renewed_at)"
     " VALUES ($1::uuid, $2::text, $3::text, 1, false, now()) ON CONFLICT (process) DO UPDATE SET"
     " name = excluded.name, life = excluded.life, counter = p.counter + 1,"
-    " renewed_at = now() RETURNING counter";
+    " renewed_at = now() RETURNING (SELECT max(m.oldest) FROM uplinkd.schema_migrations AS m),"
+    " (SELECT max(m.version) FROM uplinkd.schema_migrations AS m)";
 // Once in the life of a process: those that left long ago.
 constexpr std::string_view kForget =
     "DELETE FROM uplinkd.processes AS p WHERE p.renewed_at < now() - make_interval(hours => "
@@ -68,7 +70,10 @@ absl::Status PostgresLeases::Renew(const ProcessCard& card) {
   renew.parameters.Text(card.name);
   renew.parameters.Text(card.life);
   const auto renewed = impl_->connection->Write(std::move(renew), "renew the lease");
-  if (!renewed.ok() || impl_->forgot) return renewed.status();
+  if (!renewed.ok()) return renewed.status();
+  absl::Status let_in = CheckOldest("the store", renewed->Int(0, 0), renewed->Int(0, 1),
+                                    static_cast<std::int64_t>(Migrations().size()));
+  if (!let_in.ok() || impl_->forgot) return let_in;
   StoreCall forget{kForget, {}};
   forget.parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
   const auto forgot = impl_->connection->Write(std::move(forget), "forget old leases");

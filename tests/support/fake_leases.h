@@ -23,6 +23,8 @@ class FakeLeases final : public storage::Leases {
   void SetAway(bool away) { away_ = away; }
   /// The connection ends: the next call fails, and makes it anew for those after it.
   void Break() { broken_ = true; }
+  /// Each renewal says that a step of the schema shuts this program out.
+  void ShutOut() { shut_out_ = true; }
   /// Called by each RobotsOfOthers, before its answer.
   void OnList(std::function<void()> call) { on_list_ = std::move(call); }
 
@@ -30,7 +32,7 @@ class FakeLeases final : public storage::Leases {
   [[nodiscard]] absl::Status Renew(const storage::ProcessCard& card) override {
     if (Fails()) return Away();
     database_.Renew(process_, card);
-    return absl::OkStatus();
+    return shut_out_ ? absl::UnimplementedError("run a newer uplinkd") : absl::OkStatus();
   }
   [[nodiscard]] absl::Status Release() override {
     if (Fails()) return Away();
@@ -56,6 +58,7 @@ class FakeLeases final : public storage::Leases {
   const storage::ProcessId process_;
   bool away_ = false;
   bool broken_ = false;
+  bool shut_out_ = false;
   std::function<void()> on_list_;
 };
 

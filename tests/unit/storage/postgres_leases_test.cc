@@ -54,6 +54,15 @@ TEST_F(PostgresLeasesTest, HowLongALeaseStandsIsToldByTheDatabasesClock) {
   EXPECT_GE((*leases)[2].renewed_ago, std::chrono::seconds(100));
 }
 
+TEST_F(PostgresLeasesTest, ARenewalTellsAProgramThatALaterStepShutsItOut) {
+  shell_.Run("INSERT INTO uplinkd.schema_migrations VALUES (99, 1, 'x', 'y')");
+  EXPECT_TRUE(leases_->Renew({"self", "life"}).ok()) << "the step only adds";
+  shell_.Run("UPDATE uplinkd.schema_migrations SET oldest = 99 WHERE version = 99");
+  const absl::Status renewed = leases_->Renew({"self", "life"});
+  EXPECT_TRUE(absl::IsUnimplemented(renewed)) << renewed;
+  EXPECT_TRUE(renewed.message().find("run a newer uplinkd") != absl::string_view::npos) << renewed;
+}
+
 TEST_F(PostgresLeasesTest, ALongCardIsCut) {
   ASSERT_TRUE(
       leases_->Renew({std::string(kCardTextMax + 1, 'n'), std::string(kCardTextMax, 'l')}).ok());

@@ -29,6 +29,23 @@ TEST_F(StopSignalTest, TheFirstEndsTheWait) {
   signal_.Wait();
 }
 
+TEST_F(StopSignalTest, AFailureEndsTheWaitAndTheProcessWithOne) {
+  signal_.NoteStarted();
+  EXPECT_EQ(signal_.exit_code(), 0);
+  signal_.OnFailure();
+  signal_.OnFailure();
+  signal_.Wait();
+  EXPECT_EQ(signal_.exit_code(), 1);
+}
+
+TEST_F(StopSignalTest, TheFirstAfterAFailureLetsTheDrainGoOn) {
+  signal_.NoteStarted();
+  signal_.OnFailure();
+  signal_.OnSignal(SIGTERM);
+  signal_.Wait();
+  EXPECT_EXIT(signal_.OnSignal(SIGTERM), ::testing::ExitedWithCode(1), "");
+}
+
 TEST_F(StopSignalTest, APauseEndsByItself) {
   signal_.NoteStarted();
   signal_.OnSignal(SIGTERM);

@@ -38,7 +38,8 @@ class LeaseRoundsTest : public ::testing::Test {
             .probe = probe_,
             .process = kSelf,
             .is_gone = [](std::string_view) { return false; },
-            .is_forgotten = [this](SystemTime heard_at) { return heard_at < heard_since_; }});
+            .is_forgotten = [this](SystemTime heard_at) { return heard_at < heard_since_; },
+            .on_shut_out = [this] { ++shut_outs_; }});
     rounds_->SetPort(7443);
   }
 
@@ -90,6 +91,7 @@ class LeaseRoundsTest : public ::testing::Test {
       std::make_shared<const model::RobotId>(model::RobotId{"rcan://r", "f"});
   /// Who was heard last before is forgotten.
   SystemTime heard_since_;
+  int shut_outs_ = 0;
   model::Seq number_ = 0;
   metrics::Ledger ledger_;
   journal::JournalProbe journal_probe_;

@@ -9,6 +9,7 @@
 namespace uplink::store {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -102,6 +103,16 @@ TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   EXPECT_THAT(lines_, Not(Contains(HasSubstr("process_over"))));
   EXPECT_THAT(lines_, Contains(HasSubstr("lease_works_again")).Times(1));
   EXPECT_EQ(probe_.failing.value(), 0);
+}
+
+TEST_F(LeaseRoundsTest, AsksForTheEndOnceWhereAStepOfTheSchemaShutsThisProgramOut) {
+  rounds_->Round();
+  EXPECT_EQ(shut_outs_, 0);
+  leases_->ShutOut();
+  Pass(std::chrono::seconds(20));
+  EXPECT_EQ(shut_outs_, 1);
+  EXPECT_THAT(lines_, Contains(AllOf(HasSubstr("store_outdated_program"),
+                                     HasSubstr("run a newer uplinkd"))));
 }
 
 }  // namespace
