@@ -1,0 +1,67 @@
+"""Two servers of two schema versions on one store: the newer one has a made-up step (tests/chaos/next_schema)."""
+
+import unittest
+
+from harness import BIN, Fleet, mismatches
+from two_servers import DEADLINE_SECONDS, ROBOTS, SPANS, A, B, TwoServers
+
+
+# What a server counts of messages since its start: the fleet asks the one that is left.
+COUNTS = ("messages, each once", "durable, stored", "good: stored, applied or superseded")
+
+
+class TwoSchemas(TwoServers):
+    """A is of this schema, B of the next one, which it brings along."""
+
+    def setUp(self):
+        super().setUp()
+        newer = self.servers[B]
+        newer.program = BIN / "uplinkd_next_schema"
+        password = self.folder / "owner.password"
+        password.write_text("uplinkd_owner\n", encoding="utf-8")
+        newer.store_url = newer.store_url.replace("uplinkd@", "uplinkd_owner@")
+        newer.settings = "migrate = true\n" + newer.settings.replace(str(self.password), str(password))
+        self.start(A)
+
+    def schema(self):
+        return self.cluster.sql("SELECT max(version), max(oldest) FROM uplinkd.schema_migrations")
+
+    def assert_all_is_stored(self, fleet, counted_elsewhere=()):
+        _, report = fleet.finish()
+        self.assertEqual(report["differences"], [])
+        wrong = {check["what"] for check in mismatches(report)}
+        self.assertLessEqual(wrong, set(counted_elsewhere), report)
+
+    def test_a_step_that_adds_lets_both_go_on(self):
+        self.robots_at(A)
+        self.assertEqual(self.schema(), "1|1")
+        self.start(B)
+        self.assertEqual(self.schema(), "2|1")
+        self.robots_at(B)
+        self.watch(SPANS.after)
+        for fleet in self.fleets:
+            self.assert_all_is_stored(fleet)
+        # The older one starts on it, too.
+        self.assertEqual(self.servers[A].terminate(30), 0, self.servers[A].text()[-2000:])
+        self.start(A)
+
+    def test_a_step_that_shuts_the_older_out_ends_it_in_order_and_the_newer_goes_on(self):
+        self.start(B)
+        fleet = self.keep(Fleet(self.servers[B], "--robots", ROBOTS, "--ruri-prefix", "rcan://two/schemas",
+                                "--faults", 1, target=self.road.address))  # fmt: skip
+        self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
+        self.road.choose(B)
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 2 WHERE version = 2")
+        older = self.servers[A]
+        self.assertEqual(older.process.wait(DEADLINE_SECONDS), 1, older.text()[-2000:])
+        for line in ("store_outdated_program", "run a newer uplinkd", " draining ", " stopped"):
+            self.assertIn(line, older.text())
+        self.wait_for(lambda: self.streams(B) == ROBOTS, "the robots came", B)
+        self.watch(SPANS.after, [B])
+        self.assert_all_is_stored(fleet, COUNTS)
+        with self.assertRaisesRegex(AssertionError, "run a newer uplinkd"):
+            older.start()
+
+
+if __name__ == "__main__":
+    unittest.main()
