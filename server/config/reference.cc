@@ -39,7 +39,7 @@ std::string_view EffectText(const Setting& setting) {
   return setting.effect == Effect::kReload ? "Taken over by SIGHUP." : "";
 }
 
-/// A key that does nothing yet is read, and shown to nobody.
+/// The reference leaves out a key that does nothing yet.
 bool IsShown(const Setting& setting) { return setting.effect != Effect::kNone; }
 
 }  // namespace

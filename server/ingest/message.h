@@ -28,7 +28,7 @@ struct Arrival {
 
 /// What a message brings, once it is taken.
 struct Brought {
-  /// What is to be stored, in order: payload and content; the port adds robot and session, and the
+  /// The records to store, in order: payload and content; the port adds robot and session, and the
   /// source the numbers.
   std::vector<storage::CommitRecord> records;
   /// What the flow counts of them; nothing: it does not count.

@@ -108,7 +108,7 @@ void Port::TakeFlow(const Line& line, Waits waits, std::optional<std::size_t> by
   if (!bytes) return;
   const SteadyTime now = context_.clock.Steady();
   robot::DurableFlow& flow = line.robot.flow;
-  // What waits for nobody's flow passes beyond it, is kept beside it, and leaves no debt.
+  // A message that passes beyond its robot's flow leaves no debt there.
   if (waits == Waits::kStream || flow.LookAt(*bytes, allowance().flow, now).by == HeldBack::kNone) {
     flow.Take(*bytes, allowance().flow, now);
   } else {

@@ -18,7 +18,7 @@
 
 namespace uplink::ingest {
 
-/// The one way of messages into the server, whoever brings them: Offer is what happens to a
+/// The one way of messages into the server, from every source: Offer is what happens to a
 /// message. The port decides whether there is room, what a rejection writes, and how what is
 /// durable goes to the journal; and it counts. Which numbers a message has, and what its sender is
 /// told, is its source's.
@@ -51,7 +51,7 @@ class Port final {
   enum class Answer : std::uint8_t {
     /// It is held, or waits for its commit; or it was rejected for itself.
     kTaken,
-    /// It waits, and is to be offered again once Offered::hold is over. Nothing was done.
+    /// Nothing was done: its source offers it again once Offered::hold is over.
     kWaits,
     /// It had no room, and cannot wait.
     kRefused,

@@ -33,7 +33,7 @@ Intake::Intake(const Sources& sources)
              .allowances = context_.allowances,
              .in_flight_max = context_.limits.in_flight_uplinks_max,
              .payload_bytes_max = context_.limits.payload_bytes_max,
-             // Its agent sends it again, to whoever has the robot.
+             // Its agent sends it again, to the server that has the robot.
              .lost_counts_as = metrics::Became::kSuperseded}),
       numbers_(robot_.sessions, line_.session),
       appending_(line_, port_, numbers_),
