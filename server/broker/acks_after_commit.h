@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/journal/shards.h"
+#include "server/loop/wake.h"
 #include "server/mqtt/unacked.h"
-#include "server/robot/wake.h"
 
 namespace uplink::broker {
 
@@ -39,7 +39,7 @@ class AcksAfterCommit final {
   void Clear();
 
  private:
-  class Inbox final : public robot::WakeInbox {
+  class Inbox final : public loop::WakeInbox {
    public:
     explicit Inbox(std::function<void(std::size_t shard)> answered)
         : answered_(std::move(answered)) {}

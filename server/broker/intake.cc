@@ -66,7 +66,7 @@ void Intake::Refuse() {
   port_.Publish();
 }
 
-void Intake::WakeWhenRoom(robot::StreamRef stream) const {
+void Intake::WakeWhenRoom(loop::StreamRef stream) const {
   if (full_ != nullptr) full_->WhenRoom(stream);
 }
 

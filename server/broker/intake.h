@@ -84,7 +84,7 @@ class Intake final {
   /// A message arrives that is not wanted now; at QoS 1 it comes again.
   void Refuse();
   /// Wakes `stream` once the journal has room that had none for the message that is held.
-  void WakeWhenRoom(robot::StreamRef stream) const;
+  void WakeWhenRoom(loop::StreamRef stream) const;
 
  private:
   /// One message while it is processed.

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::broker {
 
@@ -13,7 +13,7 @@ namespace uplink::broker {
 ///
 /// Limits:  one number per wake since the last look.
 /// Thread:  thread-safe.
-class StreamWakes final : public robot::WakeInbox {
+class StreamWakes final : public loop::WakeInbox {
  public:
   /// `look` is asked for once, until Take.
   explicit StreamWakes(std::function<void()> look) : look_(std::move(look)) {}

@@ -15,7 +15,7 @@
 #include "server/fleet/fleet.h"
 #include "server/ingest/room.h"
 #include "server/journal/journal.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::broker {
 
@@ -28,9 +28,9 @@ struct TwinStream {
   cyberwave::TwinPtr twin;
   /// Shared by a twin's two robots.
   std::shared_ptr<cyberwave::TwinRates> rates;
-  /// As robot::StreamRef names it; from 1.
+  /// As loop::StreamRef names it; from 1.
   std::uint64_t id = 0;
-  robot::StreamRef self;
+  loop::StreamRef self;
   model::SessionId session;
   /// Goes with every record (journal::Journal::Append).
   std::uint64_t generation = 0;

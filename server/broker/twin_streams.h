@@ -19,7 +19,7 @@
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::broker {
 
@@ -41,7 +41,7 @@ class TwinStreams final {
     const journal::Shards& journals;
     cyberwave::Twins& twins;
     /// Where streams learn that something of them was settled.
-    robot::WakeInbox& inbox;
+    loop::WakeInbox& inbox;
     /// Of which fleet twins are (cyberwave.fleet).
     std::string fleet_name;
     /// Evenly drawn numbers.

@@ -41,9 +41,9 @@ FleetItems::FannedOut FleetItems::Remove(const ItemKey& key, const EncodedFrame&
   return FanOut(gone, deletion, Change::kGoes);
 }
 
-std::vector<robot::StreamRef> FleetItems::SetWhole() {
+std::vector<loop::StreamRef> FleetItems::SetWhole() {
   const std::lock_guard lock(mutex_);
-  std::vector<robot::StreamRef> wake;
+  std::vector<loop::StreamRef> wake;
   if (std::exchange(whole_, true)) return wake;
   for (Receiver* receiver : receivers_) wake.push_back(receiver->stream);
   return wake;
@@ -127,7 +127,7 @@ std::map<std::string, std::string> FleetItems::TakeOverflowed() {
 
 // --- Receivers ---
 
-std::unique_ptr<FleetItems::Receiver> FleetItems::Join(std::string ruri, robot::StreamRef stream) {
+std::unique_ptr<FleetItems::Receiver> FleetItems::Join(std::string ruri, loop::StreamRef stream) {
   auto receiver = std::make_unique<Receiver>(limits_.waiting_max);
   receiver->ruri = std::move(ruri);
   receiver->stream = stream;

@@ -15,7 +15,7 @@
 #include "server/forward/item.h"
 #include "server/forward/limits.h"
 #include "server/forward/waiting.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::forward {
 
@@ -46,7 +46,7 @@ class FleetItems final {
       kFollows,
     };
     std::string ruri;
-    robot::StreamRef stream;
+    loop::StreamRef stream;
     State state = State::kBegins;
     /// The last item of the snapshot that was passed; null before the first.
     KeyRef walked;
@@ -65,7 +65,7 @@ class FleetItems final {
 
   /// Who is told of a change.
   struct FannedOut {
-    std::vector<robot::StreamRef> to_wake;
+    std::vector<loop::StreamRef> to_wake;
     /// Receivers for which it waits now.
     std::size_t receivers = 0;
   };
@@ -79,7 +79,7 @@ class FleetItems final {
   /// The item is there no more: `deletion` says so. Nothing if it was not.
   FannedOut Remove(const ItemKey& key, const EncodedFrame& deletion);
   /// From now on the set is whole, and snapshots may begin. Returns the streams to wake.
-  std::vector<robot::StreamRef> SetWhole();
+  std::vector<loop::StreamRef> SetWhole();
 
   /// The item's frame; null if it is not there.
   [[nodiscard]] EncodedFrame FrameOf(const ItemKey& key) const;
@@ -88,7 +88,7 @@ class FleetItems final {
 
   // --- Receivers; each on its stream's thread ---
 
-  [[nodiscard]] std::unique_ptr<Receiver> Join(std::string ruri, robot::StreamRef stream);
+  [[nodiscard]] std::unique_ptr<Receiver> Join(std::string ruri, loop::StreamRef stream);
   void Leave(Receiver& receiver);
   /// Adds what the receiver is to be told next, a few frames.
   void Take(Receiver& receiver, std::vector<EncodedFrame>& into);

@@ -20,7 +20,7 @@ std::size_t BytesOf(const ItemKey& key, const EncodedFrame& frame) {
 /// A stream's membership in its fleet.
 class Forwards::Receiver final : public session::ForwardReceiver {
  public:
-  Receiver(FleetRef fleet, std::string ruri, robot::StreamRef stream)
+  Receiver(FleetRef fleet, std::string ruri, loop::StreamRef stream)
       : fleet_(std::move(fleet)), receiver_(fleet_->Join(std::move(ruri), stream)) {}
   ~Receiver() override { fleet_->Leave(*receiver_); }
   Receiver(const Receiver&) = delete;
@@ -41,7 +41,7 @@ Forwards::Forwards(const Shares::Limits& limits, std::function<std::uint64_t()> 
       shares_(limits) {}
 
 std::unique_ptr<session::ForwardReceiver> Forwards::Join(const model::RobotId& robot,
-                                                         robot::StreamRef stream) {
+                                                         loop::StreamRef stream) {
   return std::make_unique<Receiver>(FleetOf(robot.fleet), robot.ruri, stream);
 }
 
@@ -172,12 +172,12 @@ std::map<std::string, std::string> Forwards::TakeOverflowed() {
   return robots;
 }
 
-void Forwards::ToWake(const std::vector<robot::StreamRef>& streams) {
+void Forwards::ToWake(const std::vector<loop::StreamRef>& streams) {
   to_wake_.insert(to_wake_.end(), streams.begin(), streams.end());
 }
 
 std::size_t Forwards::WakeReceivers() {
-  for (const robot::StreamRef stream : to_wake_) stream.Wake();
+  for (const loop::StreamRef stream : to_wake_) stream.Wake();
   const std::size_t woken = to_wake_.size();
   to_wake_.clear();
   return woken;

@@ -30,7 +30,7 @@ class Forwards final : public session::ForwardSource {
 
   // session::ForwardSource
   [[nodiscard]] std::unique_ptr<session::ForwardReceiver> Join(const model::RobotId& robot,
-                                                               robot::StreamRef stream) override;
+                                                               loop::StreamRef stream) override;
 
   /// Makes the frame of an item, with the number of its command. Null: it cannot be forwarded.
   using Encode = std::function<EncodedFrame(const nexus_command::CommandId& command)>;
@@ -93,7 +93,7 @@ class Forwards final : public session::ForwardSource {
   using FleetRef = std::shared_ptr<FleetItems>;
   class Receiver;
 
-  void ToWake(const std::vector<robot::StreamRef>& streams);
+  void ToWake(const std::vector<loop::StreamRef>& streams);
   /// Wakes those who are to be, and returns the bytes that they get of the frame.
   std::size_t Told(const FleetItems::FannedOut& out, std::size_t frame_bytes);
   std::size_t PutNew(const ItemKey& key, const Facts& facts, const Encode& encode);
@@ -125,7 +125,7 @@ class Forwards final : public session::ForwardSource {
   };
   std::map<ItemKey, Where> where_;
   /// Streams that are to be woken; one that looks meanwhile may be here twice.
-  std::vector<robot::StreamRef> to_wake_;
+  std::vector<loop::StreamRef> to_wake_;
   Shares shares_;
 };
 

@@ -17,7 +17,7 @@
 #include "server/front/connection.h"
 #include "server/front/door/door.h"
 #include "server/front/loop/event_loop.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::front {
 
@@ -27,7 +27,7 @@ namespace uplink::front {
 /// Order:  Start; Stop, which ends all connections. Wakes do nothing afterwards.
 /// Thread: Adopt, CutHandshake, Evict, Drain, Wake, load: any; Start, Stop: main; the rest: its
 /// own.
-class Worker final : public robot::WakeInbox, public ConnectionOwner {
+class Worker final : public loop::WakeInbox, public ConnectionOwner {
  public:
   struct Setup {
     std::size_t index = 0;

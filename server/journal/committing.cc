@@ -115,14 +115,14 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
 }
 
 void Committing::Tell() {
-  const std::vector<robot::StreamRef> wake =
+  const std::vector<loop::StreamRef> wake =
       TellOutcomes(batch_, *std::exchange(outcomes_, std::nullopt), holds_, context_.ledger);
   const bool spatial = HoldsSpatial(batch_.batch());
   const WriterInbox::Done done{
       .records = batch_.entries(), .bytes = batch_.bytes(), .batch_ended = true};
   batch_.ClearEntries();
   context_.inbox.Release(done);
-  for (const robot::StreamRef stream : wake) stream.Wake();
+  for (const loop::StreamRef stream : wake) stream.Wake();
   if (spatial && context_.spatial_committed) context_.spatial_committed();
 }
 

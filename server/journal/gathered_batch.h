@@ -6,7 +6,7 @@
 
 #include "server/journal/entry.h"
 #include "server/journal/held_robots.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
@@ -30,13 +30,13 @@ class GatheredBatch final {
   }
 
   /// Streams that wait for its commit, whatever it holds (Journal::WhenCommitted).
-  void SetAsking(std::vector<robot::StreamRef> streams) { asking_ = std::move(streams); }
+  void SetAsking(std::vector<loop::StreamRef> streams) { asking_ = std::move(streams); }
 
   [[nodiscard]] bool empty() const {
     return origins_.empty() && gap_origins_.empty() && batch_.presence.empty() &&
            batch_.deliveries.empty() && asking_.empty();
   }
-  [[nodiscard]] const std::vector<robot::StreamRef>& asking() const { return asking_; }
+  [[nodiscard]] const std::vector<loop::StreamRef>& asking() const { return asking_; }
   /// Records and gaps.
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
   /// What records and gaps cost.
@@ -77,7 +77,7 @@ class GatheredBatch final {
   storage::Batch batch_;
   std::vector<Origin> origins_;
   std::vector<Origin> gap_origins_;
-  std::vector<robot::StreamRef> asking_;
+  std::vector<loop::StreamRef> asking_;
 };
 
 }  // namespace uplink::journal

@@ -25,27 +25,26 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
   return told;
 }
 
-robot::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
+loop::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
   robots_.Lose(client);
   // The map's entry, to which the reference may lead, goes before the name is used last.
   // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the copy keeps it alive
   const storage::RobotRef kept = robot;
   held_.erase(kept->ruri);
-  const robot::StreamRef stream = client.OnFenced(context_.ledger);
+  const loop::StreamRef stream = client.OnFenced(context_.ledger);
   context_.inbox.LosePresence(kept->ruri);
   return stream;
 }
 
-robot::StreamRef Holds::LoseSince(const std::string& ruri, storage::Epoch since) {
+loop::StreamRef Holds::LoseSince(const std::string& ruri, storage::Epoch since) {
   const auto held = held_.find(ruri);
   if (held == held_.end() || robots_.Since(*held->second.client) != since) return {};
   return Lose(*held->second.client, held->second.robot);
 }
 
-robot::StreamRef Holds::WentBack(const std::string& ruri) {
+loop::StreamRef Holds::WentBack(const std::string& ruri) {
   const auto held = held_.find(ruri);
-  return held == held_.end() ? robot::StreamRef()
-                             : held->second.client->OnWentBack(context_.ledger);
+  return held == held_.end() ? loop::StreamRef() : held->second.client->OnWentBack(context_.ledger);
 }
 
 bool Holds::FollowPresence(const std::string& ruri,

@@ -7,8 +7,8 @@
 
 #include "server/journal/held_robots.h"
 #include "server/journal/writer_context.h"
+#include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
-#include "server/robot/wake.h"
 #include "storage/compare.h"
 #include "storage/types.h"
 
@@ -29,18 +29,18 @@ class Holds final {
     /// Another process held it after this one did last: its sessions are forgotten.
     bool interrupted = false;
     /// To wake then.
-    robot::StreamRef stream;
+    loop::StreamRef stream;
   };
   /// The store answered that the robot is ours.
   Told Begin(robot::CommitClient& client, const storage::RobotRef& robot,
              const robot::HoldNews& news);
   /// This process does not hold the robot: another one does, or the store lost it. Returns the
   /// stream to wake.
-  robot::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);
+  loop::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);
   /// The same of a hold that began then; nothing if the robot is held since later, or not at all.
-  robot::StreamRef LoseSince(const std::string& ruri, storage::Epoch since);
+  loop::StreamRef LoseSince(const std::string& ruri, storage::Epoch since);
   /// The store holds the robot for us, and has less of it than it told. Returns the stream to wake.
-  robot::StreamRef WentBack(const std::string& ruri);
+  loop::StreamRef WentBack(const std::string& ruri);
   /// The store has this of the robot's presence. True if that is not what it told, or was told:
   /// what this process last judged is written again.
   bool FollowPresence(const std::string& ruri, const std::optional<storage::StoredPresence>& stored,

@@ -93,7 +93,7 @@ void Inbox::Remember(storage::Deliveries deliveries) {
   work_.notify_one();
 }
 
-void Inbox::WhenCommitted(robot::StreamRef stream) {
+void Inbox::WhenCommitted(loop::StreamRef stream) {
   {
     const std::lock_guard lock(mutex_);
     if (std::ranges::find(waiting_for_commit_, stream) != waiting_for_commit_.end()) return;
@@ -163,7 +163,7 @@ Room Inbox::RoomFor(const robot::JournalUse& robot, std::size_t bytes,
   return HasRoomFor(gateway) ? Room::kFree : Room::kFull;
 }
 
-void Inbox::WhenRoom(robot::StreamRef stream, GatewayRef gateway) {
+void Inbox::WhenRoom(loop::StreamRef stream, GatewayRef gateway) {
   {
     const std::lock_guard lock(mutex_);
     if (!HasRoomFor(gateway.get())) {

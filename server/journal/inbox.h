@@ -20,8 +20,8 @@
 #include "server/journal/limits.h"
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
+#include "server/loop/wake.h"
 #include "server/robot/journal_use.h"
-#include "server/robot/wake.h"
 
 namespace uplink::journal {
 
@@ -57,7 +57,7 @@ class Inbox final {
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
   void Remember(storage::Deliveries deliveries);
-  void WhenCommitted(robot::StreamRef stream);
+  void WhenCommitted(loop::StreamRef stream);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
   void Adopt(AdoptEntry entry);
   void Lose(LossEntry entry);
@@ -69,7 +69,7 @@ class Inbox final {
   }
   [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes,
                              const GatewayUse* gateway = nullptr) const;
-  void WhenRoom(robot::StreamRef stream, GatewayRef gateway = nullptr);
+  void WhenRoom(loop::StreamRef stream, GatewayRef gateway = nullptr);
 
   [[nodiscard]] std::size_t records() const { return records_.load(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
@@ -85,7 +85,7 @@ class Inbox final {
 
   /// A stream that waits for room, for itself and for its gateway.
   struct Waiter {
-    robot::StreamRef stream;
+    loop::StreamRef stream;
     GatewayRef gateway;
   };
 
@@ -119,7 +119,7 @@ class Inbox final {
   /// By subject. Those without a stream and a waiting entry are removed at the next look-up.
   std::unordered_map<std::string, std::weak_ptr<GatewayUse>> gateways_;
   /// Each once.
-  std::vector<robot::StreamRef> waiting_for_commit_;
+  std::vector<loop::StreamRef> waiting_for_commit_;
   /// When the first record of the batch that was taken arrived.
   std::optional<SteadyTime> batch_oldest_;
 

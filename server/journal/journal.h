@@ -25,8 +25,8 @@
 #include "server/journal/store_errors.h"
 #include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
+#include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
-#include "server/robot/wake.h"
 #include "storage/types.h"
 
 namespace uplink::fleet {
@@ -79,9 +79,9 @@ class Journal final {
   /// Wakes the stream after the next commit that begins after this, of an empty batch if nothing
   /// else waits. It shows that the store is there and has what it told: a store that was connected
   /// to anew was compared before, and OnReconnected told. The wake may join an earlier one
-  /// (WakeInbox), and so run before a job that OnReconnected posted to the same thread: a stream
-  /// that acks from memory first looks whether OnReconnected told.
-  void WhenCommitted(robot::StreamRef stream) { inbox_.WhenCommitted(stream); }
+  /// (loop::WakeInbox), and so run before a job that OnReconnected posted to the same thread: a
+  /// stream that acks from memory first looks whether OnReconnected told.
+  void WhenCommitted(loop::StreamRef stream) { inbox_.WhenCommitted(stream); }
 
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
   /// hold the robot. It is in no count of this class but idle(), and holds no stream back: at most
@@ -125,7 +125,7 @@ class Journal final {
   }
   [[nodiscard]] bool HasRoom() const { return inbox_.HasRoom(); }
   /// Wakes the stream once when there is room again, for the gateway too.
-  void WhenRoom(robot::StreamRef stream, GatewayRef gateway = nullptr) {
+  void WhenRoom(loop::StreamRef stream, GatewayRef gateway = nullptr) {
     inbox_.WhenRoom(stream, std::move(gateway));
   }
 

@@ -70,11 +70,11 @@ ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes
 
 }  // namespace
 
-std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
-                                           std::vector<storage::Outcome> outcomes, Holds& holds,
-                                           metrics::Ledger& ledger) {
+std::vector<loop::StreamRef> TellOutcomes(const GatheredBatch& batch,
+                                          std::vector<storage::Outcome> outcomes, Holds& holds,
+                                          metrics::Ledger& ledger) {
   const ByClient sorted = Sort(batch, std::move(outcomes));
-  std::vector<robot::StreamRef> wake;
+  std::vector<loop::StreamRef> wake;
   wake.reserve(sorted.settled.size() + sorted.fenced.size());
   for (const auto& [client, settled] : sorted.settled) {
     wake.push_back(client->OnSettled(settled, ledger));

@@ -5,7 +5,7 @@
 #include "metrics/ledger.h"
 #include "server/journal/gathered_batch.h"
 #include "server/journal/holds.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 #include "storage/types.h"
 
 namespace uplink::journal {
@@ -17,8 +17,8 @@ namespace uplink::journal {
 /// Returns the streams to wake, those last that wait for the commit alone: the caller does so once
 /// it has let go of the batch.
 /// Thread: the writer alone, with no lock held.
-[[nodiscard]] std::vector<robot::StreamRef> TellOutcomes(const GatheredBatch& batch,
-                                                         std::vector<storage::Outcome> outcomes,
-                                                         Holds& holds, metrics::Ledger& ledger);
+[[nodiscard]] std::vector<loop::StreamRef> TellOutcomes(const GatheredBatch& batch,
+                                                        std::vector<storage::Outcome> outcomes,
+                                                        Holds& holds, metrics::Ledger& ledger);
 
 }  // namespace uplink::journal

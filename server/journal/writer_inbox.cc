@@ -77,7 +77,7 @@ void WriterInbox::PutBack(GatheredBatch::Rest rest) {
 }
 
 void WriterInbox::Release(const Done& done) {
-  std::vector<robot::StreamRef> wake;
+  std::vector<loop::StreamRef> wake;
   {
     const std::lock_guard lock(inbox_.mutex_);
     inbox_.records_.fetch_sub(done.records);
@@ -89,7 +89,7 @@ void WriterInbox::Release(const Done& done) {
       return room;
     });
   }
-  for (const robot::StreamRef stream : wake) stream.Wake();
+  for (const loop::StreamRef stream : wake) stream.Wake();
 }
 
 void WriterInbox::EndCheckpoint() {

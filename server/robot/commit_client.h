@@ -12,8 +12,8 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
+#include "server/loop/wake.h"
 #include "server/robot/holding.h"
-#include "server/robot/wake.h"
 #include "storage/compare.h"
 #include "storage/types.h"
 
@@ -50,27 +50,27 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   /// The journal knows the robot no more.
   virtual void OnLeft() {}
   /// The stream `open_id` was opened. Returns the stream to wake.
-  virtual StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
+  virtual loop::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) = 0;
   /// The store has the robot in `fleet`, and the word of stream `open_id` does not move it: that
   /// stream must end, and what waits of it is void, counted superseded; generation() has grown on
   /// return. Nothing happens where another stream was opened since. Returns the stream to wake.
-  virtual StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
-                                 metrics::Ledger& ledger) = 0;
+  virtual loop::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                                       metrics::Ledger& ledger) = 0;
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
   /// wake.
-  virtual StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
+  virtual loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
   /// Gap records of this robot left the journal. Returns the stream to wake.
-  virtual StreamRef OnGapsWritten(std::size_t count) = 0;
+  virtual loop::StreamRef OnGapsWritten(std::size_t count) = 0;
   /// Another process holds the robot, or held it since this one's last OpenStream: forget its
   /// sessions and all that waits, counted superseded; generation() has grown on return. Returns the
   /// stream to wake.
-  virtual StreamRef OnFenced(metrics::Ledger& ledger) = 0;
+  virtual loop::StreamRef OnFenced(metrics::Ledger& ledger) = 0;
   /// The sessions in memory of which the store told something, with what it told: the highest
   /// number that is committed.
   [[nodiscard]] virtual std::vector<storage::CommittedSession> Committed() const = 0;
   /// The store went back: it has less of the robot than it told, and holds it for this process as
   /// before. As OnFenced for sessions and all that waits; the robot's state stays.
-  virtual StreamRef OnWentBack(metrics::Ledger& ledger) = 0;
+  virtual loop::StreamRef OnWentBack(metrics::Ledger& ledger) = 0;
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
 };

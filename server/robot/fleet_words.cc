@@ -4,7 +4,7 @@
 
 namespace uplink::robot {
 
-FleetWords::Heard FleetWords::Say(const FleetSaid& said, StreamRef stream) {
+FleetWords::Heard FleetWords::Say(const FleetSaid& said, loop::StreamRef stream) {
   using storage::FleetWord;
   Heard heard{.word = said.word};
   if (untold_) {

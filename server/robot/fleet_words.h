@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 #include "storage/types.h"
 
 namespace uplink::robot {
@@ -26,12 +26,12 @@ class FleetWords final {
     bool disowns = false;
   };
   /// A stream says this, and the store is about to be asked.
-  [[nodiscard]] Heard Say(const FleetSaid& said, StreamRef stream);
+  [[nodiscard]] Heard Say(const FleetSaid& said, loop::StreamRef stream);
   /// The store has the robot in that fleet, or all that waited is void.
   void Answered() { untold_.reset(); }
 
   struct Refused {
-    StreamRef stream;
+    loop::StreamRef stream;
     /// The fleet that it said.
     std::string claimed;
   };
@@ -40,7 +40,7 @@ class FleetWords final {
 
  private:
   std::optional<FleetSaid> untold_;
-  StreamRef stream_;
+  loop::StreamRef stream_;
 };
 
 }  // namespace uplink::robot

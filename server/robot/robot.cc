@@ -54,20 +54,20 @@ void Robot::OnHeld(const HoldNews& news) {
   state.BeginHold(news, clock_.Steady(), clock_.System());
 }
 
-StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
+loop::StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   // First: whatever a stream still applies until it learns of this is not kept.
   if (!Planted(Mutation::kFenceKeepsState)) state.Lose();
   return sessions.OnFenced(ledger);
 }
 
-StreamRef Robot::OnWentBack(metrics::Ledger& ledger) {
+loop::StreamRef Robot::OnWentBack(metrics::Ledger& ledger) {
   // What the last checkpoints wrote may be gone, too.
   state.PutBackChanges(LivePartSet().set());
   return sessions.OnWentBack(ledger);
 }
 
-StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
-                              metrics::Ledger& ledger) {
+loop::StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                                    metrics::Ledger& ledger) {
   const auto refused = sessions.OnOtherFleet(open_id, ledger);
   if (!refused) return {};
   // What its live messages said. Where this process holds the robot, they are not all that it has.

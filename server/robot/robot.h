@@ -79,20 +79,22 @@ class Robot final : public CommitClient {
   [[nodiscard]] bool HasStream() const override { return sessions.HasStream(); }
   [[nodiscard]] bool MayLeave() const override;
   void OnLeft() override;
-  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override {
+  loop::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result) override {
     return sessions.OnOpened(open_id, result);
   }
-  StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
-                         metrics::Ledger& ledger) override;
-  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override {
+  loop::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                               metrics::Ledger& ledger) override;
+  loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) override {
     return sessions.OnSettled(settled, ledger);
   }
-  StreamRef OnGapsWritten(std::size_t count) override { return sessions.OnGapsWritten(count); }
-  StreamRef OnFenced(metrics::Ledger& ledger) override;
+  loop::StreamRef OnGapsWritten(std::size_t count) override {
+    return sessions.OnGapsWritten(count);
+  }
+  loop::StreamRef OnFenced(metrics::Ledger& ledger) override;
   [[nodiscard]] std::vector<storage::CommittedSession> Committed() const override {
     return sessions.Committed();
   }
-  StreamRef OnWentBack(metrics::Ledger& ledger) override;
+  loop::StreamRef OnWentBack(metrics::Ledger& ledger) override;
   [[nodiscard]] std::uint64_t generation() const override { return sessions.generation(); }
 
   RobotState state;

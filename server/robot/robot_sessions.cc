@@ -18,14 +18,14 @@ std::optional<Reconnects::Arrival> RobotSessions::Arrive(SteadyTime now,
   return reconnects_.Arrive(now, limits);
 }
 
-RobotSessions::Attached RobotSessions::Attach(StreamRef stream, SteadyTime now,
+RobotSessions::Attached RobotSessions::Attach(loop::StreamRef stream, SteadyTime now,
                                               SystemTime system_now, Newcomer comer) {
   const std::lock_guard lock(mutex_);
   if (comer.number && !reconnects_.MayAttach(*comer.number)) return {Standing::kSuperseded};
   return takeover_.Attach(stream, now, system_now, std::move(comer.gateway));
 }
 
-StreamRef RobotSessions::Detach(StreamRef stream, SteadyTime now) {
+loop::StreamRef RobotSessions::Detach(loop::StreamRef stream, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   if (stream == takeover_.current() && current_session_) {
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
@@ -189,7 +189,7 @@ bool RobotSessions::HasStream() const {
   return static_cast<bool>(takeover_.current());
 }
 
-StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
+loop::StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
   if (opening_.Answer(open_id, result)) {
     fleet_words_.Answered();
@@ -215,9 +215,10 @@ StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResu
   return takeover_.current();
 }
 
-StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) {
+loop::StreamRef RobotSessions::OnSettled(std::span<const Settled> settled,
+                                         metrics::Ledger& ledger) {
   metrics::MessageCounts counts;
-  StreamRef wake;
+  loop::StreamRef wake;
   {
     const std::lock_guard lock(mutex_);
     wake = takeover_.current();
@@ -239,23 +240,23 @@ StreamRef RobotSessions::OnSettled(std::span<const Settled> settled, metrics::Le
   return wake;
 }
 
-StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
+loop::StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
   gaps_in_flight_.fetch_sub(count);
   const std::lock_guard lock(mutex_);
   return takeover_.current();
 }
 
-StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
+loop::StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
   return VoidAndStop(Standing::kSuperseded, ledger);
 }
 
-StreamRef RobotSessions::OnWentBack(metrics::Ledger& ledger) {
+loop::StreamRef RobotSessions::OnWentBack(metrics::Ledger& ledger) {
   return VoidAndStop(Standing::kWentBack, ledger);
 }
 
-StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& ledger) {
+loop::StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& ledger) {
   std::size_t waited = 0;
-  StreamRef wake;
+  loop::StreamRef wake;
   {
     const std::lock_guard lock(mutex_);
     waited = Void();

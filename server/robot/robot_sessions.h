@@ -14,6 +14,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
+#include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/fleet_words.h"
 #include "server/robot/held_back.h"
@@ -29,7 +30,6 @@
 #include "server/robot/session_table.h"
 #include "server/robot/session_view.h"
 #include "server/robot/takeover.h"
-#include "server/robot/wake.h"
 #include "storage/latest_kind.h"
 #include "storage/live_row.h"
 
@@ -74,21 +74,21 @@ class RobotSessions final {
   /// A new stream wants the robot. An older one is superseded and must confirm by Detach first. It
   /// is superseded itself if a stream wanted the robot that came later than its number; without a
   /// number none did.
-  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+  [[nodiscard]] Attached Attach(loop::StreamRef stream, SteadyTime now, SystemTime system_now,
                                 Newcomer comer = {});
-  [[nodiscard]] Standing StandingOf(StreamRef stream) const {
+  [[nodiscard]] Standing StandingOf(loop::StreamRef stream) const {
     const std::lock_guard lock(mutex_);
     return takeover_.StandingOf(stream);
   }
   /// The stream takes no more frames (its own thread says so). Returns the stream that is next.
-  StreamRef Detach(StreamRef stream, SteadyTime now);
+  loop::StreamRef Detach(loop::StreamRef stream, SteadyTime now);
   /// The robot's stream; none if there is none.
-  [[nodiscard]] StreamRef stream() const {
+  [[nodiscard]] loop::StreamRef stream() const {
     const std::lock_guard lock(mutex_);
     return takeover_.current();
   }
   /// The robot's stream is to end. Returns it, to be woken; none if there is none.
-  StreamRef EndStream() {
+  loop::StreamRef EndStream() {
     const std::lock_guard lock(mutex_);
     takeover_.End();
     return takeover_.current();
@@ -230,17 +230,17 @@ class RobotSessions final {
   // --- What the journal tells, as CommitClient has it ---
 
   [[nodiscard]] bool HasStream() const;
-  StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result);
+  loop::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result);
   /// Nothing if another stream was opened since. The stream is to be woken.
   std::optional<FleetWords::Refused> OnOtherFleet(std::uint64_t open_id, metrics::Ledger& ledger);
-  StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
-  StreamRef OnGapsWritten(std::size_t count);
-  StreamRef OnFenced(metrics::Ledger& ledger);
+  loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
+  loop::StreamRef OnGapsWritten(std::size_t count);
+  loop::StreamRef OnFenced(metrics::Ledger& ledger);
   [[nodiscard]] std::vector<storage::CommittedSession> Committed() const {
     const std::lock_guard lock(mutex_);
     return sessions_.Committed();
   }
-  StreamRef OnWentBack(metrics::Ledger& ledger);
+  loop::StreamRef OnWentBack(metrics::Ledger& ledger);
   [[nodiscard]] std::uint64_t generation() const { return generation_.load(); }
 
  private:
@@ -253,7 +253,7 @@ class RobotSessions final {
     if (source_ == model::MessageSource::kUplink) ledger.Publish(counts);
   }
   /// All that waits is void, and the stream must stop. Returns it.
-  StreamRef VoidAndStop(Standing standing, metrics::Ledger& ledger);
+  loop::StreamRef VoidAndStop(Standing standing, metrics::Ledger& ledger);
   /// All that waits is void. Returns how much it was. Under the lock.
   std::size_t Void();
   /// Of the current session, after it was given Rejects; also whether some are to be read. Under

@@ -7,7 +7,7 @@
 
 namespace uplink::robot {
 
-Takeover::Attached Takeover::Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+Takeover::Attached Takeover::Attach(loop::StreamRef stream, SteadyTime now, SystemTime system_now,
                                     std::string gateway) {
   Attached attached;
   if (!current_) {
@@ -41,12 +41,12 @@ bool Takeover::AddTakeover(SteadyTime now) {
   return contested_ && !was;
 }
 
-Standing Takeover::StandingOf(StreamRef stream) const {
+Standing Takeover::StandingOf(loop::StreamRef stream) const {
   if (stream == current_) return current_standing_;
   return stream == next_ ? Standing::kWaiting : Standing::kSuperseded;
 }
 
-StreamRef Takeover::Detach(StreamRef stream) {
+loop::StreamRef Takeover::Detach(loop::StreamRef stream) {
   if (stream == next_) {
     next_ = {};
     next_gateway_.clear();
@@ -65,7 +65,7 @@ void Takeover::Stop(Standing standing) {
   if (current_) current_standing_ = standing;
 }
 
-void Takeover::Refuse(StreamRef stream) {
+void Takeover::Refuse(loop::StreamRef stream) {
   if (current_ && current_ == stream) current_standing_ = Standing::kOtherFleet;
 }
 

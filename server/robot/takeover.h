@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::robot {
 
@@ -36,31 +36,31 @@ class Takeover final {
   struct Attached {
     Standing standing = Standing::kCurrent;
     /// Streams that must be woken: they were superseded.
-    std::vector<StreamRef> to_wake;
+    std::vector<loop::StreamRef> to_wake;
     /// This attach took over from another stream.
     bool took_over = false;
     /// The robot changes hands more than kTakeoversPerMinuteMax times per minute, from now on.
     bool contested = false;
   };
   /// A new stream wants the robot, by itself or through this gateway.
-  [[nodiscard]] Attached Attach(StreamRef stream, SteadyTime now, SystemTime system_now,
+  [[nodiscard]] Attached Attach(loop::StreamRef stream, SteadyTime now, SystemTime system_now,
                                 std::string gateway = {});
-  [[nodiscard]] Standing StandingOf(StreamRef stream) const;
+  [[nodiscard]] Standing StandingOf(loop::StreamRef stream) const;
   /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
   /// robot's stream, or none if the one that left was not it.
-  StreamRef Detach(StreamRef stream);
+  loop::StreamRef Detach(loop::StreamRef stream);
   /// The current stream must stop, for this reason: another process holds the robot, or the store
   /// went back.
   void Stop(Standing standing);
   /// The stream may not speak for the robot, as the store has it: it must stop if it is current.
-  void Refuse(StreamRef stream);
+  void Refuse(loop::StreamRef stream);
   /// The current stream is to stop, though nothing takes its place.
   void End();
   /// Lets old takeovers go, so that a robot that calmed down is contested no more.
   void Sweep(SteadyTime now);
 
   /// The robot's stream; none if it has none.
-  [[nodiscard]] StreamRef current() const { return current_; }
+  [[nodiscard]] loop::StreamRef current() const { return current_; }
   /// When the robot's stream, or the last one, came.
   [[nodiscard]] SystemTime connected_since() const { return connected_since_; }
   /// Through which gateway that stream came; empty: the robot spoke by itself, or never here.
@@ -72,9 +72,9 @@ class Takeover final {
   /// Returns true if the robot became contested by it.
   bool AddTakeover(SteadyTime now);
 
-  StreamRef current_;
+  loop::StreamRef current_;
   /// Waits for the current one to confirm its end.
-  StreamRef next_;
+  loop::StreamRef next_;
   /// Anything but kCurrent: it must stop.
   Standing current_standing_ = Standing::kCurrent;
   bool contested_ = false;

@@ -117,7 +117,7 @@ robot::Standing Attachment::Attach() {
   context_.fleet.Keep(*robot_);
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();
-  for (const robot::StreamRef stream : attached.to_wake) stream.Wake();
+  for (const loop::StreamRef stream : attached.to_wake) stream.Wake();
   return attached.standing;
 }
 

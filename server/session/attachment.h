@@ -21,7 +21,7 @@ namespace uplink::session {
 /// streams, and the session that it opened. Confined to the stream's thread.
 class Attachment final {
  public:
-  Attachment(const SessionContext& context, robot::StreamRef self)
+  Attachment(const SessionContext& context, loop::StreamRef self)
       : context_(context), self_(self) {}
 
   /// Admits the robot. Returns how long the stream is to wait before it may Attach: zero unless
@@ -56,7 +56,7 @@ class Attachment final {
   [[nodiscard]] bool attached() const { return attached_; }
   [[nodiscard]] robot::Robot& robot() { return *robot_; }
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
-  [[nodiscard]] robot::StreamRef self() const { return self_; }
+  [[nodiscard]] loop::StreamRef self() const { return self_; }
   /// Hello.declines_forwards.
   [[nodiscard]] bool declines_forwards() const { return terms_.declines_forwards; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
@@ -90,7 +90,7 @@ class Attachment final {
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 
   const SessionContext& context_;
-  const robot::StreamRef self_;
+  const loop::StreamRef self_;
   HelloTerms terms_;
   /// From Admit on.
   fleet::RobotPtr robot_;

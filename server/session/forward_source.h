@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "schema/model/ids.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::session {
 
@@ -30,7 +30,7 @@ class ForwardSource {
   virtual ~ForwardSource() = default;
   /// The robot's stream wants what the others of its fleet share, beginning with a snapshot.
   [[nodiscard]] virtual std::unique_ptr<ForwardReceiver> Join(const model::RobotId& robot,
-                                                              robot::StreamRef stream) = 0;
+                                                              loop::StreamRef stream) = 0;
 };
 
 }  // namespace uplink::session

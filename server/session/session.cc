@@ -9,7 +9,7 @@
 
 namespace uplink::session {
 
-Session::Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
+Session::Session(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self,
                  FrameSource& source, FrameSink& sink)
     : context_(context),
       peer_(std::move(peer)),

@@ -30,11 +30,11 @@ namespace uplink::session {
 ///
 /// Life: Start; then the transport calls On...; after FrameSink::Finish it calls nothing but
 /// OnBroken. May be destroyed once `done()`.
-/// Thread: confined to the stream's thread. Other threads reach it by StreamRef::Wake alone, which
-/// makes the transport call OnWake there.
+/// Thread: confined to the stream's thread. Other threads reach it by loop::StreamRef::Wake alone,
+/// which makes the transport call OnWake there.
 class Session final {
  public:
-  Session(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self,
+  Session(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self,
           FrameSource& source, FrameSink& sink);
   ~Session();
   Session(const Session&) = delete;

@@ -90,7 +90,7 @@ class FrontWire final : public front::GrpcConnectionOwner {
 };
 
 /// One thread of the transport and what stands behind it, with its connections.
-class FrontBench final : public robot::WakeInbox {
+class FrontBench final : public loop::WakeInbox {
  public:
   /// Connections at once; more would only cost time.
   static constexpr std::size_t kWiresMax = 6;

@@ -31,7 +31,7 @@ inline constexpr std::chrono::minutes kHoldersAdoptedGrace{15};
 /// drain. Each public call is a step of its threads, in any order.
 ///
 /// Thread: confined to its caller.
-class HoldersProcess final : public robot::WakeInbox {
+class HoldersProcess final : public loop::WakeInbox {
  public:
   /// The references outlive it.
   struct Ground {

@@ -58,7 +58,7 @@ SimForwards::SimForwards(const Clock& clock, const ForwardSetup& setup)
 }
 
 std::unique_ptr<session::ForwardReceiver> SimForwards::Join(const model::RobotId& robot,
-                                                            robot::StreamRef stream) {
+                                                            loop::StreamRef stream) {
   model::RobotId as = robot;
   if (fault_ == ForwardFault::kOtherFleet) as.fleet = "sim";
   if (fault_ == ForwardFault::kOwnItems) as.ruri += "/another";

@@ -30,7 +30,7 @@ class SimForwards final : public session::ForwardSource {
   SimForwards(const Clock& clock, const ForwardSetup& setup);
 
   [[nodiscard]] std::unique_ptr<session::ForwardReceiver> Join(const model::RobotId& robot,
-                                                               robot::StreamRef stream) override;
+                                                               loop::StreamRef stream) override;
   absl::Status Round() { return rounds_.Round(); }
   [[nodiscard]] forward::Forwards::Sum sum() const { return forwards_.sum(); }
 

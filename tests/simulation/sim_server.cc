@@ -18,7 +18,7 @@ constexpr std::size_t kRobotsMax = 100;
 }  // namespace
 
 SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-                     robot::StreamRef self, Trace* trace)
+                     loop::StreamRef self, Trace* trace)
     : ruri_(peer.ruris.front()),
       id_(self.stream),
       trace_(trace),
@@ -148,7 +148,7 @@ std::uint64_t SimServer::Open(const model::RobotId& robot) {
   identity::PeerIdentity peer{
       .role = identity::Role::kRobot, .fleet = robot.fleet, .ruris = {robot.ruri}};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),
-                                            robot::StreamRef{.inbox = this, .stream = id}, trace_);
+                                            loop::StreamRef{.inbox = this, .stream = id}, trace_);
   stream->session().Start();
   streams_.emplace(id, std::move(stream));
   newest_[robot.ruri] = id;

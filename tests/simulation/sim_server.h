@@ -38,7 +38,7 @@ struct ToAgent {
 class SimStream final : public session::FrameSource, public session::FrameSink {
  public:
   SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
-            robot::StreamRef self, Trace* trace);
+            loop::StreamRef self, Trace* trace);
 
   /// The robot that opened it, and when.
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
@@ -137,7 +137,7 @@ struct Ground {
 };
 
 /// One life of the server process: the real fleet, journal and sessions over one store.
-class SimServer final : public robot::WakeInbox {
+class SimServer final : public loop::WakeInbox {
  public:
   SimServer(const Ground& ground, const ServerLimits& limits, const storage::ProcessId& process);
 

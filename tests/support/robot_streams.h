@@ -45,12 +45,12 @@ class RobotStreams final {
     }
   }
 
-  [[nodiscard]] const robot::StreamRef& stream() const { return stream_; }
+  [[nodiscard]] const loop::StreamRef& stream() const { return stream_; }
   /// How often a stream was woken since the last call.
   [[nodiscard]] int TakeWoken() { return std::exchange(inbox_.woken, 0); }
 
  private:
-  struct Inbox final : robot::WakeInbox {
+  struct Inbox final : loop::WakeInbox {
     void Wake(std::uint64_t /*stream*/) override { ++woken; }
     int woken = 0;
   };
@@ -59,7 +59,7 @@ class RobotStreams final {
   journal::Journal& journal_;
   const Clock& clock_;
   Inbox inbox_;
-  const robot::StreamRef stream_{&inbox_, 1};
+  const loop::StreamRef stream_{&inbox_, 1};
 };
 
 }  // namespace uplink::testing

@@ -7,7 +7,7 @@
 
 #include "server/front/call/message_reader.h"
 #include "server/front/call/unfinished.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::front {
 
@@ -20,7 +20,7 @@ class Inbound final {
   /// Each answers how many bytes the stream's window opens by.
   using Opens = std::size_t;
 
-  Inbound(Unfinished& unfinished, const robot::StreamRef& call)
+  Inbound(Unfinished& unfinished, const loop::StreamRef& call)
       : unfinished_(unfinished), call_(call) {}
   ~Inbound() { NoteHeld({}, 0, {}); }
   Inbound(const Inbound&) = delete;
@@ -44,7 +44,7 @@ class Inbound final {
   void NoteHeld(const KeyDigest& key, std::size_t bytes, SteadyTime now);
 
   Unfinished& unfinished_;
-  const robot::StreamRef call_;
+  const loop::StreamRef call_;
   MessageReader reader_;
   /// Bytes of the unfinished message that the window was opened for already.
   std::size_t opened_early_ = 0;

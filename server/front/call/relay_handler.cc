@@ -32,7 +32,7 @@ absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
     return in;
   }
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
-  handler->session_.emplace(thread.sessions, *identity, robot::StreamRef{&thread.inbox, call.id()},
+  handler->session_.emplace(thread.sessions, *identity, loop::StreamRef{&thread.inbox, call.id()},
                             *handler, *handler);
   thread.debug.StreamOpened(call.stream(), call.owner().origin());
   return handler;

@@ -14,7 +14,7 @@
 #include "server/front/http2/http2.h"
 #include "server/front/loop/socket.h"
 #include "server/front/tls/tls_engine.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 #include "server/session/context.h"
 #include "server/transport/event_clock.h"
 #include "server/transport/gate.h"
@@ -29,7 +29,7 @@ namespace uplink::front {
 /// Thread: confined to it.
 struct Thread {
   Thread(const transport::RelayContext& given, transport::Gate& its_gate, const Methods& served,
-         robot::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
+         loop::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
       : relay(given),
         debug(given.logger),
         book(door_book),
@@ -59,7 +59,7 @@ struct Thread {
   transport::Gate& gate;
   const Methods& methods;
   /// Where other threads wake calls.
-  robot::WakeInbox& inbox;
+  loop::WakeInbox& inbox;
   transport::EventClock clock;
   schema::Judge judge;
   session::IntakeScratch scratch;

@@ -22,9 +22,9 @@ Unfinished::Limits UnfinishedLimitsFor(std::size_t memory_bytes_max, std::size_t
   return {.bytes_max = std::max(part, one), .share_max = one};
 }
 
-void Unfinished::Set(const robot::StreamRef& call, const KeyDigest& key, std::uint64_t message,
+void Unfinished::Set(const loop::StreamRef& call, const KeyDigest& key, std::uint64_t message,
                      std::size_t bytes, SteadyTime now) {
-  robot::StreamRef chosen;
+  loop::StreamRef chosen;
   {
     const std::lock_guard lock(mutex_);
     Note({call.inbox, call.stream}, key, message, bytes, now);
@@ -80,7 +80,7 @@ std::optional<Unfinished::CallId> Unfinished::Choose() const {
   return (most->bytes > limits_.share_max ? most : slowest)->calls.begin()->second;
 }
 
-bool Unfinished::ToEnd(const robot::StreamRef& call) const {
+bool Unfinished::ToEnd(const loop::StreamRef& call) const {
   const std::lock_guard lock(mutex_);
   return chosen_ == CallId{call.inbox, call.stream};
 }

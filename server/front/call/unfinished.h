@@ -10,7 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/front/door/key_table.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 #include "server/transport/probe.h"
 
 namespace uplink::front {
@@ -41,14 +41,14 @@ class Unfinished final {
   /// number is another message, which begins now. With too many bytes the call is woken that is to
   /// end: the slowest, whose message began first, of the key that has most if that is over its
   /// share, else of all.
-  void Set(const robot::StreamRef& call, const KeyDigest& key, std::uint64_t message,
+  void Set(const loop::StreamRef& call, const KeyDigest& key, std::uint64_t message,
            std::size_t bytes, SteadyTime now);
   /// Whether this call, which was woken, is to end.
-  [[nodiscard]] bool ToEnd(const robot::StreamRef& call) const;
+  [[nodiscard]] bool ToEnd(const loop::StreamRef& call) const;
 
  private:
   /// Names a call among all threads'.
-  using CallId = std::pair<robot::WakeInbox*, std::uint64_t>;
+  using CallId = std::pair<loop::WakeInbox*, std::uint64_t>;
   struct Entry {
     KeyDigest key{};
     SteadyTime began;

@@ -31,7 +31,7 @@ inline constexpr const char* kTwin = "11111111-2222-4333-8444-555555555555";
 inline constexpr const char* kOtherTwin = "22222222-2222-4333-8444-555555555555";
 
 /// Where streams learn of commits; a test looks when it wants to.
-class KeptWakes final : public robot::WakeInbox {
+class KeptWakes final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t stream) override {
     const std::lock_guard lock(mutex_);

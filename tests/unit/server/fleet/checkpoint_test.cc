@@ -16,7 +16,7 @@ using ::testing::SizeIs;
 
 constexpr std::int64_t kNow = 1'763'683'200'000;
 
-class NoInbox final : public robot::WakeInbox {
+class NoInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };

@@ -24,7 +24,7 @@ constexpr int kRobots = 20;
 constexpr int kThreads = 3;
 constexpr int kVisits = 400;
 
-struct NoInbox final : robot::WakeInbox {
+struct NoInbox final : loop::WakeInbox {
   void Wake(std::uint64_t /*stream*/) override {}
 };
 
@@ -59,7 +59,7 @@ void Visit(World& world, int robot_number) {
     return;
   }
   ++world.admitted;
-  const robot::StreamRef stream{&world.inbox, ++world.streams};
+  const loop::StreamRef stream{&world.inbox, ++world.streams};
   const SteadyTime now = world.clock.Steady();
   (*robot)->NoteHeard(world.clock.System());
   const auto attached = (*robot)->sessions.Attach(stream, now, world.clock.System());

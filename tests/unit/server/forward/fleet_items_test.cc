@@ -29,11 +29,11 @@ class FleetItemsTest : public ::testing::Test {
   }
   void Put(const ItemKey& key, std::string_view text, std::int64_t expires_ms = 0) {
     const auto out = fleet_.Put(key, {Text(text), expires_ms});
-    for (const robot::StreamRef stream : out.to_wake) stream.Wake();
+    for (const loop::StreamRef stream : out.to_wake) stream.Wake();
     told_ = out.receivers;
   }
   void Remove(const ItemKey& key, std::string_view text) {
-    for (const robot::StreamRef stream : fleet_.Remove(key, Text(text)).to_wake) stream.Wake();
+    for (const loop::StreamRef stream : fleet_.Remove(key, Text(text)).to_wake) stream.Wake();
   }
   std::unique_ptr<FleetItems::Receiver> Join(std::string_view robot, std::uint64_t stream = 1) {
     return fleet_.Join(std::string(robot), {&woken_, stream});
@@ -85,7 +85,7 @@ TEST_F(FleetItemsTest, NothingBeginsBeforeTheSetIsWhole) {
   EXPECT_THAT(unread.Put(KeyOf("b", "1"), {Text("b1")}).to_wake, IsEmpty());
   unread.Take(*a, frames);
   EXPECT_THAT(frames, IsEmpty());
-  EXPECT_THAT(unread.SetWhole(), ElementsAre(robot::StreamRef{&woken_, 7}));
+  EXPECT_THAT(unread.SetWhole(), ElementsAre(loop::StreamRef{&woken_, 7}));
   EXPECT_THAT(unread.SetWhole(), IsEmpty()) << "it was so before";
   unread.Take(*a, frames);
   EXPECT_THAT(Texts(frames), ElementsAre("begin", "b1", "end"));

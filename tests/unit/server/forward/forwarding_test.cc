@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 /// Streams that nobody wakes: the test takes by itself. Thread-safe, since it does nothing.
-class Nobody final : public robot::WakeInbox {
+class Nobody final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "server/forward/item.h"
-#include "server/robot/wake.h"
+#include "server/loop/wake.h"
 
 namespace uplink::forward {
 
 /// Notes which streams were woken, in order.
-class Woken final : public robot::WakeInbox {
+class Woken final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t stream) override { streams.push_back(stream); }
   [[nodiscard]] std::vector<std::uint64_t> Take() { return std::exchange(streams, {}); }

@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// Streams whose peers are asked, by the number of the stream.
-struct Asked final : robot::WakeInbox {
+struct Asked final : loop::WakeInbox {
   void Wake(std::uint64_t stream) override { ++times[stream]; }
   std::map<std::uint64_t, int> times;
 };

@@ -132,7 +132,7 @@ TEST_F(CommittingTest, ABatchTakesNothingThatComesAfterIt) {
 }
 
 TEST_F(CommittingTest, TellingMakesRoomBeforeItWakes) {
-  const robot::StreamRef waiter{.inbox = &wakes_, .stream = 9};
+  const loop::StreamRef waiter{.inbox = &wakes_, .stream = 9};
   for (model::Seq seq = 1; seq <= 4; ++seq) Append(robot_, seq);
   inbox.WhenRoom(waiter);
   Commit();

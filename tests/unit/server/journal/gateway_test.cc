@@ -245,7 +245,7 @@ TEST_F(GatewayShareTest, IsNeverLessThanARobotMayHave) {
 }
 
 TEST_F(GatewayShareTest, AStreamThatWaitsForItIsWokenOnceThereIsRoom) {
-  const robot::StreamRef stream{.inbox = &wakes_, .stream = 9};
+  const loop::StreamRef stream{.inbox = &wakes_, .stream = 9};
   FillUpTo(50);
   inbox.WhenRoom(stream, gateway_);
   inbox.WhenRoom(stream, gateway_);
@@ -262,8 +262,8 @@ TEST_F(GatewayShareTest, AStreamThatWaitsForItIsWokenOnceThereIsRoom) {
 }
 
 TEST_F(GatewayShareTest, AStreamOfAnotherIsWokenThoughThisOneHasNoRoom) {
-  const robot::StreamRef full{.inbox = &wakes_, .stream = 1};
-  const robot::StreamRef other{.inbox = &wakes_, .stream = 2};
+  const loop::StreamRef full{.inbox = &wakes_, .stream = 1};
+  const loop::StreamRef other{.inbox = &wakes_, .stream = 2};
   FillUpTo(60);
   for (model::Seq seq = 0; seq < 40; ++seq) Append(honest_, kHonest + seq);
   ASSERT_FALSE(inbox.HasRoom());

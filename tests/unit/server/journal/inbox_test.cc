@@ -88,7 +88,7 @@ TEST_F(InboxTest, HasRoomBelowItsRecordsAndItsBytes) {
 }
 
 TEST_F(InboxTest, WakesOncePerRequestWhenThereIsRoom) {
-  const robot::StreamRef stream{.inbox = &wakes_, .stream = 9};
+  const loop::StreamRef stream{.inbox = &wakes_, .stream = 9};
   inbox.WhenRoom(stream);
   EXPECT_EQ(wakes_.wakes(9), 1) << "there is room now";
   for (model::Seq seq = 1; seq <= 4; ++seq) Append(robot_, seq);

@@ -284,7 +284,7 @@ TEST_F(JournalTest, RoomEndsAtItsRecords) {
 
 TEST_F(JournalTest, WhenRoomWakesOnceAfterTheCommit) {
   JournalBench bench({.records_max = 1});
-  const robot::StreamRef waiter{.inbox = &inbox_, .stream = 9};
+  const loop::StreamRef waiter{.inbox = &inbox_, .stream = 9};
   bench.Open(robot_);
   bench.Append(robot_, 1);
   bench.journal.WhenRoom(waiter);

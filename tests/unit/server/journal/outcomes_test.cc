@@ -25,7 +25,7 @@ class OutcomesTest : public ::testing::Test {
   /// The streams to wake.
   std::vector<std::uint64_t> Tell() {
     std::vector<std::uint64_t> streams;
-    for (const robot::StreamRef stream : TellOutcomes(batch_, outcomes_, bench_.holds, ledger_)) {
+    for (const loop::StreamRef stream : TellOutcomes(batch_, outcomes_, bench_.holds, ledger_)) {
       streams.push_back(stream.stream);
     }
     return streams;

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
-#include "server/robot/wake.h"
 #include "tests/support/records.h"
 
 namespace uplink::journal {
 
 /// Counts wakes by stream. Thread-safe.
-class CountingInbox final : public robot::WakeInbox {
+class CountingInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t stream) override {
     const std::lock_guard lock(mutex_);
@@ -37,7 +37,7 @@ class CountingInbox final : public robot::WakeInbox {
 /// A robot that writes down what the journal tells it. Thread-safe.
 class RecordingClient final : public robot::CommitClient {
  public:
-  explicit RecordingClient(std::string ruri, robot::StreamRef stream = {})
+  explicit RecordingClient(std::string ruri, loop::StreamRef stream = {})
       : robot_(std::make_shared<const model::RobotId>(model::RobotId{std::move(ruri), "bench"})),
         stream_(stream) {}
 
@@ -48,16 +48,16 @@ class RecordingClient final : public robot::CommitClient {
   [[nodiscard]] bool HasStream() const override {
     return has_stream_.load() && !away_once_.exchange(false);
   }
-  robot::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
+  loop::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& /*result*/) override {
     return Note("opened " + std::to_string(open_id));
   }
-  robot::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
-                                metrics::Ledger& /*ledger*/) override {
+  loop::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
+                               metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     return Note("refused " + std::to_string(open_id) + ": of " + fleet);
   }
-  robot::StreamRef OnSettled(std::span<const robot::Settled> settled,
-                             metrics::Ledger& /*ledger*/) override {
+  loop::StreamRef OnSettled(std::span<const robot::Settled> settled,
+                            metrics::Ledger& /*ledger*/) override {
     std::string line = "settled";
     for (const robot::Settled& one : settled) {
       line += " " + std::to_string(one.seq);
@@ -67,10 +67,10 @@ class RecordingClient final : public robot::CommitClient {
     }
     return Note(std::move(line));
   }
-  robot::StreamRef OnGapsWritten(std::size_t count) override {
+  loop::StreamRef OnGapsWritten(std::size_t count) override {
     return Note("gaps " + std::to_string(count));
   }
-  robot::StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
+  loop::StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     return Note("fenced");
   }
@@ -78,7 +78,7 @@ class RecordingClient final : public robot::CommitClient {
     const std::lock_guard lock(mutex_);
     return committed_;
   }
-  robot::StreamRef OnWentBack(metrics::Ledger& /*ledger*/) override {
+  loop::StreamRef OnWentBack(metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     SetCommitted({});
     return Note("went back");
@@ -106,14 +106,14 @@ class RecordingClient final : public robot::CommitClient {
   [[nodiscard]] const storage::RobotRef& robot() const { return robot_; }
 
  private:
-  robot::StreamRef Note(std::string line) {
+  loop::StreamRef Note(std::string line) {
     const std::lock_guard lock(mutex_);
     told_.push_back(std::move(line));
     return stream_;
   }
 
   const storage::RobotRef robot_;
-  const robot::StreamRef stream_;
+  const loop::StreamRef stream_;
   std::atomic<std::uint64_t> generation_{1};
   mutable std::mutex mutex_;
   std::vector<std::string> told_;

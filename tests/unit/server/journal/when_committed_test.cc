@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 class WhenCommittedTest : public ::testing::Test, protected JournalBench {
  protected:
   /// Writes down what is told, in its order.
-  class Lines final : public robot::WakeInbox {
+  class Lines final : public loop::WakeInbox {
    public:
     explicit Lines(std::vector<std::string>& lines) : lines_(lines) {}
     void Wake(std::uint64_t stream) override {

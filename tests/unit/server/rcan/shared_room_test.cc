@@ -27,7 +27,7 @@ constexpr std::size_t kBasic = 2;
 /// As many joints with one series each as rcan.robot_series_max leaves room for.
 constexpr std::size_t kLarge = 512 - kBasic;
 
-class SilentInbox final : public robot::WakeInbox {
+class SilentInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };
@@ -87,7 +87,7 @@ class SharedRoomTest : public ::testing::Test {
   cyberwave::Twins twins_{10};
   RcanProbe probe_;
   SilentInbox inbox_;
-  robot::StreamRef stream_;
+  loop::StreamRef stream_;
   std::optional<RobotScrape> scrape_;
   std::string text_;
 };

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class SilentInbox final : public WakeInbox {
+class SilentInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };
@@ -29,14 +29,14 @@ class RobotSessionsTest : public ::testing::Test {
     static_cast<void>(sessions_.Attach(Stream(1), clock_.Steady(), clock_.System()));
     begun_ = *sessions_.Begin(Id(1), clock_.Steady());
   }
-  StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
+  loop::StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
   std::vector<model::Seq> Rejects(const Resume& resume) {
     std::vector<model::Seq> seqs;
     for (const RejectedSeq& rejected : resume.rejects) seqs.push_back(rejected.seq);
     return seqs;
   }
-  StreamRef Settle(model::Seq seq, storage::Outcome outcome,
-                   std::optional<model::RejectReason> rejected_for = std::nullopt) {
+  loop::StreamRef Settle(model::Seq seq, storage::Outcome outcome,
+                         std::optional<model::RejectReason> rejected_for = std::nullopt) {
     const Settled settled{.session = Id(1),
                           .seq = seq,
                           .outcome = std::move(outcome),

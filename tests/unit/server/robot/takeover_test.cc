@@ -12,14 +12,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class SilentInbox final : public WakeInbox {
+class SilentInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };
 
 class RobotTakeoverTest : public ::testing::Test {
  protected:
-  StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
+  loop::StreamRef Stream(std::uint64_t number) { return {.inbox = &inbox_, .stream = number}; }
   Takeover::Attached Attach(std::uint64_t number) {
     return takeover_.Attach(Stream(number), clock_.Steady(), clock_.System());
   }

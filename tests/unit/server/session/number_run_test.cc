@@ -8,7 +8,7 @@
 namespace uplink::session {
 namespace {
 
-class SilentInbox final : public robot::WakeInbox {
+class SilentInbox final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}
 };

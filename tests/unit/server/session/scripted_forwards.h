@@ -14,7 +14,7 @@ namespace uplink::session {
 class ScriptedForwards final : public ForwardSource {
  public:
   std::unique_ptr<ForwardReceiver> Join(const model::RobotId& robot,
-                                        robot::StreamRef stream) override {
+                                        loop::StreamRef stream) override {
     joined.push_back(robot.fleet + " " + robot.ruri);
     stream_ = stream;
     ++receiving;
@@ -56,7 +56,7 @@ class ScriptedForwards final : public ForwardSource {
     ScriptedForwards& forwards_;
   };
 
-  robot::StreamRef stream_;
+  loop::StreamRef stream_;
 };
 
 }  // namespace uplink::session

@@ -119,7 +119,7 @@ std::string ToLine(const v1::RelayResponse& frame) {
 }
 
 BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity peer,
-                         robot::StreamRef self)
+                         loop::StreamRef self)
     : self_(self), session_(context, std::move(peer), self, *this, *this) {}
 
 BenchStream::~BenchStream() = default;
@@ -255,7 +255,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .forwards = forwards};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
-                                              robot::StreamRef{.inbox = this, .stream = id});
+                                              loop::StreamRef{.inbox = this, .stream = id});
   BenchStream& opened = *stream;
   streams_.emplace(id, std::move(stream));
   opened.session().Start();

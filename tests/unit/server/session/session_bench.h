@@ -62,7 +62,7 @@ struct Message {
 /// One stream: a session, and an agent that takes every frame at once unless it is told not to.
 class BenchStream final : public FrameSource, public FrameSink {
  public:
-  BenchStream(const SessionContext& context, identity::PeerIdentity peer, robot::StreamRef self);
+  BenchStream(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self);
   ~BenchStream() override;
 
   void RequestRead() override { reading_ = true; }
@@ -109,7 +109,7 @@ class BenchStream final : public FrameSource, public FrameSink {
  private:
   void Pump();
 
-  const robot::StreamRef self_;
+  const loop::StreamRef self_;
   std::vector<v1::RelayResponse> frames_;
   std::size_t told_ = 0;
   bool reading_ = false;
@@ -130,7 +130,7 @@ struct BenchLimits {
 };
 
 /// One life of a server process on a database that outlives it.
-class BenchServer final : public robot::WakeInbox {
+class BenchServer final : public loop::WakeInbox {
  public:
   BenchServer(testing::ManualClock& clock, testing::FakeDatabase& database, std::uint8_t process,
               const BenchLimits& limits);

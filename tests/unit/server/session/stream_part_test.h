@@ -16,7 +16,7 @@
 namespace uplink::session {
 
 /// Notes which streams were woken, in order.
-class WokenStreams final : public robot::WakeInbox {
+class WokenStreams final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t stream) override { streams.push_back(stream); }
 
@@ -38,7 +38,7 @@ class StreamPartTest : public ::testing::Test {
     return stream.Attach();
   }
   /// A stream of this number.
-  robot::StreamRef Stream(std::uint64_t number) { return {.inbox = &woken_, .stream = number}; }
+  loop::StreamRef Stream(std::uint64_t number) { return {.inbox = &woken_, .stream = number}; }
 
   WokenStreams woken_;
   testing::ManualClock clock_;

@@ -86,7 +86,7 @@ void ThreadsWorker::Open() {
                                .rejects = core_.rejects,
                                .clock_trust = clock_trust_};
   stream_ = std::make_unique<ThreadsStream>(context, agent_.ruri(),
-                                            robot::StreamRef{.inbox = this, .stream = id});
+                                            loop::StreamRef{.inbox = this, .stream = id});
   stream_->session().Start();
   stream_->Send(*hello);
 }

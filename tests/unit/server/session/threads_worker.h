@@ -55,7 +55,7 @@ struct ThreadsCore {
 /// A session with its transport: one read and one write at most are under way.
 class ThreadsStream final : public FrameSource, public FrameSink {
  public:
-  ThreadsStream(const SessionContext& context, const std::string& ruri, robot::StreamRef self)
+  ThreadsStream(const SessionContext& context, const std::string& ruri, loop::StreamRef self)
       : session_(context, {.role = identity::Role::kRobot, .fleet = "bench", .ruris = {ruri}}, self,
                  *this, *this) {}
 
@@ -90,7 +90,7 @@ class ThreadsStream final : public FrameSource, public FrameSink {
 /// One thread with the loop of a queue: one stream at a time, its wakes and its timers.
 ///
 /// Thread: Connect, Wake and Stop from any thread; the rest on its own.
-class ThreadsWorker final : public robot::WakeInbox {
+class ThreadsWorker final : public loop::WakeInbox {
  public:
   ThreadsWorker(ThreadsCore& core, ThreadsAgent& agent)
       : core_(core), agent_(agent), ledger_(core.book.NewPage()) {}

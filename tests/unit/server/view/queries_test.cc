@@ -46,11 +46,11 @@ TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
 }
 
 TEST_F(QueriesTest, ShowsAGatewayForAsLongAsTheRobotsStreamComesThroughIt) {
-  class SilentInbox final : public robot::WakeInbox {
+  class SilentInbox final : public loop::WakeInbox {
     void Wake(std::uint64_t /*stream*/) override {}
   } inbox;
   robot::RobotSessions& sessions = world_.AddRobot("rcan://a").sessions;
-  const robot::StreamRef stream{.inbox = &inbox, .stream = 1};
+  const loop::StreamRef stream{.inbox = &inbox, .stream = 1};
   static_cast<void>(sessions.Attach(stream, world_.clock.Steady(), world_.clock.System(),
                                     {.gateway = "CN=hall"}));
   const auto shown = [this] { return ToMessage(*world_.queries.Robot("rcan://a")).gateway(); };

@@ -16,7 +16,7 @@ SteadyTime At(int ms) { return SteadyTime{} + milliseconds(ms); }
 using Calls = std::vector<std::uint64_t>;
 
 /// The calls of one thread.
-class Wakes final : public robot::WakeInbox {
+class Wakes final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t call) override { calls_.push_back(call); }
   [[nodiscard]] const Calls& calls() const { return calls_; }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace uplink::robot {
+namespace uplink::loop {
 
 /// Where a stream's own thread learns that something waits for it. Thread-safe. An inbox outlives
 /// every thread that may wake through it; waking a stream that is gone does nothing.
@@ -25,4 +25,4 @@ struct StreamRef {
   friend bool operator==(const StreamRef&, const StreamRef&) = default;
 };
 
-}  // namespace uplink::robot
+}  // namespace uplink::loop
