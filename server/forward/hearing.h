@@ -7,10 +7,10 @@
 
 #include <absl/status/status.h>
 
+#include "schema/base/backoff.h"
 #include "server/forward/probe.h"
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
-#include "storage/backoff.h"
 #include "storage/change_signal.h"
 
 namespace uplink::forward {
@@ -52,7 +52,7 @@ class Hearing final {
 
   const Context context_;
   bool failing_ = false;
-  storage::Backoff pauses_{storage::BackoffLimits()};
+  Backoff pauses_{BackoffLimits()};
   std::mt19937_64 random_;
   loop::Rounds rounds_;
 };

@@ -6,7 +6,7 @@
 
 namespace uplink::journal {
 
-JournalWriter::JournalWriter(Journal& journal, const storage::BackoffLimits& backoff,
+JournalWriter::JournalWriter(Journal& journal, const BackoffLimits& backoff,
                              std::function<std::uint64_t()> random)
     : turns_(journal.turns()),
       backoff_(backoff),

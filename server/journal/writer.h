@@ -4,9 +4,9 @@
 #include <functional>
 #include <stop_token>
 
+#include "schema/base/backoff.h"
 #include "server/journal/journal.h"
 #include "server/loop/rounds.h"
-#include "storage/backoff.h"
 
 namespace uplink::journal {
 
@@ -18,7 +18,7 @@ namespace uplink::journal {
 class JournalWriter final {
  public:
   /// `random` draws evenly; it is called on the writer's thread alone.
-  JournalWriter(Journal& journal, const storage::BackoffLimits& backoff,
+  JournalWriter(Journal& journal, const BackoffLimits& backoff,
                 std::function<std::uint64_t()> random);
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
@@ -32,7 +32,7 @@ class JournalWriter final {
   loop::Next Round(const std::stop_token& stop);
 
   Turns& turns_;
-  storage::Backoff backoff_;
+  Backoff backoff_;
   const std::function<std::uint64_t()> random_;
   loop::Rounds rounds_;
 };

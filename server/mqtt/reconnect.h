@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <optional>
 
+#include "schema/base/backoff.h"
 #include "schema/base/clock.h"
 #include "server/mqtt/end_reason.h"
-#include "storage/backoff.h"
 
 namespace uplink::mqtt {
 
 /// When we come back to a broker. A value; tests shorten it.
 struct ReconnectLimits {
-  storage::BackoffLimits backoff{.first = milliseconds(500), .longest = std::chrono::seconds(30)};
+  BackoffLimits backoff{.first = milliseconds(500), .longest = std::chrono::seconds(30)};
   /// A connection that lived so long, or that we ended for being behind, was a good one: the next
   /// pause is a first one again.
   milliseconds soon = std::chrono::seconds(30);
@@ -47,7 +47,7 @@ class Reconnect final {
 
  private:
   const ReconnectLimits limits_;
-  storage::Backoff backoff_;
+  Backoff backoff_;
   int soon_ends_ = 0;
 };
 

@@ -80,7 +80,7 @@ std::uint64_t Writers::Random() {
 
 void Writers::Start() {
   for (const auto& journal : journals_) {
-    writers_.push_back(std::make_unique<journal::JournalWriter>(*journal, storage::BackoffLimits{},
+    writers_.push_back(std::make_unique<journal::JournalWriter>(*journal, BackoffLimits{},
                                                                 [this] { return Random(); }));
   }
 }

@@ -15,7 +15,7 @@ namespace uplink::storage::postgres {
 /// notify commit one after the other, in the whole cluster.
 ///
 /// Errors:  as in ChangeSignal; kUnavailable while the server is away, and every call tries again:
-///          the caller pauses (storage/backoff.h).
+///          the caller pauses (schema/base/backoff.h).
 /// Limits:  a call to the server takes at most kSignalCallMax; connecting, that for each place.
 /// Thread:  as in ChangeSignal.
 class PostgresChangeSignal final : public ChangeSignal {

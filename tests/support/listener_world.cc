@@ -18,8 +18,7 @@ ListenerWorld::ListenerWorld(const Options& given)
       journal(store, given.journal, clock, ledgers.NewPage(), journal_probe, storage::ProcessId{1}),
       server_identity_(authority.Issue(ServerSpec())) {
   // Short pauses: tests order failures by their number, not by their time.
-  writer_.emplace(journal,
-                  storage::BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
+  writer_.emplace(journal, BackoffLimits{.first = milliseconds(2), .longest = milliseconds(5)},
                   [] { return std::uint64_t{0}; });
   auto started = front::FrontServer::Start({.address = {"127.0.0.1", 0},
                                             .key_material = ServerTexts(),

@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 using testing::Eventually;
 using testing::kPatience;
 
-constexpr storage::BackoffLimits kBackoff{.first = milliseconds(2), .longest = milliseconds(4)};
+constexpr BackoffLimits kBackoff{.first = milliseconds(2), .longest = milliseconds(4)};
 
 std::uint64_t AlwaysSeven() { return 7; }
 
@@ -66,8 +66,7 @@ TEST_F(JournalWriterTest, StopsWhileItWaitsForWork) {
 
 TEST_F(JournalWriterTest, StopsInTheMiddleOfALongPause) {
   bench_.store.FailNext(1'000'000, testing::FailAt::kBefore);
-  const storage::BackoffLimits hours{.first = std::chrono::hours(5),
-                                     .longest = std::chrono::hours(5)};
+  const BackoffLimits hours{.first = std::chrono::hours(5), .longest = std::chrono::hours(5)};
   JournalWriter writer(bench_.journal, hours, AlwaysSeven);
   bench_.Open(robot_);
   ASSERT_TRUE(Eventually([this] { return bench_.probe.store_errors.value() > 0; }));

@@ -23,7 +23,7 @@ constexpr std::size_t kRobots = 4;
 constexpr std::size_t kMessages = 2'000;
 /// Threads that take turns are slow on a machine that does something else.
 constexpr milliseconds kDeadline{240'000};
-constexpr storage::BackoffLimits kBackoff{.first = milliseconds(2), .longest = milliseconds(4)};
+constexpr BackoffLimits kBackoff{.first = milliseconds(2), .longest = milliseconds(4)};
 
 /// Which bound holds the streams back.
 struct Bound {

@@ -1,10 +1,10 @@
-#include "storage/backoff.h"
+#include "schema/base/backoff.h"
 
 #include <algorithm>
 
 #include "schema/base/check.h"
 
-namespace uplink::storage {
+namespace uplink {
 
 Backoff::Backoff(const BackoffLimits& limits) : limits_(limits), bound_(limits.first) {
   UPLINK_CHECK(limits.first >= milliseconds(2), "a first pause under 2 ms has no half");
@@ -20,4 +20,4 @@ milliseconds Backoff::Next(std::uint64_t random) {
   return pause;
 }
 
-}  // namespace uplink::storage
+}  // namespace uplink

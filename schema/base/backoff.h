@@ -4,9 +4,9 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink::storage {
+namespace uplink {
 
-/// How long to wait before a call to the store is made again.
+/// How long to wait before a try is made again: a call to the store, a connection.
 struct BackoffLimits {
   /// The longest first pause; at least 2 ms.
   milliseconds first{50};
@@ -15,7 +15,7 @@ struct BackoffLimits {
 };
 
 /// Exponential pauses with jitter: each lies in the upper half of a bound that doubles up to
-/// `longest`, so that servers which lost one store together do not return to it together.
+/// `longest`, so that servers which lost one peer together do not return to it together.
 ///
 /// Thread: confined to its owner.
 class Backoff final {
@@ -25,7 +25,7 @@ class Backoff final {
 
   /// The next pause. `random` is any evenly drawn number.
   [[nodiscard]] milliseconds Next(std::uint64_t random);
-  /// The call succeeded: the next pause is a first one again.
+  /// The try succeeded: the next pause is a first one again.
   void Reset() { bound_ = limits_.first; }
 
  private:
@@ -33,4 +33,4 @@ class Backoff final {
   milliseconds bound_;
 };
 
-}  // namespace uplink::storage
+}  // namespace uplink

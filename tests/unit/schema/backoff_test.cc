@@ -1,11 +1,11 @@
-#include "storage/backoff.h"
+#include "schema/base/backoff.h"
 
 #include <cstdint>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-namespace uplink::storage {
+namespace uplink {
 namespace {
 
 constexpr std::uint64_t kHighest = std::numeric_limits<std::uint64_t>::max();
@@ -68,4 +68,4 @@ TEST(BackoffDeathTest, RefusesLimitsThatContradict) {
 }
 
 }  // namespace
-}  // namespace uplink::storage
+}  // namespace uplink
