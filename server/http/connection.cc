@@ -133,7 +133,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     return request;
   }
 
-  [[nodiscard]] ReadThread& ThreadOf(Lane lane) const {
+  [[nodiscard]] loop::ReadThread& ThreadOf(Lane lane) const {
     switch (lane) {
       case Lane::kMemory:
         return context_->server.memory;
@@ -157,7 +157,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     Note(IsScrape(resolved.lane) ? Places::State::kScraping : Places::State::kBusy);
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
-    ReadThread& thread = ThreadOf(resolved.lane);
+    loop::ReadThread& thread = ThreadOf(resolved.lane);
 
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =

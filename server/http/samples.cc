@@ -1,7 +1,7 @@
 #include "server/http/samples.h"
 
-#include "server/http/read_thread.h"
 #include "server/http/routes.h"
+#include "server/loop/read_thread.h"
 
 namespace uplink::http {
 
@@ -19,7 +19,7 @@ void AddSamples(const HttpProbe& probe, std::size_t connections_max, metrics::Ex
   page.Add(kHttpConnectionsRefused, probe.connections_refused);
   page.Add(kHttpConnectionsGivenUp, probe.connections_given_up);
   page.Add(kHttpReadsWaiting, probe.reads_waiting);
-  page.Add(kHttpReadsWaitingLimit, kReadsWaitingMax);
+  page.Add(kHttpReadsWaitingLimit, loop::kReadsWaitingMax);
   page.Add(kHttpReadsRefused, probe.reads_refused);
 }
 

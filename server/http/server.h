@@ -10,8 +10,8 @@
 #include "server/config/address.h"
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
-#include "server/http/read_thread.h"
 #include "server/log/logger.h"
+#include "server/loop/read_thread.h"
 
 namespace boost::asio {
 class io_context;
@@ -37,6 +37,13 @@ inline constexpr std::size_t kAcceptsPerTurn = 16;
 /// After a failed accept (no descriptors) the listener rests for so long.
 inline constexpr std::chrono::milliseconds kAcceptPause{100};
 
+/// The threads on which requests are answered (HttpServer::Context).
+inline constexpr loop::ThreadKind kMemoryThread{"http-memory", 0};
+inline constexpr loop::ThreadKind kReadThread{"http-read", 0};
+inline constexpr loop::ThreadKind kMetricsThread{"http-metrics", 0};
+/// Scrapes of robots give way to the robots.
+inline constexpr loop::ThreadKind kScrapeThread{"http-scrape", 10};
+
 /// The HTTP/1.1 listener: bounded connections (Places) with keep-alive on one event loop.
 ///
 /// Thread: made and destroyed by the loop's owner while the loop does not run.
@@ -54,12 +61,12 @@ class HttpServer final {
     boost::asio::io_context& io;
     const Entrance& entrance;
     /// What is in memory, and waits for the store a moment at most.
-    ReadThread& memory;
-    ReadThread& reads;
+    loop::ReadThread& memory;
+    loop::ReadThread& reads;
     /// Where our own scrapes are written. Takes one job per connection.
-    ReadThread& metrics;
+    loop::ReadThread& metrics;
     /// Where the robots' scrapes are written.
-    ReadThread& scrapes;
+    loop::ReadThread& scrapes;
     HttpProbe& probe;
     const Clock& clock;
     /// At level debug each answer is a line.

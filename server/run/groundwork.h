@@ -11,10 +11,10 @@
 #include "server/config/config.h"
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
-#include "server/http/read_thread.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/one_at_a_time.h"
+#include "server/loop/read_thread.h"
 #include "server/rcan/probe.h"
 #include "server/run/periodic.h"
 #include "server/run/stop_signal.h"
@@ -89,10 +89,10 @@ class Groundwork final {
   // Confined to the loop's thread.
   std::function<void()> reload_;
   bool reload_asked_ = false;
-  std::optional<http::ReadThread> memory_;
-  std::optional<http::ReadThread> reads_;
-  std::optional<http::ReadThread> metrics_;
-  std::optional<http::ReadThread> scrapes_;
+  std::optional<loop::ReadThread> memory_;
+  std::optional<loop::ReadThread> reads_;
+  std::optional<loop::ReadThread> metrics_;
+  std::optional<loop::ReadThread> scrapes_;
   loop::EventLoop loop_;
   std::unique_ptr<http::HttpServer> http_;
 };

@@ -59,10 +59,10 @@ class HttpServerTest : public ::testing::Test {
                       log::Level::kDebug};
   Entrance entrance_{KnownHosts({"uplink.example.org"})};
   loop::EventLoop loop_{world_.logger};
-  std::optional<ReadThread> memory_;
-  std::optional<ReadThread> reads_;
-  std::optional<ReadThread> metrics_;
-  std::optional<ReadThread> scrapes_;
+  std::optional<loop::ReadThread> memory_;
+  std::optional<loop::ReadThread> reads_;
+  std::optional<loop::ReadThread> metrics_;
+  std::optional<loop::ReadThread> scrapes_;
   std::unique_ptr<HttpServer> server_;
 };
 

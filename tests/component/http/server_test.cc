@@ -316,7 +316,7 @@ TEST_F(HttpServerTest, ReadsPastTheirBoundAre503) {
   RawConnection slow(port);
   slow.SendGet("/api/v1/faults");
   ASSERT_TRUE(world_.reader.WaitUntilHeld(std::chrono::seconds(10)));
-  for (std::size_t i = 0; i < kReadsWaitingMax; ++i) ASSERT_TRUE(reads_->TryPost([] {}));
+  for (std::size_t i = 0; i < loop::kReadsWaitingMax; ++i) ASSERT_TRUE(reads_->TryPost([] {}));
   const RawAnswer refused = HttpGet(port, "/api/v1/missions");
   EXPECT_EQ(refused.status, 503);
   EXPECT_THAT(refused.body, HasSubstr("UNAVAILABLE"));

@@ -1,18 +1,19 @@
-#include "server/http/read_thread.h"
+#include "server/loop/read_thread.h"
 
 #include <future>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "server/http/probe.h"
-
-namespace uplink::http {
+namespace uplink::loop {
 namespace {
 
+constexpr ThreadKind kKind{"read", 10};
+
 TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
-  HttpProbe probe;
-  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread);
+  metrics::Cell waiting;
+  metrics::Cell refused;
+  ReadThread thread(waiting, refused, kKind);
   std::promise<std::thread::id> first;
   std::promise<int> second;
   ASSERT_TRUE(thread.TryPost([&] { first.set_value(std::this_thread::get_id()); }));
@@ -22,8 +23,9 @@ TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
 }
 
 TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
-  HttpProbe probe;
-  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread, 1);
+  metrics::Cell waiting;
+  metrics::Cell refused;
+  ReadThread thread(waiting, refused, kKind, 1);
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> done;
@@ -41,16 +43,17 @@ TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
   ASSERT_TRUE(thread.TryPostAhead([&] { order += "first "; }));
   for (std::size_t i = 1; i < kReadsAheadMax; ++i) ASSERT_TRUE(thread.TryPostAhead([] {}));
   EXPECT_FALSE(thread.TryPostAhead([] {}));
-  EXPECT_EQ(probe.reads_refused.value(), 2);
+  EXPECT_EQ(refused.value(), 2);
   release.set_value();
   done.get_future().wait();
   EXPECT_EQ(order, "first last");
-  EXPECT_EQ(probe.reads_waiting.value(), 0);
+  EXPECT_EQ(waiting.value(), 0);
 }
 
 TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
-  HttpProbe probe;
-  ReadThread thread(probe.reads_waiting, probe.reads_refused, kScrapeThread);
+  metrics::Cell waiting;
+  metrics::Cell refused;
+  ReadThread thread(waiting, refused, kKind);
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> last;
@@ -61,13 +64,13 @@ TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
   started.get_future().wait();
   for (std::size_t i = 0; i + 1 < kReadsWaitingMax; ++i) ASSERT_TRUE(thread.TryPost([] {}));
   ASSERT_TRUE(thread.TryPost([&] { last.set_value(); }));
-  EXPECT_EQ(probe.reads_waiting.value(), static_cast<std::int64_t>(kReadsWaitingMax));
+  EXPECT_EQ(waiting.value(), static_cast<std::int64_t>(kReadsWaitingMax));
   EXPECT_FALSE(thread.TryPost([] {}));
-  EXPECT_EQ(probe.reads_refused.value(), 1);
+  EXPECT_EQ(refused.value(), 1);
   release.set_value();
   last.get_future().wait();
   EXPECT_TRUE(thread.TryPost([] {}));
 }
 
 }  // namespace
-}  // namespace uplink::http
+}  // namespace uplink::loop

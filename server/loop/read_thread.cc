@@ -1,4 +1,4 @@
-#include "server/http/read_thread.h"
+#include "server/loop/read_thread.h"
 
 #include <utility>
 
@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace uplink::http {
+namespace uplink::loop {
 
 ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
                        std::size_t waiting_max)
@@ -63,4 +63,4 @@ void ReadThread::Run(const std::stop_token& stop) {
   }
 }
 
-}  // namespace uplink::http
+}  // namespace uplink::loop

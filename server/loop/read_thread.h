@@ -10,7 +10,7 @@
 
 #include "metrics/cells.h"
 
-namespace uplink::http {
+namespace uplink::loop {
 
 /// Jobs that wait for a thread at most, if nothing else is said.
 inline constexpr std::size_t kReadsWaitingMax = 64;
@@ -23,15 +23,9 @@ struct ThreadKind {
   const char* name;
   int nice;
 };
-inline constexpr ThreadKind kMemoryThread{"http-memory", 0};
-inline constexpr ThreadKind kReadThread{"http-read", 0};
-inline constexpr ThreadKind kMetricsThread{"http-metrics", 0};
-/// Scrapes of robots give way to the robots.
-inline constexpr ThreadKind kScrapeThread{"http-scrape", 10};
 
-/// One thread that runs what may wait for the store or takes long, so that the io thread never
-/// does. Jobs must
-/// not throw. Thread-safe. The destructor drops what waits and joins.
+/// One thread that runs what may wait for the store or takes long, so that the event loop never
+/// does. Jobs must not throw. Thread-safe. The destructor drops what waits and joins.
 class ReadThread final {
  public:
   /// `waiting` and `refused` count jobs and outlive the thread. `waiting_max`: jobs that wait.
@@ -63,4 +57,4 @@ class ReadThread final {
   std::jthread thread_;
 };
 
-}  // namespace uplink::http
+}  // namespace uplink::loop
