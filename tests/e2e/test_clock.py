@@ -65,7 +65,7 @@ class PostgresRows:
         return int(self.cluster.sql(f"SELECT count(*) FROM uplinkd.{table} WHERE {where}"))
 
 
-class Clock(EndToEnd):
+class OnShiftedClock(EndToEnd):
     def begin(self, rows):
         """A server whose store holds histories and present objects, and that was stopped."""
         self.rows = rows
@@ -106,41 +106,14 @@ class Clock(EndToEnd):
         wait_until(self.server.process, look, FOLLOWS_SECONDS, f"the clock is trusted: {trusted}")
         self.assertEqual(self.server.metric("uplinkd_clock_vouched"), float(trusted))
 
-    def wait_for_a_sweep(self):
-        due = time.monotonic() + SWEEP_SECONDS
-        wait_until(self.server.process, lambda: time.monotonic() > due, 2 * SWEEP_SECONDS, "a sweep was due")
-
     def ask(self, *arguments, code):
         return run(
             BIN / "uplinkctl", "store", "clock", "--url", self.rows.url, *arguments,
             code=code, env={**os.environ, **self.clock.environment},
         ).stdout  # fmt: skip
 
-    def a_jump_erases_nothing(self, rows):
-        self.begin(rows)
-        self.clock.set(DAYS_100)
-        self.server.start()
-        self.assertIn("clock", self.degraded())
-        self.server.wait_for_line("clock_not_vouched")
-        self.assertIn("clock", self.server.get("/readyz")["degraded"])
-        self.wait_for_a_sweep()
-        self.assertEqual(self.counts(), self.before, "100 days ahead")
-        self.assertEqual(self.server.terminate(60), 0)
 
-        self.clock.set(0)
-        self.server.start()
-        self.wait_for_clock(True)
-        self.assertEqual(self.counts(), self.before, "with the right clock again")
-
-        # It jumps while the server runs, and comes back.
-        self.clock.set(DAYS_100)
-        self.wait_for_clock(False)
-        self.wait_for_a_sweep()
-        self.assertEqual(self.counts(), self.before, "after a jump")
-        self.clock.set(0)
-        self.wait_for_clock(True)
-        self.server.wait_for_line("clock_vouched by=mark")
-
+class Clock(OnShiftedClock):
     def what_a_clock_behind_stamps_is_kept(self, rows, old):
         """`old` finds rows that are too old by the right time."""
         self.rows = rows
@@ -194,12 +167,6 @@ class Clock(EndToEnd):
         self.clock.set(0)
         self.wait_for_clock(True)
 
-    def test_a_jump_erases_nothing_on_sqlite(self):
-        self.a_jump_erases_nothing(SqliteRows(self.folder))
-
-    def test_a_jump_erases_nothing_on_postgres(self):
-        self.a_jump_erases_nothing(PostgresRows(self.folder))
-
     def an_operator_confirms(self, rows):
         self.begin(rows)
         self.clock.set(DAYS_100)
@@ -230,6 +197,43 @@ class Clock(EndToEnd):
 
     def test_an_operator_confirms_on_postgres(self):
         self.an_operator_confirms(PostgresRows(self.folder))
+
+
+class Jumps(OnShiftedClock):
+    def wait_for_a_sweep(self):
+        due = time.monotonic() + SWEEP_SECONDS
+        wait_until(self.server.process, lambda: time.monotonic() > due, 2 * SWEEP_SECONDS, "a sweep was due")
+
+    def a_jump_erases_nothing(self, rows):
+        self.begin(rows)
+        self.clock.set(DAYS_100)
+        self.server.start()
+        self.assertIn("clock", self.degraded())
+        self.server.wait_for_line("clock_not_vouched")
+        self.assertIn("clock", self.server.get("/readyz")["degraded"])
+        self.wait_for_a_sweep()
+        self.assertEqual(self.counts(), self.before, "100 days ahead")
+        self.assertEqual(self.server.terminate(60), 0)
+
+        self.clock.set(0)
+        self.server.start()
+        self.wait_for_clock(True)
+        self.assertEqual(self.counts(), self.before, "with the right clock again")
+
+        # It jumps while the server runs, and comes back.
+        self.clock.set(DAYS_100)
+        self.wait_for_clock(False)
+        self.wait_for_a_sweep()
+        self.assertEqual(self.counts(), self.before, "after a jump")
+        self.clock.set(0)
+        self.wait_for_clock(True)
+        self.server.wait_for_line("clock_vouched by=mark")
+
+    def test_a_jump_erases_nothing_on_sqlite(self):
+        self.a_jump_erases_nothing(SqliteRows(self.folder))
+
+    def test_a_jump_erases_nothing_on_postgres(self):
+        self.a_jump_erases_nothing(PostgresRows(self.folder))
 
 
 if __name__ == "__main__":

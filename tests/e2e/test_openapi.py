@@ -258,6 +258,18 @@ class Paths(Served):
                 self.assertEqual(answer.status, 404 if "{ruri}" in path else 200)
                 self.assertEqual("404" in operation["responses"], "{ruri}" in path)
 
+    def test_a_server_that_is_full_is_ready_and_says_so(self):
+        server = self.server("[limits]\nrobots_max = 1").start()
+        self.fleet(server, "--robots", 1)
+        wait_until(
+            server.process,
+            lambda: "robots_max" in request(server, "/readyz").json().get("degraded", []),
+            WAIT_SECONDS,
+            "it is full",
+        )
+        answer = self.assert_documented(server, "/readyz", NOWHERE)
+        self.assertEqual(answer.status, 200)
+
 
 class Parameters(Served):
     def test_each_is_taken_and_nothing_else_is(self):
@@ -318,18 +330,6 @@ class Failing(Served):
             self.assertNotIn("agentInfo", answer.json())
         answer = self.assert_documented(server, "/api/v1/robots/{ruri}", ruri)
         self.assertIn("agentInfo", answer.json())
-
-    def test_a_server_that_is_full_is_ready_and_says_so(self):
-        server = self.server("[limits]\nrobots_max = 1").start()
-        self.fleet(server, "--robots", 1)
-        wait_until(
-            server.process,
-            lambda: "robots_max" in request(server, "/readyz").json().get("degraded", []),
-            WAIT_SECONDS,
-            "it is full",
-        )
-        answer = self.assert_documented(server, "/readyz", NOWHERE)
-        self.assertEqual(answer.status, 200)
 
 
 def locked(shared):

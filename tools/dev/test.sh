@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# test.sh PRESET [RING] [CTEST ARGUMENTS]: builds a preset, runs its tests and ends with the line
-# "N passed, N failed". A test that did not run counts as failed; so does a run without tests.
+# test.sh PRESET [RING ...] [CTEST ARGUMENTS]: builds a preset, runs the tests of these rings and ends with
+# the line "N passed, N failed". Without a ring it runs all but `long`. A test that did not run counts as
+# failed; so does a run without tests.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
@@ -8,21 +9,23 @@ source tools/dev/lib.sh
 
 preset="$1"
 shift
-ring=all
-case "${1:-}" in
-  unit | component | e2e | all)
-    ring="$1"
-    shift
-    ;;
-  -* | '') ;;
-  *) die_usage "unknown ring: $1 (unit, component, e2e or all)" ;;
+rings=()
+while [[ $# -gt 0 && "$1" != -* ]]; do
+  case "$1" in
+    unit | component | e2e | long | all) rings+=("$1") ;;
+    *) die_usage "unknown ring: $1 (unit, component, e2e, long or all)" ;;
+  esac
+  shift
+done
+case " ${rings[*]:-} " in
+  "  ") labels=(-LE '^long$') ;;
+  *" all "*) labels=() ;;
+  *) labels=(-L "^($(IFS='|' && printf '%s' "${rings[*]}"))\$") ;;
 esac
 
 need_packages
 build_preset "$preset"
 
-labels=()
-[[ "$ring" == all ]] || labels=(-L "^$ring\$")
 export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1:detect_leaks=1${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 export LSAN_OPTIONS="suppressions=$PWD/tools/dev/lsan.supp:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}"
 export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1${UBSAN_OPTIONS:+:$UBSAN_OPTIONS}"
