@@ -87,12 +87,16 @@ target_compile_options(
             $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
 
 # uplink_test(name RING unit|component|e2e SOURCES a.cc ... LINK lib ... [NEEDS postgres]
-#             [TIMEOUT seconds])
-# Every test of the binary becomes a CTest test of that ring. NEEDS names what CTest starts before.
+#             [TIMEOUT seconds] [COST seconds])
+# Every test of the binary becomes a CTest test of that ring. NEEDS names what CTest starts before. COST is
+# what its longest test takes: the longest start first, so that none runs alone at the end.
 function(uplink_test name)
-  cmake_parse_arguments(ARG "" "RING;TIMEOUT" "SOURCES;LINK;NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "RING;TIMEOUT;COST" "SOURCES;LINK;NEEDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(NOT ARG_COST)
+    set(ARG_COST 0)
   endif()
   set(needs)
   if(ARG_NEEDS)
@@ -108,6 +112,6 @@ function(uplink_test name)
     ${name}
     TEST_PREFIX "${name}."
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT} ${needs}
+    PROPERTIES LABELS ${ARG_RING} TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST} PROCESSORS 2 ${needs}
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
 endfunction()

@@ -43,10 +43,16 @@ if [[ -z "${TMPDIR:-}" && -w "$memory" ]]; then
   fi
 fi
 
+# Half a core per slot: a test that computes takes two of them, one that mostly waits takes one (its
+# property PROCESSORS).
+readonly cores_max=4
+cores="$(nproc)"
+slots="$((2 * (cores < cores_max ? cores : cores_max)))"
+
 report="$PWD/build/$preset/test-report.xml"
 rm -f "$report"
 status=0
-"${runner[@]}" ctest --test-dir "build/$preset" --parallel 2 --output-on-failure --no-tests=error \
+"${runner[@]}" ctest --test-dir "build/$preset" --parallel "$slots" --output-on-failure --no-tests=error \
   --output-junit "$report" "${labels[@]}" "$@" || status=$?
 
 total=0
