@@ -125,8 +125,8 @@ absl::StatusOr<std::string> FleetOf(const std::optional<std::string>& organizati
   return *organization;
 }
 
-absl::Status CheckRole(const PeerIdentity& identity) {
-  const std::size_t count = identity.ruris.size();
+/// `count`: the RURIs of the certificate.
+absl::Status CheckRole(const PeerIdentity& identity, std::size_t count) {
   switch (identity.role) {
     case Role::kRobot:
       if (count == 0) return Wrong("it is a robot's and has no URI name that begins rcan://");
@@ -185,9 +185,12 @@ absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate) {
   auto ruris = RurisOf(certificate);
   if (!ruris.ok()) return ruris.status();
 
-  PeerIdentity identity{*role, *std::move(fleet), *std::move(ruris)};
-  if (identity.role == Role::kGateway) identity.subject = SubjectOf(certificate);
-  if (const absl::Status status = CheckRole(identity); !status.ok()) return status;
+  PeerIdentity identity{.role = *role, .fleet = *std::move(fleet)};
+  if (const absl::Status status = CheckRole(identity, ruris->size()); !status.ok()) return status;
+  if (identity.role == Role::kRobot) identity.ruri = std::move(ruris->front());
+  if (identity.role == Role::kGateway) {
+    identity.gateway = {.subject = SubjectOf(certificate), .ruris = *std::move(ruris)};
+  }
   return identity;
 }
 

@@ -1,16 +1,14 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <absl/status/statusor.h>
 #include <openssl/types.h>
 
-#include "server/identity/uri_constraints.h"
+#include "server/identity/gateway.h"
 
 namespace uplink::identity {
 
@@ -27,26 +25,10 @@ struct PeerIdentity {
   Role role = Role::kRobot;
   /// Subject O; `default` if the certificate has none. `*` for operators that may see all fleets.
   std::string fleet;
-  /// The RURIs of the certificate: exactly one for a robot, none or several for a gateway, none for
-  /// the others.
-  std::vector<std::string> ruris;
-  /// Of a gateway, whom its robots, bounds and log lines name: the subject of its certificate, at
-  /// most kSubjectBytesMax. Empty of all others.
-  std::string subject = {};
-  /// Of a gateway: what the authorities of its chain allow in URI names.
-  UriConstraints constraints = {};
-
-  /// A gateway may speak for this robot of its fleet: its certificate names the robot, or none, and
-  /// its authorities may sign for the robot.
-  [[nodiscard]] bool MaySpeakFor(std::string_view ruri) const {
-    return (ruris.empty() || Names(ruri)) && constraints.Allow(ruri);
-  }
-  /// The certificate names this robot.
-  [[nodiscard]] bool Names(std::string_view ruri) const {
-    return std::ranges::find(ruris, ruri) != ruris.end();
-  }
-  /// The RURI of a robot's certificate.
-  [[nodiscard]] const std::string& ruri() const { return ruris.front(); }
+  /// The RURI of a robot's certificate; empty of all others.
+  std::string ruri = {};
+  /// Of a gateway; empty of all others.
+  Gateway gateway = {};
 };
 
 /// The identity of a certificate that the TLS layer has verified, and holds. Reading its extensions

@@ -57,9 +57,9 @@ absl::Status CheckSchema(const v1::Hello& hello) {
 std::string Shown(std::string_view text) { return PrintableUtf8(text, model::kRuriBytesMax); }
 
 absl::Status CheckRobot(const v1::Hello& hello, const identity::PeerIdentity& peer) {
-  if (hello.robot_ruri().empty() || hello.robot_ruri() == peer.ruri()) return absl::OkStatus();
+  if (hello.robot_ruri().empty() || hello.robot_ruri() == peer.ruri) return absl::OkStatus();
   return absl::PermissionDeniedError(
-      fmt::format("the certificate of {} may not speak for hello.robot_ruri {}", Shown(peer.ruri()),
+      fmt::format("the certificate of {} may not speak for hello.robot_ruri {}", Shown(peer.ruri),
                   Shown(hello.robot_ruri())));
 }
 
@@ -70,10 +70,10 @@ absl::Status CheckGateway(const v1::Hello& hello, const identity::PeerIdentity& 
   if (const auto flaw = identity::FlawOfRuri(hello.robot_ruri())) {
     return AtFault("robot_ruri", fmt::format("it {}", *flaw));
   }
-  if (peer.MaySpeakFor(hello.robot_ruri())) return absl::OkStatus();
-  const bool constrained = !peer.constraints.Allow(hello.robot_ruri());
+  if (peer.gateway.MaySpeakFor(hello.robot_ruri())) return absl::OkStatus();
+  const bool constrained = !peer.gateway.constraints.Allow(hello.robot_ruri());
   return absl::PermissionDeniedError(fmt::format(
-      "the certificate of gateway {} may not speak for hello.robot_ruri {}{}", peer.subject,
+      "the certificate of gateway {} may not speak for hello.robot_ruri {}{}", peer.gateway.subject,
       Shown(hello.robot_ruri()),
       constrained ? ": an authority of its chain does not allow that host (name constraints)"
                   : ""));
@@ -107,11 +107,11 @@ absl::Status CheckNoTwin(std::string_view ruri) {
 /// Of a Hello that is in order.
 fleet::Claim ClaimOf(const v1::Hello& hello, const identity::PeerIdentity& peer) {
   if (peer.role == identity::Role::kRobot) {
-    return {.robot = {.ruri = peer.ruri(), .fleet = peer.fleet}};
+    return {.robot = {.ruri = peer.ruri, .fleet = peer.fleet}};
   }
   return {.robot = {.ruri = hello.robot_ruri(), .fleet = peer.fleet},
-          .grant = peer.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,
-          .gateway = peer.subject};
+          .grant = peer.gateway.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,
+          .gateway = peer.gateway.subject};
 }
 
 }  // namespace

@@ -23,9 +23,9 @@ void Drop(std::unordered_map<std::string, std::size_t>& counts, const std::strin
 Entrant EntrantOf(const identity::PeerIdentity& peer) {
   switch (peer.role) {
     case identity::Role::kRobot:
-      return {.robot = peer.ruri()};
+      return {.robot = peer.ruri};
     case identity::Role::kGateway:
-      return {.gateway = peer.subject};
+      return {.gateway = peer.gateway.subject};
     case identity::Role::kViewer:
     case identity::Role::kOperator:
     case identity::Role::kAdmin:

@@ -36,7 +36,7 @@ front::TlsPeer PeerOf(std::uint8_t robot) {
   }
   return {.identity =
               identity::PeerIdentity{
-                  .role = identity::Role::kRobot, .fleet = "fuzz", .ruris = {RuriOf(robot)}},
+                  .role = identity::Role::kRobot, .fleet = "fuzz", .ruri = RuriOf(robot)},
           .key = {robot},
           .expiry = SystemTime{}};
 }

@@ -19,7 +19,7 @@ constexpr std::size_t kRobotsMax = 100;
 
 SimStream::SimStream(const session::SessionContext& context, identity::PeerIdentity peer,
                      loop::StreamRef self, Trace* trace)
-    : ruri_(peer.ruris.front()),
+    : ruri_(peer.ruri),
       id_(self.stream),
       trace_(trace),
       opened_at_(context.clock.Steady()),
@@ -146,7 +146,7 @@ std::uint64_t SimServer::Open(const model::RobotId& robot) {
                                         .clock_trust = clock_trust_,
                                         .forwards = forwards()};
   identity::PeerIdentity peer{
-      .role = identity::Role::kRobot, .fleet = robot.fleet, .ruris = {robot.ruri}};
+      .role = identity::Role::kRobot, .fleet = robot.fleet, .ruri = robot.ruri};
   auto stream = std::make_unique<SimStream>(context, std::move(peer),
                                             loop::StreamRef{.inbox = this, .stream = id}, trace_);
   stream->session().Start();

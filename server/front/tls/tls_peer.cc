@@ -55,12 +55,12 @@ TlsPeer PeerOf(const SSL* connection, int verify_error) {
   }
   peer.identity = identity::IdentityOf(*certificate);
   if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {
-    peer.ruri = peer.identity->ruri();
+    peer.ruri = peer.identity->ruri;
   } else if (peer.IsGateway()) {
-    peer.gateway = peer.identity->subject;
+    peer.gateway = peer.identity->gateway.subject;
     // Behind its own stand those that signed it.
     for (int i = 1; i < sk_X509_num(chain); ++i) {
-      peer.identity->constraints.Add(*sk_X509_value(chain, i));
+      peer.identity->gateway.constraints.Add(*sk_X509_value(chain, i));
     }
   } else {
     peer.subject = identity::SubjectOf(*certificate);

@@ -66,11 +66,11 @@ TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
   ASSERT_TRUE(robot.ok()) << robot.status();
   EXPECT_EQ(robot->role, identity::Role::kRobot);
   EXPECT_EQ(robot->fleet, "north");
-  EXPECT_EQ(robot->ruri(), "rcan://a/b/c/d/1");
+  EXPECT_EQ(robot->ruri, "rcan://a/b/c/d/1");
   const auto gateway = identity_of(GatewayProfile({"rcan://a/1", "rcan://a/2"}, "north", "g"));
   ASSERT_TRUE(gateway.ok()) << gateway.status();
   EXPECT_EQ(gateway->role, identity::Role::kGateway);
-  EXPECT_THAT(gateway->ruris, ElementsAre("rcan://a/1", "rcan://a/2"));
+  EXPECT_THAT(gateway->gateway.ruris, ElementsAre("rcan://a/1", "rcan://a/2"));
   const auto admin = identity_of(OperatorProfile("admin", "*", "ann"));
   ASSERT_TRUE(admin.ok()) << admin.status();
   EXPECT_EQ(admin->role, identity::Role::kAdmin);

@@ -49,7 +49,7 @@ TEST(PeerIdentity, RobotOfAFleet) {
   ASSERT_TRUE(identity.ok()) << identity.status();
   EXPECT_EQ(identity->role, Role::kRobot);
   EXPECT_EQ(identity->fleet, "acme");
-  EXPECT_EQ(identity->ruri(), kRuri);
+  EXPECT_EQ(identity->ruri, kRuri);
 }
 
 TEST(PeerIdentity, RobotWithoutOrganizationIsOfTheDefaultFleet) {
@@ -72,7 +72,7 @@ TEST(PeerIdentity, NamesThatAreNoRuriDoNotCount) {
   spec.dns_names = {"rcan.example.org"};
   const auto identity = IdentityOf(spec);
   ASSERT_TRUE(identity.ok()) << identity.status();
-  EXPECT_THAT(identity->ruris, ElementsAre(kRuri));
+  EXPECT_EQ(identity->ruri, kRuri);
 }
 
 TEST(PeerIdentity, CommonNameIsNoIdentity) {
@@ -97,7 +97,7 @@ TEST(PeerIdentity, RuriAtItsLimit) {
   const std::string ruri = "rcan://" + std::string(256 - 7, 'x');
   const auto identity = IdentityOf(RobotSpec(ruri));
   ASSERT_TRUE(identity.ok()) << identity.status();
-  EXPECT_EQ(identity->ruri(), ruri);
+  EXPECT_EQ(identity->ruri, ruri);
 }
 
 TEST(PeerIdentity, RuriPastItsLimit) {
@@ -223,11 +223,11 @@ TEST(PeerIdentity, GatewayWithoutAndWithRuris) {
   auto identity = IdentityOf(spec);
   ASSERT_TRUE(identity.ok()) << identity.status();
   EXPECT_EQ(identity->role, Role::kGateway);
-  EXPECT_THAT(identity->ruris, IsEmpty());
+  EXPECT_THAT(identity->gateway.ruris, IsEmpty());
   spec.uris = {kRuri, "rcan://example.org/r2"};
   identity = IdentityOf(spec);
   ASSERT_TRUE(identity.ok()) << identity.status();
-  EXPECT_THAT(identity->ruris, ElementsAre(kRuri, "rcan://example.org/r2"));
+  EXPECT_THAT(identity->gateway.ruris, ElementsAre(kRuri, "rcan://example.org/r2"));
 }
 
 TEST(PeerIdentity, TheSubjectOfAGatewayIsKept) {
@@ -235,28 +235,17 @@ TEST(PeerIdentity, TheSubjectOfAGatewayIsKept) {
   spec.common_names = {"hall 3, \n\x01"};
   const auto identity = IdentityOf(spec);
   ASSERT_TRUE(identity.ok()) << identity.status();
-  EXPECT_EQ(identity->subject.find('\n'), std::string::npos);
-  EXPECT_THAT(identity->subject, ::testing::HasSubstr("hall 3"));
-  EXPECT_THAT(identity->subject, ::testing::HasSubstr("OU=gateway"));
-  EXPECT_THAT(identity->subject, ::testing::HasSubstr("O=acme"));
+  EXPECT_EQ(identity->gateway.subject.find('\n'), std::string::npos);
+  EXPECT_THAT(identity->gateway.subject, ::testing::HasSubstr("hall 3"));
+  EXPECT_THAT(identity->gateway.subject, ::testing::HasSubstr("OU=gateway"));
+  EXPECT_THAT(identity->gateway.subject, ::testing::HasSubstr("O=acme"));
   spec.organizations = {std::string(256, 'f')};
   const auto cut = IdentityOf(spec);
   ASSERT_TRUE(cut.ok()) << cut.status();
-  EXPECT_LE(cut->subject.size(), kSubjectBytesMax);
+  EXPECT_LE(cut->gateway.subject.size(), kSubjectBytesMax);
   const auto robot = IdentityOf(RobotSpec(kRuri));
   ASSERT_TRUE(robot.ok()) << robot.status();
-  EXPECT_EQ(robot->subject, "") << "nobody asks for it";
-}
-
-TEST(PeerIdentity, AGatewayMaySpeakForThoseItNamesOrForAll) {
-  PeerIdentity identity{.role = Role::kGateway, .fleet = "f", .ruris = {}};
-  EXPECT_TRUE(identity.MaySpeakFor(kRuri));
-  EXPECT_FALSE(identity.Names(kRuri));
-  identity.ruris = {"rcan://another"};
-  EXPECT_FALSE(identity.MaySpeakFor(kRuri));
-  identity.ruris.emplace_back(kRuri);
-  EXPECT_TRUE(identity.MaySpeakFor(kRuri));
-  EXPECT_TRUE(identity.Names(kRuri));
+  EXPECT_EQ(robot->gateway.subject, "") << "nobody asks for it";
 }
 
 TEST(PeerIdentity, GatewayWithAnUncleanRuri) {
@@ -271,7 +260,8 @@ TEST(PeerIdentity, OperatorRoles) {
     ASSERT_TRUE(identity.ok()) << identity.status();
     EXPECT_EQ(identity->role, role);
     EXPECT_EQ(identity->fleet, "acme");
-    EXPECT_THAT(identity->ruris, IsEmpty());
+    EXPECT_EQ(identity->ruri, "");
+    EXPECT_THAT(identity->gateway.ruris, IsEmpty());
   }
 }
 

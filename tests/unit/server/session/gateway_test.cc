@@ -22,10 +22,10 @@ class GatewayTest : public SessionTest {
   /// A gateway's stream for this robot; `ruris` are those of its certificate.
   BenchStream& ConnectVia(std::string_view ruri, std::vector<std::string> ruris = {},
                           std::string_view subject = kSubject) {
-    BenchStream& stream = server().OpenAs({.role = identity::Role::kGateway,
-                                           .fleet = "bench",
-                                           .ruris = std::move(ruris),
-                                           .subject = std::string(subject)});
+    BenchStream& stream =
+        server().OpenAs({.role = identity::Role::kGateway,
+                         .fleet = "bench",
+                         .gateway = {.subject = std::string(subject), .ruris = std::move(ruris)}});
     v1::RelayRequest frame = HelloFrame(SessionOf(1));
     frame.mutable_hello()->set_robot_ruri(std::string(ruri));
     stream.Send(frame);
@@ -34,9 +34,8 @@ class GatewayTest : public SessionTest {
   }
   /// A stream of the robot's own certificate, which is of that fleet.
   BenchStream& ConnectOfFleet(std::string_view ruri, std::string_view fleet) {
-    BenchStream& stream = server().OpenAs({.role = identity::Role::kRobot,
-                                           .fleet = std::string(fleet),
-                                           .ruris = {std::string(ruri)}});
+    BenchStream& stream = server().OpenAs(
+        {.role = identity::Role::kRobot, .fleet = std::string(fleet), .ruri = std::string(ruri)});
     stream.Send(HelloFrame(SessionOf(1)));
     server().Commit();
     return stream;
@@ -139,8 +138,9 @@ TEST_F(GatewayTest, DoesNotPullARobotOutOfTheFleetThatTheStoreKnows) {
 TEST_F(GatewayTest, AnotherProcessKeepsTheRobotThatItMayNotSpeakFor) {
   ConnectOfFleet("rcan://a/1", "south");
   BenchServer second(clock_, database_, 200, limits_);
-  BenchStream& stream = second.OpenAs(
-      {.role = identity::Role::kGateway, .fleet = "bench", .subject = std::string(kSubject)});
+  BenchStream& stream = second.OpenAs({.role = identity::Role::kGateway,
+                                       .fleet = "bench",
+                                       .gateway = {.subject = std::string(kSubject)}});
   v1::RelayRequest hello = HelloFrame(SessionOf(1));
   hello.mutable_hello()->set_robot_ruri("rcan://a/1");
   stream.Send(hello);
@@ -363,9 +363,8 @@ TEST_F(GatewayTest, SpeaksForNoHostThatItsAuthoritiesMayNotSignFor) {
   ASSERT_TRUE(authorities.ok());
   identity::PeerIdentity peer{.role = identity::Role::kGateway,
                               .fleet = "bench",
-                              .ruris = {},
-                              .subject = std::string(kSubject)};
-  peer.constraints.Add(*authorities->front());
+                              .gateway = {.subject = std::string(kSubject)}};
+  peer.gateway.constraints.Add(*authorities->front());
   v1::RelayRequest frame = HelloFrame(SessionOf(1));
   frame.mutable_hello()->set_robot_ruri("rcan://a/1");
   BenchStream& within = server().OpenAs(peer);

@@ -263,7 +263,7 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
 }
 
 BenchStream& BenchServer::Open(std::string_view ruri) {
-  return OpenAs({.role = identity::Role::kRobot, .fleet = "bench", .ruris = {std::string(ruri)}});
+  return OpenAs({.role = identity::Role::kRobot, .fleet = "bench", .ruri = std::string(ruri)});
 }
 
 BenchStream& BenchServer::Connect(const model::SessionId& session, model::Seq settled,

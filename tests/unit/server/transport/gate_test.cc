@@ -65,11 +65,11 @@ TEST(Gate, LeavesAQuarterOfTheStreamsToOthers) {
 
 TEST(Gate, KnowsWhoseCertificateItIs) {
   using identity::Role;
-  const identity::PeerIdentity robot{.role = Role::kRobot, .fleet = "f", .ruris = {"rcan://a"}};
+  const identity::PeerIdentity robot{.role = Role::kRobot, .fleet = "f", .ruri = "rcan://a"};
   EXPECT_EQ(EntrantOf(robot).robot, "rcan://a");
   EXPECT_EQ(EntrantOf(robot).gateway, "");
   const identity::PeerIdentity gateway{
-      .role = Role::kGateway, .fleet = "f", .ruris = {"rcan://a"}, .subject = "CN=g"};
+      .role = Role::kGateway, .fleet = "f", .gateway = {.subject = "CN=g", .ruris = {"rcan://a"}}};
   EXPECT_EQ(EntrantOf(gateway).robot, "");
   EXPECT_EQ(EntrantOf(gateway).gateway, "CN=g");
   EXPECT_EQ(EntrantOf({.role = Role::kViewer, .fleet = "f"}).robot, "");

@@ -17,8 +17,7 @@ class MayCallTest : public ::testing::Test {
     methods_.emplace("/a.A/Viewers", Method{.roles = {Role::kViewer}, .audience = "viewers alone"});
   }
   [[nodiscard]] std::string Ask(Role role, std::string_view path) const {
-    return MayCall(identity::PeerIdentity{.role = role, .fleet = "f", .ruris = {}}, methods_, path)
-        .ToString();
+    return MayCall(identity::PeerIdentity{.role = role, .fleet = "f"}, methods_, path).ToString();
   }
 
   Methods methods_;

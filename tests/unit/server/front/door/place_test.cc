@@ -12,7 +12,7 @@ namespace {
 constexpr SteadyTime kStart{std::chrono::hours(1)};
 
 TlsPeer PeerOf(identity::Role role) {
-  return {.identity = identity::PeerIdentity{.role = role, .fleet = "f", .ruris = {}},
+  return {.identity = identity::PeerIdentity{.role = role, .fleet = "f"},
           .ruri = {},
           .key = {1},
           .expiry = SystemTime{}};

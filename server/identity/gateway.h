@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,25 @@ class UriConstraints final {
     [[nodiscard]] bool Allow(std::string_view host) const;
   };
   std::vector<OfAuthority> authorities_;
+};
+
+/// What the certificate of a gateway says of it. A value.
+struct Gateway {
+  /// Whom its robots, bounds and log lines name: the subject of the certificate (SubjectOf).
+  std::string subject = {};
+  /// The robots that the certificate names; none: it may speak for all of its fleet.
+  std::vector<std::string> ruris = {};
+  /// What the authorities of its chain allow in URI names.
+  UriConstraints constraints = {};
+
+  [[nodiscard]] bool Names(std::string_view ruri) const {
+    return std::ranges::find(ruris, ruri) != ruris.end();
+  }
+  /// It may speak for this robot of its fleet: the certificate names the robot, or none, and the
+  /// authorities may sign for the robot.
+  [[nodiscard]] bool MaySpeakFor(std::string_view ruri) const {
+    return (ruris.empty() || Names(ruri)) && constraints.Allow(ruri);
+  }
 };
 
 }  // namespace uplink::identity

@@ -1,4 +1,4 @@
-#include "server/identity/uri_constraints.h"
+#include "server/identity/gateway.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "server/identity/uri_constraints.h"
+#include "server/identity/gateway.h"
 
 #include <memory>
 #include <string>
@@ -107,6 +107,17 @@ TEST(UriConstraints, AgreeWithOpenSslOnNamesOfCertificates) {
           << constraint << " " << uri;
     }
   }
+}
+
+TEST(Gateway, MaySpeakForThoseItNamesOrForAll) {
+  Gateway gateway;
+  EXPECT_TRUE(gateway.MaySpeakFor("rcan://example.org/r1"));
+  EXPECT_FALSE(gateway.Names("rcan://example.org/r1"));
+  gateway.ruris = {"rcan://another"};
+  EXPECT_FALSE(gateway.MaySpeakFor("rcan://example.org/r1"));
+  gateway.ruris.emplace_back("rcan://example.org/r1");
+  EXPECT_TRUE(gateway.MaySpeakFor("rcan://example.org/r1"));
+  EXPECT_TRUE(gateway.Names("rcan://example.org/r1"));
 }
 
 }  // namespace
