@@ -6,7 +6,7 @@ namespace uplink::health {
 
 Monitor::Monitor(const Sources& sources)
     : sources_(sources),
-      liveness_(sources.clock, sources.sessions),
+      liveness_(sources.clock, sources.sessions.streams_total),
       certificate_expiry_ms_(UnixMs(sources.certificate_expiry)) {}
 
 Readiness Monitor::readiness() const {

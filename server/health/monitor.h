@@ -6,7 +6,7 @@
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
-#include "server/health/liveness.h"
+#include "server/fleet/liveness.h"
 #include "server/health/readiness.h"
 #include "server/journal/shards.h"
 #include "server/session/probe.h"
@@ -44,7 +44,7 @@ class Monitor final {
   };
   explicit Monitor(const Sources& sources);
 
-  [[nodiscard]] Liveness& liveness() { return liveness_; }
+  [[nodiscard]] fleet::Liveness& liveness() { return liveness_; }
   [[nodiscard]] Readiness readiness() const;
   [[nodiscard]] SystemTime certificate_expiry() const {
     return FromUnixMs(certificate_expiry_ms_.load());
@@ -61,7 +61,7 @@ class Monitor final {
 
  private:
   const Sources sources_;
-  Liveness liveness_;
+  fleet::Liveness liveness_;
   std::atomic<std::int64_t> certificate_expiry_ms_;
   std::atomic<bool> certificate_fits_{true};
   std::atomic<bool> draining_{false};

@@ -49,7 +49,7 @@ Response ScrapeResponse(metrics::Format format, metrics::Coding coding) {
 
 Response GetLivez(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
-  health::Liveness& liveness = sources.monitor.liveness();
+  fleet::Liveness& liveness = sources.monitor.liveness();
   return LivezResponse(liveness.alive() ? 200 : 503, liveness.age());
 }
 

@@ -10,13 +10,13 @@
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
 #include "server/fleet/live_budget.h"
+#include "server/fleet/presence_watch.h"
 #include "server/forward/forwarding.h"
 #include "server/front/door/proxy_header.h"
 #include "server/front/server.h"
 #include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
-#include "server/health/presence_watch.h"
 #include "server/health/process.h"
 #include "server/http/site.h"
 #include "server/log/logger.h"
@@ -248,7 +248,7 @@ class App::Impl {
     };
     work.ask_relay = [this] {
       watch_.AskRelay([this](auto done) {
-        loop::ProbeHandshake(loop_, RelayTarget(), health::kHandshakeWait, std::move(done));
+        loop::ProbeHandshake(loop_, RelayTarget(), fleet::kHandshakeWait, std::move(done));
       });
     };
     work.feed_watchdog = [this] { watchdog_.Beat(); };
@@ -316,7 +316,7 @@ class App::Impl {
   view::Queries queries_;
   health::Monitor monitor_;
   health::CertificateWatch certificate_watch_;
-  health::PresenceWatch watch_;
+  fleet::PresenceWatch watch_;
   const Watchdog watchdog_{{.alive = [this] { return monitor_.liveness().alive(); }}};
   const std::vector<metrics::PageSource> page_sources_;
   rcan::FaultCounts fault_counts_{options_.clock};

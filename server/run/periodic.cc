@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "server/health/liveness.h"
+#include "server/fleet/liveness.h"
 #include "server/rcan/fault_counts.h"
 #include "server/transport/options.h"
 
@@ -34,7 +34,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kSpaceEvery, std::move(work.look_at_space));
   every(kClockEvery, std::move(work.look_at_clock));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));
-  every(health::kHandshakeEvery, std::move(work.ask_relay));
+  every(fleet::kHandshakeEvery, std::move(work.ask_relay));
   every(kFeedEvery, std::move(work.feed_watchdog));
 }
 

@@ -38,7 +38,7 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       restore_(fleet_, store_.reader()),
       checkpoint_({.fleet = fleet_, .writes = [](std::string_view) { return true; }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
-      liveness_(ground_.clock, session_probe_),
+      liveness_(ground_.clock, session_probe_.streams_total),
       watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle, [this] {
                 return ground_.fault != HoldersFault::kLateIsForgotten && leases_.OthersUnseen();
               }}) {
@@ -133,7 +133,7 @@ void HoldersProcess::Write(std::size_t steps) {
 }
 
 void HoldersProcess::AskRelay(bool hears) {
-  if (IsDue(asked_, health::kHandshakeEvery, ground_.clock.Steady())) {
+  if (IsDue(asked_, fleet::kHandshakeEvery, ground_.clock.Steady())) {
     watch_.AskRelay([this](std::function<void(bool)> done) { answer_ = std::move(done); });
   }
   if (hears && answer_) std::exchange(answer_, nullptr)(true);

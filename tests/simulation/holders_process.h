@@ -11,7 +11,7 @@
 
 #include "server/fleet/checkpoint.h"
 #include "server/fleet/fleet.h"
-#include "server/health/presence_watch.h"
+#include "server/fleet/presence_watch.h"
 #include "server/journal/journal.h"
 #include "server/journal/shards.h"
 #include "server/store/lease_rounds.h"
@@ -120,8 +120,8 @@ class HoldersProcess final : public loop::WakeInbox {
   store::Restore restore_;
   fleet::Checkpoint checkpoint_;
   store::LeaseRounds leases_;
-  health::Liveness liveness_;
-  health::PresenceWatch watch_;
+  fleet::Liveness liveness_;
+  fleet::PresenceWatch watch_;
   std::optional<SteadyTime> round_;
   std::optional<SteadyTime> sweep_;
   std::optional<SteadyTime> asked_;

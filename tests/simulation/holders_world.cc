@@ -168,7 +168,7 @@ void HoldersWorld::StepOf(Robot& robot) {
     if (!robot.unread) robot.unread_since = now;
     // It is there, whether or not anybody reads that; the process needs its time to notice that it
     // does not.
-    if (now - robot.unread_since > health::kHandshakeEvery + health::kBehindAfter) {
+    if (now - robot.unread_since > fleet::kHandshakeEvery + fleet::kBehindAfter) {
       truth_.NoteSign(robot.id->ruri, place->process->id(),
                       place->process->fleet().Find(robot.id->ruri)->state.held_since());
     }

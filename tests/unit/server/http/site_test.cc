@@ -19,7 +19,7 @@ class SiteTest : public ::testing::Test {
 };
 
 TEST_F(SiteTest, LivezFailsAfterAMinuteWithoutAHandshake) {
-  world_.clock.Advance(health::kAliveMax);
+  world_.clock.Advance(fleet::kAliveMax);
   EXPECT_EQ(Get("/livez").status, 200);
   world_.clock.Advance(milliseconds(1));
   EXPECT_EQ(Get("/livez").status, 503);

@@ -1,4 +1,4 @@
-#include "server/health/presence_watch.h"
+#include "server/fleet/presence_watch.h"
 
 #include <cstdint>
 #include <functional>
@@ -14,7 +14,7 @@
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
-namespace uplink::health {
+namespace uplink::fleet {
 namespace {
 
 using std::chrono::seconds;
@@ -49,16 +49,16 @@ class PresenceWatchTest : public ::testing::Test {
   }
 
   testing::ManualClock clock_;
-  session::SessionProbe sessions_;
+  metrics::Cell streams_total_;
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
-  fleet::Fleet fleet_{clock_,
-                      10,
-                      {.timeout = seconds(10), .startup_grace = milliseconds(0)},
-                      {.timeout = seconds(20), .startup_grace = milliseconds(0)}};
-  Liveness liveness_{clock_, sessions_};
+  Fleet fleet_{clock_,
+               10,
+               {.timeout = seconds(10), .startup_grace = milliseconds(0)},
+               {.timeout = seconds(20), .startup_grace = milliseconds(0)}};
+  Liveness liveness_{clock_, streams_total_};
   bool others_unseen_ = false;
   PresenceWatch watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_, std::chrono::hours(1),
                         [this] { return others_unseen_; }}};
@@ -147,10 +147,10 @@ TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAft
 
 TEST_F(PresenceWatchTest, ASweepThatIsNoMoreThanThreeSecondsLateIsNoStandstill) {
   watch_.Sweep();
-  clock_.Advance(fleet::Fleet::kSweepLate);
+  clock_.Advance(Fleet::kSweepLate);
   watch_.Sweep();
   EXPECT_FALSE(liveness_.behind());
-  clock_.Advance(fleet::Fleet::kSweepLate + milliseconds(1));
+  clock_.Advance(Fleet::kSweepLate + milliseconds(1));
   watch_.Sweep();
   EXPECT_TRUE(liveness_.behind());
 }
@@ -218,7 +218,7 @@ class TwinWatchTest : public PresenceWatchTest {
   }
   void SweepTwins(seconds duration) { Sweep(twins_watch_, clock_, duration); }
 
-  fleet::Fleet::Hearing twins_hear_ = fleet::Fleet::Hearing::kUpToDate;
+  Fleet::Hearing twins_hear_ = Fleet::Hearing::kUpToDate;
   PresenceWatch twins_watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_,
                               std::chrono::hours(1), [this] { return others_unseen_; },
                               [this] { return twins_hear_; }}};
@@ -240,7 +240,7 @@ TEST_F(TwinWatchTest, ATwinIsOfflineTwentySecondsAfterItWasHeardAndTheRelaysRobo
 }
 
 TEST_F(TwinWatchTest, WhileTheBrokerIsNotHeardATwinIsUnknownAndSoItsTimeoutAfter) {
-  using enum fleet::Fleet::Hearing;
+  using enum Fleet::Hearing;
   Hear(beside_);
   twins_hear_ = kBehind;
   SweepTwins(seconds(20));
@@ -283,4 +283,4 @@ TEST_F(PresenceWatchTest, ARelayThatAnswersMakesNoLine) {
 }
 
 }  // namespace
-}  // namespace uplink::health
+}  // namespace uplink::fleet

@@ -1,17 +1,17 @@
-#include "server/health/liveness.h"
+#include "server/fleet/liveness.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/support/manual_clock.h"
 
-namespace uplink::health {
+namespace uplink::fleet {
 namespace {
 
 class LivenessTest : public ::testing::Test {
  protected:
   testing::ManualClock clock_;
-  session::SessionProbe sessions_;
-  Liveness liveness_{clock_, sessions_};
+  metrics::Cell streams_total_;
+  Liveness liveness_{clock_, streams_total_};
 };
 
 TEST_F(LivenessTest, LivesForAMinuteWithoutASign) {
@@ -41,7 +41,7 @@ TEST_F(LivenessTest, ASlowStartTakesNothingFromItsMinute) {
 
 TEST_F(LivenessTest, AStreamThatOpensCountsOnce) {
   clock_.Advance(kAliveMax * 2);
-  sessions_.streams_total.Add();
+  streams_total_.Add();
   EXPECT_TRUE(liveness_.alive());
   clock_.Advance(kAliveMax + milliseconds(1));
   EXPECT_FALSE(liveness_.alive());
@@ -120,7 +120,7 @@ TEST_F(LivenessTest, ARefusalFromBeforeAStandstillDoesNotMakeALaterAnswerLate) {
 TEST_F(LivenessTest, NobodyAskedSoNobodyIsBehind) {
   clock_.Advance(kBehindAfter * 2);
   EXPECT_FALSE(liveness_.behind());
-  sessions_.streams_total.Add();
+  streams_total_.Add();
   liveness_.NoteHandshake();
   EXPECT_FALSE(liveness_.behind());
 }
@@ -131,4 +131,4 @@ TEST_F(LivenessTest, CivilTimeDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace uplink::health
+}  // namespace uplink::fleet

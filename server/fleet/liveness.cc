@@ -1,12 +1,12 @@
-#include "server/health/liveness.h"
+#include "server/fleet/liveness.h"
 
-namespace uplink::health {
+namespace uplink::fleet {
 
-Liveness::Liveness(const Clock& clock, const session::SessionProbe& sessions)
+Liveness::Liveness(const Clock& clock, const metrics::Cell& streams_total)
     : clock_(clock),
-      sessions_(sessions),
+      streams_total_(streams_total),
       last_(clock.Steady()),
-      streams_seen_(sessions.streams_total.value()) {}
+      streams_seen_(streams_total.value()) {}
 
 void Liveness::BeginListening() {
   const std::lock_guard lock(mutex_);
@@ -46,7 +46,7 @@ bool Liveness::behind() const {
 
 milliseconds Liveness::age() const {
   const SteadyTime now = clock_.Steady();
-  const std::int64_t streams = sessions_.streams_total.value();
+  const std::int64_t streams = streams_total_.value();
   const std::lock_guard lock(mutex_);
   if (streams != streams_seen_) {
     streams_seen_ = streams;
@@ -55,4 +55,4 @@ milliseconds Liveness::age() const {
   return std::chrono::duration_cast<milliseconds>(now - last_);
 }
 
-}  // namespace uplink::health
+}  // namespace uplink::fleet

@@ -5,10 +5,10 @@
 #include "metrics/cells.h"
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
-#include "server/health/liveness.h"
+#include "server/fleet/liveness.h"
 #include "server/log/logger.h"
 
-namespace uplink::health {
+namespace uplink::fleet {
 
 /// The two rounds on which presence stands: the sweep that judges each robot's silence, and the
 /// handshake that tells whether the server itself hears. Confined to one thread.
@@ -17,7 +17,7 @@ class PresenceWatch final {
   /// All of it outlives the watch.
   struct Sources {
     const Clock& clock;
-    fleet::Fleet& fleet;
+    Fleet& fleet;
     Liveness& liveness;
     const log::Logger& logger;
     metrics::LatencyDistribution& sweep_seconds;
@@ -25,7 +25,7 @@ class PresenceWatch final {
     /// Whether other processes on the store may hear robots and cannot tell.
     std::function<bool()> others_unseen;
     /// Whether twins are heard through their broker; empty: they are not.
-    std::function<fleet::Fleet::Hearing()> twins_hear{};
+    std::function<Fleet::Hearing()> twins_hear{};
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
@@ -41,8 +41,8 @@ class PresenceWatch final {
   void AskRelay(const Ask& ask);
 
  private:
-  [[nodiscard]] fleet::Fleet::Hearing Hears() const;
-  [[nodiscard]] fleet::Fleet::Hearing TwinsHear() const;
+  [[nodiscard]] Fleet::Hearing Hears() const;
+  [[nodiscard]] Fleet::Hearing TwinsHear() const;
   void LogBehind();
 
   const Sources sources_;
@@ -53,4 +53,4 @@ class PresenceWatch final {
   bool behind_ = false;
 };
 
-}  // namespace uplink::health
+}  // namespace uplink::fleet

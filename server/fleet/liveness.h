@@ -5,10 +5,10 @@
 #include <mutex>
 #include <optional>
 
+#include "metrics/cells.h"
 #include "schema/base/clock.h"
-#include "server/session/probe.h"
 
-namespace uplink::health {
+namespace uplink::fleet {
 
 /// How often the background handshake asks the relay listener, one at a time, and how long one may
 /// take.
@@ -28,7 +28,8 @@ static_assert(kHandshakeEvery + kHandshakeWait < kAliveMax, "one lost answer mus
 /// that opens, since a robot's handshake came before it. Counts from its making. Thread-safe.
 class Liveness final {
  public:
-  Liveness(const Clock& clock, const session::SessionProbe& sessions);
+  /// `streams_total`: streams that were opened; it outlives this.
+  Liveness(const Clock& clock, const metrics::Cell& streams_total);
 
   /// The listener is there from now on: its silence counts from here.
   void BeginListening();
@@ -51,7 +52,7 @@ class Liveness final {
 
  private:
   const Clock& clock_;
-  const session::SessionProbe& sessions_;
+  const metrics::Cell& streams_total_;
   mutable std::mutex mutex_;
   mutable SteadyTime last_;
   mutable std::int64_t streams_seen_;
@@ -62,4 +63,4 @@ class Liveness final {
   std::int64_t standstills_ = 0;
 };
 
-}  // namespace uplink::health
+}  // namespace uplink::fleet

@@ -1,21 +1,21 @@
-#include "server/health/presence_watch.h"
+#include "server/fleet/presence_watch.h"
 
 #include <chrono>
 
-namespace uplink::health {
+namespace uplink::fleet {
 
 static_assert(
     kHandshakeEvery + kBehindAfter < robot::PresenceLimits{}.timeout,
     "a robot that reports often is not offline before the server knows that it is behind");
 
-fleet::Fleet::Hearing PresenceWatch::Hears() const {
-  using enum fleet::Fleet::Hearing;
+Fleet::Hearing PresenceWatch::Hears() const {
+  using enum Fleet::Hearing;
   if (sources_.liveness.behind()) return kBehind;
   return sources_.others_unseen() ? kHereAlone : kUpToDate;
 }
 
-fleet::Fleet::Hearing PresenceWatch::TwinsHear() const {
-  return sources_.twins_hear ? sources_.twins_hear() : fleet::Fleet::Hearing::kBehind;
+Fleet::Hearing PresenceWatch::TwinsHear() const {
+  return sources_.twins_hear ? sources_.twins_hear() : Fleet::Hearing::kBehind;
 }
 
 void PresenceWatch::Sweep() {
@@ -54,4 +54,4 @@ void PresenceWatch::AskRelay(const Ask& ask) {
   });
 }
 
-}  // namespace uplink::health
+}  // namespace uplink::fleet
