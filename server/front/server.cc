@@ -48,7 +48,7 @@ Methods ServedMethods() {
 
 /// Members are destroyed from the last.
 struct FrontServer::Impl {
-  Impl(const transport::RelayOptions& given_options, const transport::RelayContext& given)
+  Impl(const transport::RelayOptions& given_options, const RelayContext& given)
       : options(given_options),
         context(given),
         methods(ServedMethods()),
@@ -81,7 +81,7 @@ struct FrontServer::Impl {
   void NotePause(std::error_code why);
 
   const transport::RelayOptions options;
-  const transport::RelayContext context;
+  const RelayContext context;
   std::optional<log::RateLimited> pause_lines;
   const Methods methods;
   /// None with texts in place of files.
@@ -116,7 +116,7 @@ absl::Status FrontServer::Impl::ServeFiles() {
 }
 
 absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(
-    const transport::RelayOptions& options, const transport::RelayContext& context) {
+    const transport::RelayOptions& options, const RelayContext& context) {
   auto impl = std::make_unique<Impl>(options, context);
   absl::Status served;
   if (const auto* files = std::get_if<transport::PemFiles>(&options.key_material)) {

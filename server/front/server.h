@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/front/call/relay_context.h"
 #include "server/transport/key_files.h"
 #include "server/transport/options.h"
 
@@ -25,7 +26,7 @@ class FrontServer final {
   /// Errors: kUnavailable names the address and why nobody can listen there; kFailedPrecondition
   ///         names what is wrong with certificate, key or authority.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FrontServer>> Start(
-      const transport::RelayOptions& options, const transport::RelayContext& context);
+      const transport::RelayOptions& options, const RelayContext& context);
 
   /// Shuts down at once if Shutdown was not called.
   ~FrontServer();

@@ -12,7 +12,7 @@
 
 namespace uplink::front {
 
-Worker::Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
+Worker::Worker(const Setup& setup, const RelayContext& relay, transport::Gate& gate,
                const Methods& methods, const ServedContext& tls, DoorBook& book,
                Unfinished& unfinished)
     : setup_(setup),

@@ -39,7 +39,7 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
     std::function<void(std::uint64_t)> evict;
   };
 
-  Worker(const Setup& setup, const transport::RelayContext& relay, transport::Gate& gate,
+  Worker(const Setup& setup, const RelayContext& relay, transport::Gate& gate,
          const Methods& methods, const ServedContext& tls, DoorBook& book, Unfinished& unfinished);
   ~Worker() override;
   Worker(const Worker&) = delete;

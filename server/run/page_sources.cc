@@ -10,7 +10,6 @@
 #include "server/run/broker_side.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
-#include "server/transport/samples.h"
 
 namespace uplink::run {
 
@@ -38,7 +37,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [start = health::ProcessStart{parts.version, parts.clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [parts](auto& page) { transport::AddSamples(parts.relay, parts.sessions, page); },
+      [parts](auto& page) { session::AddSamples(parts.relay, parts.sessions, page); },
   };
 }
 

@@ -6,21 +6,10 @@
 #include <variant>
 #include <vector>
 
-#include "metrics/ledger.h"
 #include "schema/base/clock.h"
-#include "schema/judge.h"
 #include "server/config/address.h"
 #include "server/config/config.h"
 #include "server/config/tls_groups.h"
-#include "server/fleet/fleet.h"
-#include "server/ingest/allowances.h"
-#include "server/journal/shards.h"
-#include "server/log/logger.h"
-#include "server/session/forward_source.h"
-#include "server/session/limits.h"
-#include "server/session/probe.h"
-#include "server/session/reject_source.h"
-#include "server/transport/probe.h"
 
 namespace uplink::transport {
 
@@ -78,28 +67,6 @@ struct RelayOptions {
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
   /// Memory that the transport may use; 0: no bound. A quarter is for frames that are not whole.
   std::size_t memory_bytes_max = 0;
-};
-
-/// What the relay works with. All of it outlives the server.
-struct RelayContext {
-  const Clock& clock;
-  fleet::Fleet& fleet;
-  const journal::Shards& journals;
-  session::SessionProbe& session_probe;
-  RelayProbe& probe;
-  /// Each queue takes a page.
-  metrics::LedgerBook& ledgers;
-  const session::SessionLimits& limits;
-  schema::JudgeLimits judge_limits;
-  // As SessionContext's.
-  const ingest::Allowances& allowances;
-  /// As SessionContext's.
-  session::RejectSource& rejects;
-  const storage::ClockTrust& clock_trust;
-  /// As SessionContext's.
-  session::ForwardSource* forwards = nullptr;
-  /// For lines about what strangers do; none if null.
-  const log::Logger* logger = nullptr;
 };
 
 }  // namespace uplink::transport

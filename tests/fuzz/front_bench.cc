@@ -164,7 +164,7 @@ FrontBench::FrontBench(front::Methods methods)
 
 FrontBench::~FrontBench() = default;
 
-transport::RelayContext FrontBench::Context() {
+front::RelayContext FrontBench::Context() {
   return {.clock = clock_,
           .fleet = fleet_,
           .journals = shards_,

@@ -139,7 +139,7 @@ class FrontBench final : public loop::WakeInbox {
   void End();
 
  private:
-  [[nodiscard]] transport::RelayContext Context();
+  [[nodiscard]] front::RelayContext Context();
 
   testing::ManualClock clock_;
   testing::FakeDatabase database_;
@@ -155,7 +155,7 @@ class FrontBench final : public loop::WakeInbox {
   fleet::Fleet fleet_;
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};
-  const transport::RelayContext context_;
+  const front::RelayContext context_;
   const front::Methods methods_;
   transport::Gate gate_;
   front::DoorBook door_book_;

@@ -40,7 +40,7 @@ ListenerWorld::~ListenerWorld() {
   writer_->Stop();
 }
 
-transport::RelayContext ListenerWorld::Context() {
+front::RelayContext ListenerWorld::Context() {
   return {.clock = clock,
           .fleet = fleet,
           .journals = shards,

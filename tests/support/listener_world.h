@@ -79,7 +79,7 @@ class ListenerWorld {
   ingest::Allowances allowances;
 
  private:
-  [[nodiscard]] transport::RelayContext Context();
+  [[nodiscard]] front::RelayContext Context();
 
   KeyPair server_identity_;
   const FakeTrust clock_trust_;

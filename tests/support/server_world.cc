@@ -12,7 +12,6 @@
 #include "server/rcan/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
-#include "server/transport/samples.h"
 #include "tests/support/no_lines.h"
 #include "tests/support/records.h"
 
@@ -74,7 +73,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [this](auto& page) { transport::AddSamples(relay_probe, sessions, page); },
+      [this](auto& page) { session::AddSamples(relay_probe, sessions, page); },
   };
 }
 

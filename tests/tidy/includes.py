@@ -60,7 +60,8 @@ FOREIGN = (
 ROOMS = (
     ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
     ("config",),  # it reads the certificates that it names, by identity
-    ("loop",),  # the event loop; what threads do again and again
+    ("loop",),  # the event loop; what threads do again and again; wakes
+    ("transport",),  # what the listener for robots, and a handler of its calls, need beside the wire
     ("robot",),  # what is held of one robot
     ("cyberwave",),  # what is held of one twin: the queries show it, and the series are made of it
     ("fleet",),  # the map of robots
@@ -69,7 +70,6 @@ ROOMS = (
     ("session", "view"),  # one stream's protocol; the queries
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),
-    ("transport",),  # what the listener for robots needs beside its wire
     ("front", "mqtt", "http"),  # the adapters: they translate and enqueue
     ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
     ("store",),  # a store's life

@@ -21,7 +21,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
       stream_(stream),
       id_(thread.next_call++),
       head_(std::make_unique<RequestHead>()),
-      inbound_(thread.unfinished, {&thread.inbox, id_}),
+      inbound_(thread.unfinished, self()),
       response_(http2, stream) {
   thread_.calls.emplace(id_, this);
   // Headers that trickle in, and never end, keep a place no longer than silence does.
@@ -32,6 +32,8 @@ Call::~Call() {
   thread_.calls.erase(id_);
   thread_.call_timers.Forget(id_, timer_);
 }
+
+loop::StreamRef Call::self() const { return {&thread_.inbox, id_}; }
 
 // --- The request ---
 

@@ -10,13 +10,15 @@
 
 #include <absl/status/status.h>
 
-#include "server/front/call/call_handler.h"
+#include "schema/base/check.h"
 #include "server/front/call/inbound.h"
+#include "server/front/call/methods.h"
 #include "server/front/call/request_head.h"
 #include "server/front/call/response.h"
 #include "server/front/door/origin.h"
 #include "server/front/http2/http2.h"
 #include "server/front/tls/tls_peer.h"
+#include "server/transport/call_handler.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {
@@ -45,36 +47,37 @@ class CallOwner {
 /// Life:   made when the stream opens; `finished()` once the stream is gone; destroyed by its
 ///         connection then.
 /// Thread: confined to its connection's.
-class Call final : public Http2Stream {
+class Call final : public Http2Stream, public transport::ServedCall {
  public:
   Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream);
   ~Call() override;
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
-  // --- For its handler ---
-
-  /// The next message, please: answered by one call of the handler, later.
-  void RequestMessage();
-  /// One message with its prefix, or several that are shared, one after the other; at most one
-  /// write is under way.
-  void Write(std::string message_with_prefix);
-  void Write(std::vector<SharedMessage> messages);
-  /// Ends the call, after a write under way.
-  void Finish(const absl::Status& status);
-  /// Ends it at once.
-  void Cancel() {
+  // transport::ServedCall
+  void RequestMessage() override;
+  void Write(std::string message_with_prefix) override;
+  void Write(std::vector<SharedMessage> messages) override;
+  void Finish(const absl::Status& status) override;
+  void Cancel() override {
     cancelled_ = true;
     owner_.Touch(*this);
   }
-  /// Asks whether the peer is there: answered by the handler's OnPeerAnswered, if it ever is.
-  void AskPeer() {
+  void AskPeer() override {
     asks_peer_ = true;
     owner_.AskPeer();
   }
+  [[nodiscard]] const identity::PeerIdentity& peer() const override {
+    const auto& identity = owner_.tls_peer().identity;
+    UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
+    return *identity;
+  }
+  [[nodiscard]] loop::StreamRef self() const override;
+
+  // --- For the relay's handler ---
+
   [[nodiscard]] Thread& thread() { return thread_; }
   [[nodiscard]] CallOwner& owner() const { return owner_; }
-  [[nodiscard]] std::uint64_t id() const { return id_; }
 
   // --- For its connection ---
 
@@ -169,7 +172,7 @@ class Call final : public Http2Stream {
   bool closed_ = false;
 
   /// Last, so that it goes before what it writes to.
-  std::unique_ptr<CallHandler> handler_;
+  std::unique_ptr<transport::CallHandler> handler_;
 };
 
 }  // namespace uplink::front

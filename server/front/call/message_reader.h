@@ -6,10 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "server/transport/call_handler.h"
+
 namespace uplink::front {
 
-/// Bytes before each message: a flag, and the message's length (Source: gRPC over HTTP/2).
-inline constexpr std::size_t kPrefixBytes = 5;
+using transport::kPrefixBytes;
 
 /// The messages of one direction of a call, cut out of its DATA bytes: wherever those are cut.
 ///

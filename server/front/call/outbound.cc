@@ -22,13 +22,6 @@ std::size_t CopyFrom(std::string_view text, std::size_t from, char* into, std::s
 
 }  // namespace
 
-void PutPrefix(std::size_t bytes, char* into) {
-  into[0] = '\0';
-  for (std::size_t i = 1; i < kPrefixBytes; ++i) {
-    into[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
-  }
-}
-
 void Outbound::Set(std::string message) {
   own_ = std::move(message);
   from_ = next_ = 0;
@@ -54,7 +47,7 @@ std::size_t Outbound::TakeShared(char* into, std::size_t size) {
     std::size_t bytes = 0;
     if (from_ < kPrefixBytes) {
       std::array<char, kPrefixBytes> prefix{};
-      PutPrefix(message.size(), prefix.data());
+      transport::PutPrefix(message.size(), prefix.data());
       bytes = CopyFrom({prefix.data(), prefix.size()}, from_, into + taken, size - taken);
     } else {
       bytes = CopyFrom(message, from_ - kPrefixBytes, into + taken, size - taken);

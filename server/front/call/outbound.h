@@ -5,15 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "server/front/call/message_reader.h"
+#include "server/transport/call_handler.h"
 
 namespace uplink::front {
 
-/// A message that several calls send, without its prefix. Immutable.
-using SharedMessage = std::shared_ptr<const std::string>;
-
-/// Writes what goes before a message: it is not compressed, and so many bytes long.
-void PutPrefix(std::size_t bytes, char* into);
+using transport::SharedMessage;
 
 /// What of one call is to go out: one message of its own, or some that it shares with others. Those
 /// are not copied, so that a thousand peers that read nothing hold them once. Confined to its

@@ -14,7 +14,7 @@ namespace {
 std::string WithPrefix(const v1::RelayResponse& frame) {
   const std::size_t bytes = frame.ByteSizeLong();
   std::string message(kPrefixBytes + bytes, '\0');
-  PutPrefix(bytes, message.data());
+  transport::PutPrefix(bytes, message.data());
   const bool done = frame.SerializeToArray(message.data() + kPrefixBytes, static_cast<int>(bytes));
   UPLINK_CHECK(done, "a frame of ours does not serialize");
   return message;
@@ -22,18 +22,15 @@ std::string WithPrefix(const v1::RelayResponse& frame) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<CallHandler>> RelayHandler::Serve(Call& call) {
+absl::StatusOr<std::unique_ptr<transport::CallHandler>> RelayHandler::Serve(Call& call) {
   Thread& thread = call.thread();
-  const auto& identity = call.owner().tls_peer().identity;
-  UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
-  transport::Entrant entrant = transport::EntrantOf(*identity);
+  transport::Entrant entrant = transport::EntrantOf(call.peer());
   if (absl::Status in = thread.gate.Enter(entrant); !in.ok()) {
     thread.book.TellRefusal(in, call.owner().origin(), thread.clock.Steady());
     return in;
   }
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
-  handler->session_.emplace(thread.sessions, *identity, loop::StreamRef{&thread.inbox, call.id()},
-                            *handler, *handler);
+  handler->session_.emplace(thread.sessions, call.peer(), call.self(), *handler, *handler);
   thread.debug.StreamOpened(call.stream(), call.owner().origin());
   return handler;
 }

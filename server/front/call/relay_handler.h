@@ -9,9 +9,9 @@
 #include <absl/status/statusor.h>
 
 #include "server/front/call/call.h"
-#include "server/front/call/call_handler.h"
 #include "server/session/frame_sink.h"
 #include "server/session/session.h"
+#include "server/transport/call_handler.h"
 #include "server/transport/gate.h"
 
 namespace uplink::front {
@@ -19,7 +19,7 @@ namespace uplink::front {
 /// UplinkRelay's Relay: one call between the wire and a Session.
 ///
 /// Thread: confined to its connection's.
-class RelayHandler final : public CallHandler,
+class RelayHandler final : public transport::CallHandler,
                            public session::FrameSource,
                            public session::FrameSink {
  public:
@@ -32,12 +32,12 @@ class RelayHandler final : public CallHandler,
   static constexpr std::string_view kAudience = "the relay takes robots and gateways alone";
 
   /// Of a peer that may call it. Errors: those of transport::Gate::Enter.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<CallHandler>> Serve(Call& call);
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<transport::CallHandler>> Serve(Call& call);
   ~RelayHandler() override;
   RelayHandler(const RelayHandler&) = delete;
   RelayHandler& operator=(const RelayHandler&) = delete;
 
-  // CallHandler
+  // transport::CallHandler
   void Start() override { session_->Start(); }
   [[nodiscard]] std::uint64_t message_bytes_max() const override {
     return session_->frame_bytes_max();

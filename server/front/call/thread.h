@@ -7,7 +7,8 @@
 #include <unordered_map>
 
 #include "schema/judge.h"
-#include "server/front/call/call_handler.h"
+#include "server/front/call/methods.h"
+#include "server/front/call/relay_context.h"
 #include "server/front/call/unfinished.h"
 #include "server/front/door/debug_lines.h"
 #include "server/front/door/door_book.h"
@@ -18,7 +19,6 @@
 #include "server/session/context.h"
 #include "server/transport/event_clock.h"
 #include "server/transport/gate.h"
-#include "server/transport/options.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {
@@ -28,7 +28,7 @@ namespace uplink::front {
 ///
 /// Thread: confined to it.
 struct Thread {
-  Thread(const transport::RelayContext& given, transport::Gate& its_gate, const Methods& served,
+  Thread(const RelayContext& given, transport::Gate& its_gate, const Methods& served,
          loop::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
       : relay(given),
         debug(given.logger),
@@ -53,7 +53,7 @@ struct Thread {
                  given.forwards},
         unfinished(unfinished_memory) {}
 
-  const transport::RelayContext& relay;
+  const RelayContext& relay;
   const DebugLines debug;
   DoorBook& book;
   transport::Gate& gate;

@@ -116,9 +116,9 @@ TEST_F(CallTest, ADrainTellsTheStreamsOfAConnectionOneAfterTheOther) {
 // --- Methods of other kinds than the relay's ---
 
 /// Answers the one message that it takes, so many times.
-class Echo final : public CallHandler {
+class Echo final : public transport::CallHandler {
  public:
-  Echo(Call& call, int answers) : call_(call), left_(answers) {}
+  Echo(transport::ServedCall& call, int answers) : call_(call), left_(answers) {}
 
   void Start() override { call_.RequestMessage(); }
   [[nodiscard]] std::uint64_t message_bytes_max() const override { return 1000; }
@@ -141,7 +141,7 @@ class Echo final : public CallHandler {
     call_.Finish(absl::OkStatus());
   }
 
-  Call& call_;
+  transport::ServedCall& call_;
   int left_;
   std::string answer_;
 };
@@ -153,7 +153,8 @@ Methods Echoes(MethodKind kind, int answers) {
       Method{.kind = kind,
              .roles = {identity::Role::kRobot},
              .audience = "robots alone",
-             .serve = [answers](Call& call) -> absl::StatusOr<std::unique_ptr<CallHandler>> {
+             .serve =
+                 [answers](Call& call) -> absl::StatusOr<std::unique_ptr<transport::CallHandler>> {
                return std::make_unique<Echo>(call, answers);
              }});
   return methods;

@@ -16,7 +16,7 @@ constexpr KeyDigest kKey{1};
 /// The prefix of a message of so many bytes.
 std::string PrefixOf(std::size_t bytes) {
   std::string prefix(kPrefixBytes, '\0');
-  PutPrefix(bytes, prefix.data());
+  transport::PutPrefix(bytes, prefix.data());
   return prefix;
 }
 

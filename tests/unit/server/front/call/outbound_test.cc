@@ -28,7 +28,7 @@ std::string TakeAll(Outbound& out, std::size_t at_once) {
 
 TEST(OutboundTest, APrefixSaysHowLongTheMessageIs) {
   std::string prefix(kPrefixBytes, '?');
-  PutPrefix(0x01020304, prefix.data());
+  transport::PutPrefix(0x01020304, prefix.data());
   EXPECT_EQ(prefix, "\0\x01\x02\x03\x04"s);
 }
 

@@ -1,4 +1,4 @@
-#include "server/front/call/call_handler.h"
+#include "server/front/call/methods.h"
 
 #include <string>
 

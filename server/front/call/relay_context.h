@@ -1,0 +1,40 @@
+#pragma once
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/judge.h"
+#include "server/fleet/fleet.h"
+#include "server/ingest/allowances.h"
+#include "server/journal/shards.h"
+#include "server/log/logger.h"
+#include "server/session/forward_source.h"
+#include "server/session/limits.h"
+#include "server/session/probe.h"
+#include "server/session/reject_source.h"
+#include "server/transport/probe.h"
+
+namespace uplink::front {
+
+/// What the relay works with. All of it outlives the server.
+struct RelayContext {
+  const Clock& clock;
+  fleet::Fleet& fleet;
+  const journal::Shards& journals;
+  session::SessionProbe& session_probe;
+  transport::RelayProbe& probe;
+  /// Each queue takes a page.
+  metrics::LedgerBook& ledgers;
+  const session::SessionLimits& limits;
+  schema::JudgeLimits judge_limits;
+  // As SessionContext's.
+  const ingest::Allowances& allowances;
+  /// As SessionContext's.
+  session::RejectSource& rejects;
+  const storage::ClockTrust& clock_trust;
+  /// As SessionContext's.
+  session::ForwardSource* forwards = nullptr;
+  /// For lines about what strangers do; none if null.
+  const log::Logger* logger = nullptr;
+};
+
+}  // namespace uplink::front
