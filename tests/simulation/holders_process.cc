@@ -38,7 +38,7 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       restore_(fleet_, store_.reader()),
       checkpoint_({.fleet = fleet_, .writes = [](std::string_view) { return true; }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
-      liveness_(ground_.clock, session_probe_.streams_total),
+      liveness_(ground_.clock, streams_total_),
       watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle, [this] {
                 return ground_.fault != HoldersFault::kLateIsForgotten && leases_.OthersUnseen();
               }}) {

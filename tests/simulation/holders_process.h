@@ -109,7 +109,7 @@ class HoldersProcess final : public loop::WakeInbox {
   HoldersStore store_;
   metrics::Ledger ledger_;
   journal::JournalProbe journal_probe_;
-  session::SessionProbe session_probe_;
+  metrics::Cell streams_total_;
   store::LeaseProbe lease_probe_;
   metrics::LatencyDistribution sweep_seconds_{metrics::kLatencyBoundsSeconds};
   log::Logger logger_;

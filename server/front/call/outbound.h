@@ -9,6 +9,7 @@
 
 namespace uplink::front {
 
+using transport::kPrefixBytes;
 using transport::SharedMessage;
 
 /// What of one call is to go out: one message of its own, or some that it shares with others. Those
