@@ -128,4 +128,10 @@ std::string Exposition::Text(Format format) const {
   return std::move(out).str();
 }
 
+std::string PageText(std::span<const PageSource> sources, Format format) {
+  Exposition page;
+  for (const PageSource& add_to : sources) add_to(page);
+  return page.Text(format);
+}
+
 }  // namespace uplink::metrics

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <span>
@@ -65,5 +66,11 @@ class Exposition final {
 
   std::unique_ptr<Families> families_;
 };
+
+/// Adds the samples of one component to a page, read from its probe. Any thread.
+using PageSource = std::function<void(Exposition&)>;
+
+/// The text of one scrape: a page to which each of the sources adds its samples, in their order.
+[[nodiscard]] std::string PageText(std::span<const PageSource> sources, Format format);
 
 }  // namespace uplink::metrics

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace uplink::metrics {
@@ -21,5 +22,8 @@ enum class Coding : std::uint8_t { kPlain, kGzip };
   return format == Format::kText ? "text/plain; version=0.0.4; charset=utf-8"
                                  : "application/openmetrics-text; version=1.0.0; charset=utf-8";
 }
+
+/// Appends a label's value with `\`, `"` and newline escaped, as both formats want it.
+void AppendEscaped(std::string& text, std::string_view value);
 
 }  // namespace uplink::metrics

@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "metrics/label_text.h"
+#include "metrics/format.h"
 
 namespace uplink::metrics {
 namespace {

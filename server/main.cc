@@ -15,7 +15,6 @@
 
 #include "metrics/catalogue.h"
 #include "metrics/rcan/series.h"
-#include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
@@ -26,7 +25,7 @@
 #include "server/run/deadline.h"
 #include "server/run/from_config.h"
 #include "server/run/process_setup.h"
-#include "server/store/kernel_clock.h"
+#include "server/store/clock_judge.h"
 #include "server/store/marked_clock.h"
 
 namespace uplink {

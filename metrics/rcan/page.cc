@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "metrics/label_text.h"
+#include "metrics/format.h"
 
 namespace uplink::metrics::rcan {
 namespace {

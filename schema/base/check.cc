@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "schema/base/last_words.h"
+#include "schema/base/write_all.h"
 
 namespace uplink {
 

@@ -45,4 +45,10 @@ Written WriteAll(int descriptor, std::string_view text, const WriteWait& wait) {
   return Written::kAll;
 }
 
+void SayLastWords(std::string_view text) {
+  // One piece, one wait. There is nowhere to tell that it failed.
+  static_cast<void>(
+      WriteAll(STDERR_FILENO, text.substr(0, PIPE_BUF), {.room = kLastWordsWait, .stop = -1}));
+}
+
 }  // namespace uplink

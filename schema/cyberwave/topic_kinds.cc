@@ -2,6 +2,9 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
+
+#include "schema/cyberwave/topic.h"
 
 namespace uplink::cyberwave {
 namespace {
@@ -81,6 +84,17 @@ std::span<const TopicRow> TopicRows() { return kTopics; }
 std::string_view ToText(TopicKind kind) {
   const auto number = static_cast<std::size_t>(kind);
   return number < kKinds ? kRows.at(number).text : "other";
+}
+
+std::vector<std::string> Filters(std::string_view prefix, Connection connection) {
+  std::vector<std::string> filters;
+  for (const TopicRow& row : TopicRows()) {
+    if (row.connection != connection) continue;
+    std::string filter(prefix);
+    filter.append(kRoot).append(row.scope).append("/+/").append(row.tail);
+    filters.push_back(std::move(filter));
+  }
+  return filters;
 }
 
 }  // namespace uplink::cyberwave

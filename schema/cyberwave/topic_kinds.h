@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace uplink::cyberwave {
 
@@ -93,5 +95,9 @@ struct TopicRow {
 
 /// Scope and tail, for labels and logs: `twin/position`; `other`.
 [[nodiscard]] std::string_view ToText(TopicKind kind);
+
+/// The subscription filters of a connection under one prefix (prefix.h): one for each topic that it
+/// reads, and no other. Pure.
+[[nodiscard]] std::vector<std::string> Filters(std::string_view prefix, Connection connection);
 
 }  // namespace uplink::cyberwave

@@ -28,8 +28,8 @@
 #include "server/broker/twin_streams.h"
 #include "server/fleet/fleet.h"
 #include "server/log/logger.h"
-#include "server/mqtt/connection_numbers.h"
 #include "server/mqtt/settings.h"
+#include "server/mqtt/unacked.h"
 
 namespace uplink::broker {
 

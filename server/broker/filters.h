@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "schema/cyberwave/filters.h"
+#include "schema/cyberwave/topic_kinds.h"
 #include "server/mqtt/settings.h"
 
 namespace uplink::broker {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
-#include "schema/cyberwave/filters.h"
 #include "schema/cyberwave/prefix.h"
 #include "schema/cyberwave/topic.h"
+#include "schema/cyberwave/topic_kinds.h"
 
 namespace uplink::broker {
 

@@ -15,7 +15,6 @@
 
 #include <absl/status/statusor.h>
 
-#include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/fleet/brought_in.h"

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include <sched.h>
 #include <sys/resource.h>
 
 #include "server/front/call/relay_handler.h"
@@ -15,7 +17,6 @@
 #include "server/front/tls/tls_context.h"
 #include "server/front/worker.h"
 #include "server/log/rate_limited.h"
-#include "server/transport/cores.h"
 #include "server/transport/gate.h"
 #include "server/transport/key_files.h"
 
@@ -27,6 +28,18 @@ constexpr std::size_t kDescriptorsDefault = 1024;
 
 /// Lines about pauses of the acceptor in a span of RateLimited.
 constexpr std::uint32_t kPauseLinesMax = 1;
+
+/// Cores that this process may use, which may be fewer than the machine has: two threads of streams
+/// on one core cost half as much again as one (measured). At least one.
+std::size_t UsableCores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  // More cores than the set has room for.
+  if (sched_getaffinity(0, sizeof cores, &cores) != 0) {
+    return std::max(1U, std::thread::hardware_concurrency());
+  }
+  return std::max<std::size_t>(1, static_cast<std::size_t>(CPU_COUNT(&cores)));
+}
 
 /// Descriptors that the process may have.
 std::size_t DescriptorsMax() {
@@ -146,7 +159,7 @@ void FrontServer::Impl::TellLimits() const {
 }
 
 void FrontServer::Impl::StartWorkers() {
-  const std::size_t count = options.queues > 0 ? options.queues : transport::UsableCores();
+  const std::size_t count = options.queues > 0 ? options.queues : UsableCores();
   for (std::size_t i = 0; i < count; ++i) {
     Worker::Setup setup{
         .index = i,

@@ -6,9 +6,9 @@
 #include <absl/status/statusor.h>
 #include <fmt/core.h>
 
-#include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
+#include "server/http/parameters.h"
 #include "server/view/json.h"
 #include "server/view/parts.h"
 

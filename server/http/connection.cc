@@ -16,8 +16,8 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 
-#include "server/http/date.h"
 #include "server/http/errors.h"
+#include "server/http/header_text.h"
 #include "server/http/incoming.h"
 
 namespace uplink::http {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/http/errors.h"
-#include "server/http/letter_case.h"
+#include "server/http/header_text.h"
 #include "server/http/target.h"
 
 namespace uplink::http {

@@ -1,6 +1,7 @@
 #include "server/http/errors.h"
 
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -106,6 +107,13 @@ Response TooManyConnections() {
 
 Response BadRequest(int status, std::string_view message) {
   return Answer(status, {"INVALID_ARGUMENT", message});
+}
+
+Response JsonResponse(absl::StatusOr<std::string> json) {
+  if (!json.ok()) return ErrorResponse(json.status());
+  Response response;
+  response.body = *std::move(json);
+  return response;
 }
 
 }  // namespace uplink::http

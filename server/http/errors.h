@@ -1,8 +1,9 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 
-#include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "server/http/message.h"
 #include "server/http/parameters.h"
@@ -31,5 +32,8 @@ namespace uplink::http {
 [[nodiscard]] Response TooManyConnections();
 /// A request that is not HTTP as we take it: `status` is 400, 413 or 431.
 [[nodiscard]] Response BadRequest(int status, std::string_view message);
+
+/// The JSON as an answer, or the answer for what failed.
+[[nodiscard]] Response JsonResponse(absl::StatusOr<std::string> json);
 
 }  // namespace uplink::http

@@ -5,7 +5,7 @@
 
 #include <arpa/inet.h>
 
-#include "server/http/letter_case.h"
+#include "server/http/header_text.h"
 
 namespace uplink::http {
 namespace {

@@ -7,9 +7,9 @@
 #include "schema/model/cyberwave/uuid.h"
 #include "schema/model/message_source.h"
 #include "schema/model/scope_update.h"
-#include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
+#include "server/http/parameters.h"
 #include "server/http/rows.h"
 
 namespace uplink::http {

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <optional>
 
-#include "server/http/letter_case.h"
+#include "server/http/header_text.h"
 
 namespace uplink::http {
 namespace {

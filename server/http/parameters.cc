@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "server/http/target.h"
+#include "storage/reader.h"
 
 namespace uplink::http {
 namespace {
@@ -124,6 +125,10 @@ std::optional<BadParameter> Parameters::Problem() {
     if (!item.read) Reject(item.name, "is not a parameter of this path");
   }
   return problem_;
+}
+
+std::uint32_t ReadPageSize(Parameters& parameters) {
+  return parameters.Number("pageSize", storage::kPageSizeDefault, storage::kPageSizeMax);
 }
 
 }  // namespace uplink::http

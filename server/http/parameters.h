@@ -62,4 +62,7 @@ class Parameters final {
   std::optional<BadParameter> problem_;
 };
 
+/// `pageSize` of every list.
+[[nodiscard]] std::uint32_t ReadPageSize(Parameters& parameters);
+
 }  // namespace uplink::http

@@ -2,7 +2,6 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/http/answers.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/parameters.h"

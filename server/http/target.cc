@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "server/http/letter_case.h"
+#include "server/http/header_text.h"
 
 namespace uplink::http {
 namespace {

@@ -22,6 +22,12 @@ absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& certificate) {
   return std::min(FromUnixMs(std::int64_t{timegm(&utc)} * 1000), kNoExpiry);
 }
 
+absl::StatusOr<SystemTime> ExpiryOfFile(const std::string& pem_file) {
+  const auto certificate = ReadPem(pem_file);
+  if (!certificate.ok()) return certificate.status();
+  return ExpiryOf(*certificate);
+}
+
 std::string ExpiryText(SystemTime expiry) {
   if (expiry >= kNoExpiry) return "never";
   // Not by std::chrono::system_clock: its nanoseconds end in the year 2262.

@@ -20,6 +20,11 @@ inline constexpr SystemTime kNoExpiry = FromUnixMs(253'402'300'799'000);
 /// Thread: pure; any thread, as below.
 [[nodiscard]] absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& certificate);
 
+/// The same of a PEM file.
+///
+/// Errors: also if the file cannot be read; they name it.
+[[nodiscard]] absl::StatusOr<SystemTime> ExpiryOfFile(const std::string& pem_file);
+
 /// For lines of the log: `2026-12-31T23:59:59Z`, or `never` for kNoExpiry.
 [[nodiscard]] std::string ExpiryText(SystemTime expiry);
 

@@ -7,7 +7,6 @@
 #include "server/journal/call_size.h"
 #include "server/journal/duty.h"
 #include "server/journal/holds.h"
-#include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 
 namespace uplink::journal {

@@ -7,7 +7,6 @@
 #include <absl/status/statusor.h>
 
 #include "server/journal/holds.h"
-#include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 #include "storage/compare.h"
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <variant>
 
 #include "schema/base/clock.h"
@@ -39,6 +40,18 @@ struct Origin {
 struct Entry {
   Origin origin;
   std::variant<storage::CommitRecord, storage::GapItem> item;
+};
+
+/// What goes with all that one stream appends. A value.
+struct AppendedBy {
+  AppendedBy(std::uint64_t its_generation,  // NOLINT(google-explicit-constructor): without gateway
+             GatewayRef its_gateway = nullptr)
+      : generation(its_generation), gateway(std::move(its_gateway)) {}
+
+  /// The client's when the stream began (RobotSessions::Begin).
+  std::uint64_t generation;
+  /// Which gateway the stream came through (Journal::GatewayOf).
+  GatewayRef gateway;
 };
 
 }  // namespace uplink::journal

@@ -13,7 +13,6 @@
 
 #include "schema/base/clock.h"
 #include "server/journal/adopt_queue.h"
-#include "server/journal/appended_by.h"
 #include "server/journal/entry.h"
 #include "server/journal/entry_queue.h"
 #include "server/journal/gateway_use.h"
@@ -21,7 +20,7 @@
 #include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
 #include "server/loop/wake.h"
-#include "server/robot/journal_use.h"
+#include "server/robot/commit_client.h"
 
 namespace uplink::journal {
 

@@ -5,7 +5,6 @@
 #include "server/journal/call_size.h"
 #include "server/journal/holds.h"
 #include "server/journal/open_queue.h"
-#include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 
 namespace uplink::journal {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "schema/model/presence.h"
-#include "server/journal/reconnected.h"
+#include "server/journal/events.h"
 #include "storage/types.h"
 
 namespace uplink::journal {

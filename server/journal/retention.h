@@ -1,7 +1,6 @@
 #pragma once
 
 #include "server/journal/duty.h"
-#include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 
 namespace uplink::journal {

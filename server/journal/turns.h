@@ -14,7 +14,6 @@
 #include "server/journal/opening.h"
 #include "server/journal/quarantine_trim.h"
 #include "server/journal/retention.h"
-#include "server/journal/step.h"
 #include "server/journal/writer_context.h"
 #include "storage/types.h"
 

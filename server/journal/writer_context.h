@@ -1,24 +1,33 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
-#include "server/journal/duty_error.h"
-#include "server/journal/moved.h"
+#include "server/journal/duty.h"
+#include "server/journal/events.h"
 #include "server/journal/probe.h"
 #include "server/journal/quarantine_notes.h"
-#include "server/journal/reconnected.h"
-#include "server/journal/slow_commit.h"
 #include "server/journal/store_errors.h"
 #include "server/journal/went_back.h"
 #include "server/journal/writer_inbox.h"
 
 namespace uplink::storage {
 class Store;
-}
+}  // namespace uplink::storage
 
 namespace uplink::journal {
+
+/// What one step of the writer did.
+enum class Step : std::uint8_t {
+  /// Nothing waits.
+  kIdle,
+  /// One step of the work was done: streams opened, a batch committed, or its outcomes told.
+  kWorked,
+  /// The store failed; the same work is tried again by a later step, after a pause.
+  kFailed,
+};
 
 /// What the steps and duties of one journal share. All of it outlives them.
 struct WriterContext {

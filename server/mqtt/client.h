@@ -13,7 +13,6 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "server/mqtt/connection_numbers.h"
 #include "server/mqtt/conversation.h"
 #include "server/mqtt/link.h"
 #include "server/mqtt/listener.h"
@@ -22,6 +21,7 @@
 #include "server/mqtt/settings.h"
 #include "server/mqtt/status.h"
 #include "server/mqtt/subscriptions.h"
+#include "server/mqtt/unacked.h"
 
 namespace uplink::mqtt {
 

@@ -9,7 +9,7 @@
 #include "schema/base/clock.h"
 #include "server/mqtt/end_reason.h"
 #include "server/mqtt/secrets.h"
-#include "server/mqtt/url.h"
+#include "server/mqtt/settings.h"
 
 namespace uplink::mqtt {
 

@@ -8,11 +8,14 @@
 
 #include <absl/status/status.h>
 
+#include "server/config/broker_url.h"
 #include "server/mqtt/packets.h"
 #include "server/mqtt/reconnect.h"
-#include "server/mqtt/url.h"
 
 namespace uplink::mqtt {
+
+/// Where a broker is; the configuration judges it, and takes it apart.
+using Url = config::BrokerUrl;
 
 /// How long a client waits for what; tests shorten it. limits.h says what each is.
 struct Waits {

@@ -7,7 +7,7 @@
 #include <openssl/types.h>
 
 #include "server/mqtt/secrets.h"
-#include "server/mqtt/url.h"
+#include "server/mqtt/settings.h"
 
 namespace uplink::mqtt {
 

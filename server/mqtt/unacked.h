@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,18 @@
 #include "server/mqtt/packets.h"
 
 namespace uplink::mqtt {
+
+/// Numbers for connections, from 1, each given once. One for all clients of a process: a handle
+/// names its connection by such a number, and must mean nothing to a client that is made anew.
+///
+/// Thread: any.
+class ConnectionNumbers final {
+ public:
+  [[nodiscard]] std::uint64_t Next() { return ++last_; }
+
+ private:
+  std::atomic<std::uint64_t> last_{0};
+};
 
 /// Which delivery of a PUBLISH at QoS 1 is to be acked, and on which connection of this process. A
 /// value; means nothing to anybody but the client that gave it out.

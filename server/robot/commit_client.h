@@ -19,6 +19,13 @@
 
 namespace uplink::robot {
 
+/// What of one robot waits in the journal. A value.
+struct JournalUse {
+  /// Gaps included.
+  std::size_t records = 0;
+  std::size_t bytes = 0;
+};
+
 /// One durable message, or one range of limited numbers, of which the store has decided what
 /// becomes.
 struct Settled {

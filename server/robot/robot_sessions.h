@@ -18,7 +18,6 @@
 #include "server/robot/commit_client.h"
 #include "server/robot/fleet_words.h"
 #include "server/robot/held_back.h"
-#include "server/robot/journal_use.h"
 #include "server/robot/limits.h"
 #include "server/robot/numbering.h"
 #include "server/robot/opening.h"

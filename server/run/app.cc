@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "metrics/cells.h"
+#include "metrics/exposition.h"
 #include "metrics/ledger.h"
-#include "metrics/page.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
@@ -14,11 +14,11 @@
 #include "server/forward/forwarding.h"
 #include "server/front/door/proxy_header.h"
 #include "server/front/server.h"
-#include "server/health/certificate.h"
 #include "server/health/certificate_watch.h"
 #include "server/health/monitor.h"
 #include "server/health/process.h"
 #include "server/http/site.h"
+#include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
@@ -332,7 +332,7 @@ App::~App() = default;
 
 absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   const config::Config& config = options.config;
-  const auto expiry = health::CertificateExpiry(config.tls.certificate_file);
+  const auto expiry = identity::ExpiryOfFile(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
   auto ground = std::make_unique<Groundwork>(
       Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});

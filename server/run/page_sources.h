@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "metrics/cells.h"
+#include "metrics/exposition.h"
 #include "metrics/ledger.h"
-#include "metrics/page.h"
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/live_budget.h"

@@ -8,7 +8,7 @@
 
 #include <google/protobuf/stubs/logging.h>
 
-#include "schema/base/last_words.h"
+#include "schema/base/write_all.h"
 #include "server/health/process.h"
 
 namespace uplink::run {

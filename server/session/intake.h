@@ -7,7 +7,7 @@
 #include <span>
 
 #include "server/ingest/port.h"
-#include "server/journal/appended_by.h"
+#include "server/journal/entry.h"
 #include "server/robot/robot.h"
 #include "server/session/appending.h"
 #include "server/session/context.h"

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "metrics/ledger.h"
+#include "schema/base/clock.h"
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
+#include "storage/clock_trust.h"
 
 namespace uplink::session {
 
@@ -34,5 +36,11 @@ struct Judged {
 /// changes. On the thread of the context.
 [[nodiscard]] Judged JudgeUplink(const SessionContext& context, const std::string& ruri,
                                  const UplinkView& uplink, SystemTime received_at);
+
+/// Whether it is an upsert of a shape or an object whose expiry has passed at `now`: such a message
+/// is neither stored nor forwarded. Never while nobody vouches for the clock that says so: the
+/// message is stored then.
+[[nodiscard]] bool ExpiredOnArrival(const model::Body& body, SystemTime now,
+                                    const storage::ClockTrust& clock_trust);
 
 }  // namespace uplink::session

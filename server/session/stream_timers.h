@@ -49,7 +49,13 @@ class StreamTimers final {
     return is_set(timer) && now >= *at(timer);
   }
   /// The earliest of all; nothing if none is set.
-  [[nodiscard]] std::optional<SteadyTime> Next() const;
+  [[nodiscard]] std::optional<SteadyTime> Next() const {
+    std::optional<SteadyTime> first;
+    for (const std::optional<SteadyTime>& at : at_) {
+      if (at && (!first || *at < *first)) first = at;
+    }
+    return first;
+  }
 
  private:
   [[nodiscard]] std::optional<SteadyTime>& At(Timer timer) {

@@ -76,4 +76,8 @@ enum class Voucher : std::uint8_t {
 /// Why nobody vouches for the clock, for people.
 [[nodiscard]] std::string WhyNobodyVouches(const ClockFacts& facts);
 
+/// The kernel says that something (an NTP daemon, the hypervisor) keeps its civil clock
+/// synchronised. False also where it may not be asked. Any thread.
+[[nodiscard]] bool KernelClockSynchronised();
+
 }  // namespace uplink::store

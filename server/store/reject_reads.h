@@ -14,7 +14,9 @@ class RejectReads final : public session::RejectSource {
   /// `post` drops what waits when it ends. Both outlive this, and this outlives the jobs.
   RejectReads(storage::Reader& reader, loop::Post post) : reader_(reader), post_(std::move(post)) {}
 
-  [[nodiscard]] bool Read(const storage::RejectsQuery& query, Done done) override;
+  [[nodiscard]] bool Read(const storage::RejectsQuery& query, Done done) override {
+    return post_([this, query, done = std::move(done)] { done(reader_.Rejects(query)); });
+  }
 
  private:
   storage::Reader& reader_;

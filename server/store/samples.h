@@ -2,7 +2,7 @@
 
 #include "metrics/exposition.h"
 #include "server/store/lease_probe.h"
-#include "server/store/space_view.h"
+#include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
 #include "storage/store.h"
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "storage/disk_space.h"
 
@@ -34,5 +36,16 @@ struct SpaceFacts {
 /// A pure function. Each bound that was passed counts until 1.2 times of it are free again, so that
 /// the state does not change to and fro with every row.
 [[nodiscard]] SpaceState JudgeSpace(const SpaceFacts& facts);
+
+/// What is known of the store's disk, and what is done about it. A value.
+struct SpaceView {
+  /// Nothing where it cannot be known.
+  std::optional<storage::DiskSpace> space;
+  /// Of which the judgement is made; 0 where nothing is known.
+  std::uint64_t free_min = 0;
+  SpaceState state = SpaceState::kEnough;
+  /// Robots that may store no more than the median does.
+  std::size_t robots_limited = 0;
+};
 
 }  // namespace uplink::store

@@ -16,7 +16,7 @@
 #include "server/fleet/heavy_writers.h"
 #include "server/log/logger.h"
 #include "server/loop/one_at_a_time.h"
-#include "server/store/space_view.h"
+#include "server/store/space_judge.h"
 #include "storage/disk_space.h"
 
 namespace uplink::store {

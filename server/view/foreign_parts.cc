@@ -7,7 +7,7 @@
 
 #include "schema/base/check.h"
 #include "server/robot/live_bytes.h"
-#include "server/view/keyed_bytes.h"
+#include "server/view/parts.h"
 
 namespace uplink::view {
 

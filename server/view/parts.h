@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "server/robot/live_parts.h"
 #include "storage/live_parts.h"
 #include "storage/reader.h"
 
@@ -72,5 +73,9 @@ class PartSet {
 
 /// The part that requests spell so (`motion`, `uiCapabilities`), or nothing.
 [[nodiscard]] std::optional<Part> PartFromText(std::string_view text);
+
+/// About how many bytes a copy of the parts holds: of keyed ones, of a status and of joints. Pure;
+/// any thread.
+[[nodiscard]] std::size_t KeyedBytes(const robot::LiveParts& parts);
 
 }  // namespace uplink::view

@@ -11,8 +11,8 @@
 
 #include "schema/base/check.h"
 #include "server/view/foreign_parts.h"
-#include "server/view/keyed_bytes.h"
 #include "server/view/page_token.h"
+#include "server/view/parts.h"
 #include "server/view/twin_copy.h"
 
 namespace uplink::view {

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "schema/model/rejection.h"
-#include "storage/quarantine_detail.h"
 #include "storage/rows.h"
 #include "storage/tables/reports.h"
 #include "storage/tables/table.h"
@@ -14,6 +14,9 @@
 
 // What did not become a record: quarantine and gaps.
 namespace uplink::storage {
+
+/// How much of a rejected payload its row keeps: less where the database refuses more.
+enum class QuarantineDetail : std::uint8_t { kAll, kWithoutPayload, kBare };
 
 struct Quarantined {
   const CommitRecord* record = nullptr;

@@ -12,7 +12,7 @@
 
 #include "server/front/call/grpc_connection.h"
 #include "server/front/call/thread.h"
-#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
 #include "tests/fuzz/frame_order.h"
 #include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_store.h"

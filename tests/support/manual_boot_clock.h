@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "schema/base/boot_clock.h"
+#include "schema/base/clock.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::testing {

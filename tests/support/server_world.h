@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "metrics/exposition.h"
 #include "metrics/ledger.h"
-#include "metrics/page.h"
 #include "server/broker/broker.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
@@ -18,7 +18,7 @@
 #include "server/rcan/scrape.h"
 #include "server/session/probe.h"
 #include "server/store/lease_probe.h"
-#include "server/store/space_view.h"
+#include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
 #include "server/transport/probe.h"
 #include "server/view/queries.h"

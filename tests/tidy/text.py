@@ -42,7 +42,7 @@ BANNED = (
         ),
         "take a Clock& (schema/base/clock.h)",
         CODE,
-        ("schema/base/boot_clock.cc", "schema/base/clock.cc"),
+        ("schema/base/clock.cc",),
     ),
     Banned(
         re.compile(r"\b(secure_)?getenv\s*\("),

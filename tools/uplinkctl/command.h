@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string_view>
 
 #include <absl/status/status.h>
 
@@ -30,5 +31,8 @@ void AddStore(CLI::App& app, Action& action);
 
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);
+
+/// Asks a question on the terminal. Whoever answers anything but `yes` is taken for a no.
+[[nodiscard]] bool SaysYes(std::string_view question);
 
 }  // namespace uplink::ctl

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
+#include <iostream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +17,13 @@ int ExitOf(const absl::Status& status) {
   if (status.ok()) return kExitDone;
   fmt::print(stderr, "uplinkctl: {}\n", std::string(status.message()));
   return absl::IsInvalidArgument(status) ? kExitWrongUse : kExitFailed;
+}
+
+bool SaysYes(std::string_view question) {
+  fmt::print("{} yes/no: ", question);
+  static_cast<void>(std::fflush(stdout));
+  std::string answer;
+  return std::getline(std::cin, answer) && answer == "yes";
 }
 
 namespace {

@@ -12,11 +12,9 @@
 #include <fmt/core.h>
 
 #include "server/store/clock_judge.h"
-#include "server/store/kernel_clock.h"
 #include "storage/postgres/clock_marks.h"
 #include "storage/sqlite/clock_marks.h"
 #include "tools/uplinkctl/command.h"
-#include "tools/uplinkctl/question.h"
 #include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {

@@ -26,7 +26,6 @@
 #include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/forget_store.h"
 #include "tools/uplinkctl/command.h"
-#include "tools/uplinkctl/question.h"
 #include "tools/uplinkctl/store_comeback.h"
 #include "tools/uplinkctl/store_target.h"
 

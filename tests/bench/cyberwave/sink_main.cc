@@ -7,7 +7,7 @@
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 
-#include "schema/cyberwave/filters.h"
+#include "schema/cyberwave/topic_kinds.h"
 #include "tests/bench/cyberwave/sink_count.h"
 
 namespace uplink::bench {

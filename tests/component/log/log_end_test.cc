@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/check.h"
-#include "schema/base/last_words.h"
+#include "schema/base/write_all.h"
 #include "server/log/standard_error.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/small_pipe.h"

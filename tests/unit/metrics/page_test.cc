@@ -1,10 +1,10 @@
-#include "metrics/page.h"
-
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "metrics/exposition.h"
 
 namespace uplink::metrics {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "schema/base/boot_clock.h"
+#include "schema/base/clock.h"
 #include "schema/base/utf8.h"
 #include "schema/model/enum_text.h"
 #include "schema/model/ids.h"

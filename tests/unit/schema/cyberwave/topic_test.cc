@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/cyberwave/filters.h"
 #include "schema/cyberwave/pong.h"
 #include "schema/cyberwave/prefix.h"
 #include "schema/cyberwave/ruri.h"
+#include "schema/cyberwave/topic_kinds.h"
 #include "schema/limits.h"
 #include "schema/model/ids.h"
 #include "tests/unit/schema/cyberwave/judging.h"

@@ -1,10 +1,13 @@
 #include "server/identity/expiry.h"
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/certificates.h"
 #include "tests/support/odd_certificates.h"
 
 namespace uplink::identity {
@@ -13,6 +16,12 @@ namespace {
 namespace odd = uplink::testing::odd;
 using std::chrono::sys_days;
 using std::chrono::year;
+
+std::string WriteFile(const std::string& name, const std::string& text) {
+  std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
+  std::ofstream(path) << text;
+  return path;
+}
 
 /// A certificate that ends then; `der` is GeneralizedTime's text.
 NamedPem Ending(const std::string& der) {
@@ -51,6 +60,28 @@ TEST(Expiry, BeforeTheEpochIsInThePast) {
   ASSERT_TRUE(expiry.ok()) << expiry.status();
   EXPECT_LT(*expiry, FromUnixMs(0));
   EXPECT_EQ(ExpiryText(*expiry), "1901-01-01T00:00:00Z");
+}
+
+TEST(ExpiryOfFile, IsTheEndOfTheFirstCertificate) {
+  const testing::TestAuthority authority;
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.not_after_s = 7200;
+  const SystemTime before = SystemClock().System();
+  const std::string path =
+      WriteFile("expiry.pem", authority.Issue(spec).certificate + authority.certificate());
+  const auto expiry = ExpiryOfFile(path);
+  ASSERT_TRUE(expiry.ok()) << expiry.status();
+  EXPECT_GE(*expiry, before + std::chrono::seconds(7198));
+  EXPECT_LE(*expiry, SystemClock().System() + std::chrono::seconds(7201));
+}
+
+TEST(ExpiryOfFile, NamesAFileThatHoldsNone) {
+  const std::string path = WriteFile("none.pem", "not a certificate");
+  for (const std::string& bad : {path, std::string("/nonexistent/a.pem")}) {
+    const auto expiry = ExpiryOfFile(bad);
+    EXPECT_EQ(expiry.status().code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_NE(std::string(expiry.status().message()).find(bad), std::string::npos);
+  }
 }
 
 }  // namespace

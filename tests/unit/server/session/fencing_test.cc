@@ -1,5 +1,5 @@
 // Two processes on one database: the one that lost a robot lets it go.
-#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
 #include "tests/unit/server/session/session_test.h"
 
 namespace uplink::session {

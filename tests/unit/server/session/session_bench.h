@@ -16,7 +16,7 @@
 
 #include <absl/status/status.h>
 
-#include "server/journal/step.h"
+#include "server/journal/writer_context.h"
 #include "server/session/session.h"
 #include "tests/support/fake_reject_source.h"
 #include "tests/support/fake_store.h"

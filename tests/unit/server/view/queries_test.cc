@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "server/robot/live_bytes.h"
-#include "server/view/keyed_bytes.h"
 #include "server/view/messages.h"
+#include "server/view/parts.h"
 #include "tests/support/server_world.h"
 
 namespace uplink::view {

@@ -1,4 +1,4 @@
-#include "server/http/date.h"
+#include "server/http/header_text.h"
 
 #include <chrono>
 #include <ctime>

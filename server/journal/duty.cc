@@ -1,4 +1,4 @@
-#include "server/journal/duty_error.h"
+#include "server/journal/duty.h"
 
 namespace uplink::journal {
 

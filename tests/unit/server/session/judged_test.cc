@@ -1,4 +1,4 @@
-#include "server/session/expiry.h"
+#include "server/session/judged.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "metrics/label_text.h"
+#include "metrics/format.h"
 
 namespace uplink::metrics {
 
