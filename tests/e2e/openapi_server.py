@@ -28,7 +28,7 @@ class Served(EndToEnd):
     def play(self, settings=""):
         """A fleet sends of everything, some of it wrong, until there is something in each list."""
         server = self.server(settings).start()
-        fleet = self.fleet(server, "--robots", 4, "--malformed-share", 0.1)
+        fleet = self.fleet(server, "--robots", 4, "--malformed-share", 0.1, "--pace", 4, "--faults", 4)
         server.wait_for_status(
             lambda status: int(status["uplinks"]["stored"]) > 0, WAIT_SECONDS, "the fleet is at work"
         )

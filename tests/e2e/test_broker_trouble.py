@@ -232,7 +232,7 @@ class StuckShard(Reading):
 class Windows(Reading):
     """Small ones, each with a backlog, messages that come meanwhile, and a kill while the window is full."""
 
-    EACH = 250
+    EACH = 100
 
     def go_through_a_window(self, version, window):
         self.serve(f'version = "{version}"\nunacked_max = {window}')

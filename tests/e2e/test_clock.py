@@ -138,7 +138,7 @@ class Clock(OnShiftedClock):
             self.open_things.append(fleet)
             wait_until(fleet.process, lambda: rows.count("events") and rows.count("faults_history"), 120,
                        "there are rows")  # fmt: skip
-            fleet.finish()
+            fleet.close()
             self.assertEqual(self.server.terminate(60), 0)
             self.before = self.counts()
             for table in ("events", "faults_history"):

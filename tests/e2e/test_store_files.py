@@ -22,6 +22,8 @@ class StoreFiles(EndToEnd):
         super().setUp()
         self.campaign = Campaign(self.folder, "sqlite", 1)
         self.open_things.append(self.campaign)
+        # How long a stop may wait for a store that fails.
+        self.campaign.server.settings = '[drain]\ntimeout = "3s"\n'
         self.campaign.start()
         self.campaign.wait_for_more(MESSAGES)
         self.server, self.path = self.campaign.server, self.campaign.store.path
