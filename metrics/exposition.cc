@@ -11,8 +11,8 @@
 #include "metrics/kinds.h"
 #include "metrics/openmetrics.h"
 #include "schema/base/check.h"
-#include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "schema/model/variants.h"
 
 namespace uplink::metrics {
 namespace {

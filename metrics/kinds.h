@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "metrics/ledger.h"
-#include "schema/model/record.h"
+#include "schema/model/variants.h"
 
 namespace uplink::metrics {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "schema/model/message_source.h"
-#include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "schema/model/variants.h"
 
 namespace uplink::metrics {
 

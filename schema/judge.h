@@ -13,18 +13,6 @@
 
 namespace uplink::schema {
 
-/// Configurable limits of judgement; the rest are constants in schema/limits.h.
-struct JudgeLimits {
-  /// Largest shape, uiCapabilities and currentSettings payload (limits.payload_bytes_max).
-  std::size_t payload_bytes_max = 256 * 1024;
-  /// Largest payload of every other variant (limits.message_bytes_max).
-  std::size_t message_bytes_max = 64 * 1024;
-  /// Most readings in one telemetryExtras (limits.extras_items_max).
-  std::size_t extras_items_max = 256;
-  /// What limits of texts are judged by.
-  TextForm texts = TextForm::kAsSent;
-};
-
 using Verdict = std::variant<model::Record, model::Rejection>;
 
 /// What judging one payload found. A value.

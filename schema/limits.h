@@ -53,6 +53,18 @@ enum class TextForm : std::uint8_t {
   kAsForwarded,
 };
 
+/// Configurable limits of judgement.
+struct JudgeLimits {
+  /// Largest shape, uiCapabilities and currentSettings payload (limits.payload_bytes_max).
+  std::size_t payload_bytes_max = 256 * 1024;
+  /// Largest payload of every other variant (limits.message_bytes_max).
+  std::size_t message_bytes_max = 64 * 1024;
+  /// Most readings in one telemetryExtras (limits.extras_items_max).
+  std::size_t extras_items_max = 256;
+  /// What limits of texts are judged by.
+  TextForm texts = TextForm::kAsSent;
+};
+
 /// Bytes that a text may have in that form.
 [[nodiscard]] constexpr std::size_t TextBytesMax(TextForm form, std::size_t bytes_max) {
   if (form == TextForm::kAsSent) return bytes_max;

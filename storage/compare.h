@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "schema/model/ids.h"
-#include "storage/types.h"
+#include "storage/epoch.h"
+#include "storage/presence.h"
 
 // What a process knows from a store, and whether the store has it still: one that was connected to
 // anew may be another, which lacks the last commits (README.md: A store that went back).

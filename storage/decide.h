@@ -10,9 +10,16 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/batch.h"
+#include "storage/commit_record.h"
+#include "storage/deliveries.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/outcome.h"
+#include "storage/presence.h"
 #include "storage/present.h"
 #include "storage/remember.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 // What a store decides for the records of a batch (README.md: The contract), once for every store.
 namespace uplink::storage {

@@ -4,7 +4,8 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/spatial.h"
-#include "storage/types.h"
+#include "storage/clock_trust.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage {
 

@@ -11,8 +11,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/epoch.h"
 #include "storage/robot_hold.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "schema/model/record.h"
+#include "schema/model/variants.h"
 
 namespace uplink::storage {
 

@@ -12,8 +12,10 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
 #include "storage/live_row.h"
-#include "storage/types.h"
+#include "storage/presence.h"
 
 namespace uplink::storage {
 

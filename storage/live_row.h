@@ -8,8 +8,8 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "storage/epoch.h"
 #include "storage/live_parts.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
 

@@ -4,7 +4,7 @@
 
 #include "schema/model/mission.h"
 #include "schema/model/record.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::storage {
 

@@ -3,6 +3,9 @@
 #include <array>
 #include <variant>
 
+#include "schema/model/record.h"
+#include "storage/bounds.h"
+#include "storage/commit_record.h"
 #include "storage/expiry.h"
 #include "storage/refusal.h"
 

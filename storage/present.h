@@ -6,11 +6,13 @@
 #include <string_view>
 
 #include "schema/model/rejection.h"
-#include "storage/types.h"
 
 // What is present of a robot, by key: its active faults, its shapes, its objects. How the three
 // differ stands here once, for every store.
 namespace uplink::storage {
+
+struct CommitRecord;
+struct StoreRules;
 
 enum class PresentKind : std::uint8_t { kFault, kShape, kObject };
 inline constexpr std::size_t kPresentKinds = 3;

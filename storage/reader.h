@@ -15,11 +15,12 @@
 #include "schema/model/ids.h"
 #include "schema/model/presence.h"
 #include "schema/model/reports.h"
+#include "storage/identity.h"
 #include "storage/latest_kind.h"
 #include "storage/lists.h"
 #include "storage/live_row.h"
+#include "storage/rejects.h"
 #include "storage/rows.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
 
@@ -131,15 +132,6 @@ struct ActiveFaults {
     const bool recognized = severity >= 0 && severity < known;
     by_severity[static_cast<std::size_t>(recognized ? severity : known)] += faults;
   }
-};
-
-/// Which rejected numbers of a session: those in (above, through], the first rows_max.
-struct RejectsQuery {
-  std::string ruri;
-  model::SessionId session;
-  model::Seq above = 0;
-  model::Seq through = 0;
-  std::size_t rows_max = kRejectPageMax;
 };
 
 /// The query side of the store.

@@ -4,7 +4,7 @@
 
 #include "schema/base/utf8.h"
 #include "schema/model/ids.h"
-#include "storage/types.h"
+#include "storage/bounds.h"
 
 namespace uplink::storage {
 

@@ -7,8 +7,9 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/batch.h"
 #include "storage/deliveries.h"
-#include "storage/types.h"
+#include "storage/outcome.h"
 
 namespace uplink::storage {
 

@@ -1,12 +1,31 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "schema/base/clock.h"
+#include "schema/model/rejection.h"
 
 namespace uplink::storage {
+
+/// What Store::Sweep deleted.
+struct Swept {
+  /// Shapes and objects that had expired.
+  std::size_t items = 0;
+  /// Changes of shared items that nobody needs any more (shared_items.h).
+  std::size_t changes = 0;
+};
+
+/// What Store::TrimQuarantine did.
+struct Trimmed {
+  /// Rows that went; index: RejectReason.
+  std::array<std::size_t, model::kRejectReasons + 1> dropped{};
+  /// Places in the request of robots of which kTrimRowsMax rows went: there may be more.
+  std::vector<std::size_t> unfinished;
+};
 
 /// What Store::Retain did.
 struct Erased {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "storage/types.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
 
 namespace uplink::storage {
 

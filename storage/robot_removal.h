@@ -10,8 +10,10 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/origin.h"
 #include "storage/robot_hold.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
 

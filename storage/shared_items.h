@@ -19,6 +19,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/spatial.h"
 #include "storage/present.h"
+#include "storage/reader.h"
 #include "storage/rows.h"
 
 // Shapes and objects that are there for other robots too: those of scope fleet or world.

@@ -1,40 +1,21 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
+#include "storage/adopt.h"
+#include "storage/batch.h"
 #include "storage/compare.h"
 #include "storage/live_row.h"
+#include "storage/open_stream.h"
+#include "storage/outcome.h"
 #include "storage/retention.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
-
-/// A snapshot that is older is worth a word. By far the longest read of ours takes 5 s, so it is
-/// somebody else's; a report or a small dump is done by then. At 1,000 messages per second 600,000
-/// dead versions of cursors lie there at this age, some 60 MB.
-inline constexpr std::chrono::minutes kOldSnapshot{10};
-
-/// What can be told of what lies behind a store.
-struct StoreFacts {
-  /// A loss of power may lose what was acked, and the operator accepted it.
-  bool unsafe = false;
-  /// The store's clock less ours, as of its last connection.
-  milliseconds clock_offset{0};
-  /// Commits since the start that the database answered with a warning: whether they are durable
-  /// was unknown, and they failed.
-  std::uint64_t commits_in_doubt = 0;
-  /// How long something else has kept dead row versions from being removed, or the WAL of an SQLite
-  /// store from being moved into its file.
-  milliseconds oldest_snapshot{0};
-
-  [[nodiscard]] bool old_snapshot() const { return oldest_snapshot > kOldSnapshot; }
-};
 
 /// The write side of the durable sink that decides acks. README.md holds the contract in prose; the
 /// suite in tests/contract holds it as tests, and every implementation passes it word for word.

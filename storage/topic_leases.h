@@ -13,8 +13,9 @@
 
 #include "schema/base/clock.h"
 #include "storage/deliveries.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
 #include "storage/origin.h"
-#include "storage/types.h"
 
 namespace uplink::storage {
 

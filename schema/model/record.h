@@ -28,14 +28,6 @@ class Records;
 
 namespace uplink::model {
 
-/// The members of UplinkMsg (variants.h); the numbers are the union's ordinals, and the order that
-/// of Body's alternatives.
-enum class Variant : std::uint8_t {
-#define UPLINK_VARIANT(Member, name, Body, settling) k##Member,
-  UPLINK_VARIANTS(UPLINK_VARIANT)
-#undef UPLINK_VARIANT
-};
-
 /// The variant of all but the first: rows bring a comma each in front.
 template <typename /*none*/, typename... Bodies>
 using OneOf = std::variant<Bodies...>;
@@ -44,7 +36,7 @@ using OneOf = std::variant<Bodies...>;
 using Body = OneOf<void UPLINK_VARIANTS(UPLINK_VARIANT)>;
 #undef UPLINK_VARIANT
 
-inline constexpr std::size_t kVariants = std::variant_size_v<Body>;
+static_assert(std::variant_size_v<Body> == kVariants);
 
 /// How the kind of a body's alternative is settled: `kSettling`.
 template <typename Alternative>
@@ -56,12 +48,6 @@ struct SettlingOf;
   };
 UPLINK_VARIANTS(UPLINK_VARIANT)
 #undef UPLINK_VARIANT
-
-/// The union member's name: `motionTelemetry`.
-[[nodiscard]] std::string_view ToText(Variant variant);
-
-/// True for the kinds that are settled by a commit; false for those that are settled when applied.
-[[nodiscard]] bool IsDurable(Variant variant);
 
 [[nodiscard]] inline Variant VariantOf(const Body& body) {
   return static_cast<Variant>(body.index());

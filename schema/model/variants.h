@@ -1,13 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-
-namespace uplink::model {
-
-/// How a kind is settled: a live message when it is applied, a durable one when it is committed.
-enum class Settling : std::uint8_t { kLive, kDurable };
-
-}  // namespace uplink::model
+#include <string_view>
 
 /// The members of UplinkMsg, one row each, in the order of the union's ordinals from 0:
 /// VARIANT(Member, name, Body, settling).
@@ -37,3 +32,28 @@ enum class Settling : std::uint8_t { kLive, kDurable };
   VARIANT(Message, "message", Message, kDurable)                            \
   VARIANT(AgentInfo, "agentInfo", AgentInfo, kDurable)                      \
   VARIANT(SpatialDirectiveStatus, "spatialDirectiveStatus", SpatialDirectiveStatus, kLive)
+
+namespace uplink::model {
+
+/// How a kind is settled: a live message when it is applied, a durable one when it is committed.
+enum class Settling : std::uint8_t { kLive, kDurable };
+
+/// The members of UplinkMsg; the numbers are the union's ordinals, and the order that of Body's
+/// alternatives.
+enum class Variant : std::uint8_t {
+#define UPLINK_VARIANT(Member, name, Body, settling) k##Member,
+  UPLINK_VARIANTS(UPLINK_VARIANT)
+#undef UPLINK_VARIANT
+};
+
+#define UPLINK_VARIANT(Member, name, Body, settling) +1
+inline constexpr std::size_t kVariants = UPLINK_VARIANTS(UPLINK_VARIANT);
+#undef UPLINK_VARIANT
+
+/// The union member's name: `motionTelemetry`.
+[[nodiscard]] std::string_view ToText(Variant variant);
+
+/// True for the kinds that are settled by a commit; false for those that are settled when applied.
+[[nodiscard]] bool IsDurable(Variant variant);
+
+}  // namespace uplink::model

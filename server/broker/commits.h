@@ -19,8 +19,8 @@
 #include "server/journal/shards.h"
 #include "server/mqtt/packets.h"
 #include "server/mqtt/unacked.h"
+#include "storage/commit_record.h"
 #include "storage/deliveries.h"
-#include "storage/types.h"
 
 namespace uplink::broker {
 

@@ -9,7 +9,7 @@
 #include "schema/model/rejection.h"
 #include "server/broker/twin_stream.h"
 #include "server/cyberwave/twin_rates.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::broker {
 

@@ -9,7 +9,7 @@
 #include "schema/cyberwave/records.h"
 #include "schema/model/rejection.h"
 #include "server/mqtt/packets.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::broker {
 

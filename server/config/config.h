@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "metrics/rcan/series.h"
-#include "schema/judge.h"
+#include "schema/limits.h"
 #include "server/config/address.h"
 #include "server/config/networks.h"
 #include "storage/postgres/defaults.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::config {
 

@@ -21,7 +21,6 @@
 #include "server/fleet/claim.h"
 #include "server/fleet/odd_fleets.h"
 #include "server/robot/robot.h"
-#include "storage/types.h"
 
 namespace uplink::fleet {
 

@@ -11,7 +11,7 @@
 #include "server/journal/shards.h"
 #include "server/session/probe.h"
 #include "storage/clock_trust.h"
-#include "storage/store.h"
+#include "storage/store_facts.h"
 
 namespace uplink::health {
 

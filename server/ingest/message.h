@@ -10,7 +10,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/rejection.h"
 #include "server/ingest/room.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::ingest {
 

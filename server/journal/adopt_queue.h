@@ -7,7 +7,9 @@
 
 #include "schema/base/clock.h"
 #include "server/robot/commit_client.h"
-#include "storage/types.h"
+#include "storage/adopt.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
 
 namespace uplink::journal {
 

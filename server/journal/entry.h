@@ -8,7 +8,8 @@
 #include "schema/base/clock.h"
 #include "server/journal/gateway_use.h"
 #include "server/robot/commit_client.h"
-#include "storage/types.h"
+#include "storage/batch.h"
+#include "storage/commit_record.h"
 
 namespace uplink::journal {
 

@@ -7,7 +7,9 @@
 #include "server/journal/entry.h"
 #include "server/journal/held_robots.h"
 #include "server/loop/wake.h"
-#include "storage/types.h"
+#include "storage/batch.h"
+#include "storage/deliveries.h"
+#include "storage/presence.h"
 
 namespace uplink::journal {
 

@@ -5,7 +5,7 @@
 
 #include "server/journal/entry.h"
 #include "server/robot/commit_client.h"
-#include "storage/types.h"
+#include "storage/epoch.h"
 
 namespace uplink::journal {
 

@@ -10,7 +10,9 @@
 #include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
 #include "storage/compare.h"
-#include "storage/types.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/presence.h"
 
 namespace uplink::journal {
 

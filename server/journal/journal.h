@@ -25,7 +25,11 @@
 #include "server/journal/writer_inbox.h"
 #include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
-#include "storage/types.h"
+#include "storage/batch.h"
+#include "storage/commit_record.h"
+#include "storage/deliveries.h"
+#include "storage/identity.h"
+#include "storage/open_stream.h"
 
 namespace uplink::fleet {
 class LiveSource;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/robot/commit_client.h"
-#include "storage/types.h"
+#include "storage/open_stream.h"
 
 namespace uplink::journal {
 

@@ -6,7 +6,7 @@
 #include "server/journal/gathered_batch.h"
 #include "server/journal/holds.h"
 #include "server/loop/wake.h"
-#include "storage/types.h"
+#include "storage/outcome.h"
 
 namespace uplink::journal {
 

@@ -10,7 +10,9 @@
 
 #include "schema/model/presence.h"
 #include "server/journal/events.h"
-#include "storage/types.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/presence.h"
 
 namespace uplink::journal {
 

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "storage/types.h"
+#include "storage/bounds.h"
 
 namespace uplink::journal {
 

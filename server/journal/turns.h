@@ -15,7 +15,7 @@
 #include "server/journal/quarantine_trim.h"
 #include "server/journal/retention.h"
 #include "server/journal/writer_context.h"
-#include "storage/types.h"
+#include "storage/identity.h"
 
 namespace uplink::journal {
 

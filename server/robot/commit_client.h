@@ -15,7 +15,8 @@
 #include "server/loop/wake.h"
 #include "server/robot/holding.h"
 #include "storage/compare.h"
-#include "storage/types.h"
+#include "storage/open_stream.h"
+#include "storage/outcome.h"
 
 namespace uplink::robot {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "server/loop/wake.h"
-#include "storage/types.h"
+#include "storage/open_stream.h"
 
 namespace uplink::robot {
 

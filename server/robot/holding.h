@@ -6,7 +6,9 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/presence.h"
-#include "storage/types.h"
+#include "storage/adopt.h"
+#include "storage/epoch.h"
+#include "storage/presence.h"
 
 namespace uplink::robot {
 

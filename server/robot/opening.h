@@ -8,7 +8,8 @@
 #include "schema/model/ids.h"
 #include "server/robot/reject_memory.h"
 #include "server/robot/rejected_seq.h"
-#include "storage/types.h"
+#include "storage/open_stream.h"
+#include "storage/rejects.h"
 
 namespace uplink::robot {
 

@@ -7,7 +7,8 @@
 
 #include "schema/base/clock.h"
 #include "server/robot/presence.h"
-#include "storage/types.h"
+#include "storage/adopt.h"
+#include "storage/presence.h"
 
 namespace uplink::robot {
 

@@ -18,7 +18,8 @@
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "server/robot/throttle.h"
-#include "storage/types.h"
+#include "storage/identity.h"
+#include "storage/open_stream.h"
 
 namespace uplink::robot {
 

@@ -6,7 +6,9 @@
 #include "server/robot/limits.h"
 #include "server/robot/mutation.h"
 #include "server/robot/outcome.h"
-#include "storage/types.h"
+#include "storage/bounds.h"
+#include "storage/open_stream.h"
+#include "storage/rejects.h"
 
 namespace uplink::robot {
 

@@ -9,7 +9,7 @@
 
 #include "server/config/config.h"
 #include "server/config/load.h"
-#include "storage/types.h"
+#include "storage/identity.h"
 
 namespace uplink {
 class BootClock;

@@ -5,7 +5,7 @@
 
 #include "schema/cyberwave/judge.h"
 #include "schema/cyberwave/topic_kinds.h"
-#include "schema/judge.h"
+#include "schema/limits.h"
 #include "server/config/config.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/limits.h"

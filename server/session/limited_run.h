@@ -5,7 +5,7 @@
 
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::session {
 

@@ -8,7 +8,8 @@
 #include "server/config/config.h"
 #include "server/robot/limits.h"
 #include "server/robot/reconnects.h"
-#include "storage/types.h"
+#include "storage/bounds.h"
+#include "storage/rejects.h"
 
 namespace uplink::session {
 

@@ -11,7 +11,7 @@
 #include "server/session/attachment.h"
 #include "server/session/context.h"
 #include "server/session/stream_timers.h"
-#include "storage/reader.h"
+#include "storage/rejects.h"
 
 namespace uplink::session {
 

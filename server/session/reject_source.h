@@ -5,7 +5,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "storage/reader.h"
+#include "storage/rejects.h"
 
 namespace uplink::session {
 

@@ -12,8 +12,9 @@
 #include <utility>
 
 #include "schema/base/clock.h"
+#include "storage/adopt.h"
+#include "storage/identity.h"
 #include "storage/leases.h"
-#include "storage/types.h"
 
 namespace uplink::store {
 

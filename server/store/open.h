@@ -22,6 +22,7 @@
 #include "storage/reader.h"
 #include "storage/shared_items.h"
 #include "storage/store.h"
+#include "storage/store_facts.h"
 #include "storage/topic_leases.h"
 
 namespace uplink::store {

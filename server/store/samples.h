@@ -5,6 +5,7 @@
 #include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
 #include "storage/store.h"
+#include "storage/store_facts.h"
 
 namespace uplink::store {
 

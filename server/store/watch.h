@@ -8,6 +8,7 @@
 #include "server/journal/went_back.h"
 #include "server/log/logger.h"
 #include "storage/store.h"
+#include "storage/store_facts.h"
 
 namespace uplink::store {
 

@@ -15,7 +15,7 @@
 #include "server/journal/writer.h"
 #include "server/log/logger.h"
 #include "server/log/rate_limited.h"
-#include "storage/types.h"
+#include "storage/identity.h"
 
 namespace uplink::storage {
 class Store;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "schema/limits.h"
 #include "server/config/address.h"
 #include "server/config/config.h"
 #include "server/config/tls_groups.h"

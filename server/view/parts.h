@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "server/robot/live_parts.h"
+#include "storage/latest_kind.h"
 #include "storage/live_parts.h"
-#include "storage/reader.h"
 
 namespace uplink::view {
 

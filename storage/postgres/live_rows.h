@@ -10,10 +10,10 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/identity.h"
 #include "storage/live_row.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/reader.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 

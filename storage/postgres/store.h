@@ -12,6 +12,8 @@
 #include "schema/base/clock.h"
 #include "storage/postgres/defaults.h"
 #include "storage/store.h"
+#include "storage/store_facts.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

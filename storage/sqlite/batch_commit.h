@@ -8,11 +8,15 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/batch.h"
+#include "storage/commit_record.h"
 #include "storage/decide.h"
+#include "storage/identity.h"
+#include "storage/outcome.h"
 #include "storage/sqlite/batch_known.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_writer.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::sqlite {
 

@@ -10,11 +10,17 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "storage/adopt.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/latest_kind.h"
+#include "storage/open_stream.h"
+#include "storage/origin.h"
+#include "storage/presence.h"
 #include "storage/robot_hold.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/statement.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

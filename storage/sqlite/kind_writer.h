@@ -2,9 +2,9 @@
 
 #include <absl/status/status.h>
 
+#include "storage/commit_record.h"
 #include "storage/decide.h"
 #include "storage/sqlite/entry_number.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

@@ -8,11 +8,11 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/identity.h"
 #include "storage/live_row.h"
 #include "storage/reader.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include "storage/bounds.h"
 #include "storage/rows.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

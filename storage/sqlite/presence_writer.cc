@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {

@@ -4,9 +4,10 @@
 
 #include <absl/status/status.h>
 
+#include "storage/batch.h"
 #include "storage/decide.h"
+#include "storage/outcome.h"
 #include "storage/sqlite/entry_number.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "storage/bounds.h"
 #include "storage/numbers.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"

@@ -10,9 +10,9 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/retention.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

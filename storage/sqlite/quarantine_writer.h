@@ -3,9 +3,9 @@
 #include <absl/status/status.h>
 
 #include "schema/model/rejection.h"
+#include "storage/commit_record.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/table_writers.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

@@ -2,10 +2,11 @@
 
 #include <string>
 
+#include "storage/bounds.h"
+#include "storage/retention.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"
 #include "storage/tables/lists.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "storage/bounds.h"
 #include "storage/numbers.h"
 #include "storage/sqlite/counts.h"
 #include "storage/sqlite/prepare.h"

@@ -10,10 +10,11 @@
 #include <absl/status/statusor.h>
 
 #include "schema/model/ids.h"
+#include "storage/commit_record.h"
+#include "storage/rejects.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/statement.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "storage/bounds.h"
 #include "storage/retention.h"
 #include "storage/shared_items.h"
 #include "storage/sqlite/batch_commit.h"

@@ -15,6 +15,7 @@
 #include "storage/disk_space.h"
 #include "storage/sqlite/damage.h"
 #include "storage/store.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::sqlite {
 

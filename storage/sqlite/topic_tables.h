@@ -6,10 +6,11 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/epoch.h"
+#include "storage/identity.h"
 #include "storage/remember.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
-#include "storage/types.h"
 
 namespace uplink::storage::sqlite {
 

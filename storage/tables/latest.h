@@ -6,10 +6,11 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/commit_record.h"
 #include "storage/latest_kind.h"
+#include "storage/presence.h"
 #include "storage/rows.h"
 #include "storage/tables/table.h"
-#include "storage/types.h"
 
 // Of which the latest alone is kept, and changes of presence.
 namespace uplink::storage {

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "schema/model/mission.h"
+#include "storage/commit_record.h"
 #include "storage/rows.h"
 #include "storage/tables/reports.h"
 #include "storage/tables/table.h"
-#include "storage/types.h"
 
 // Missions: every report, and each run as it stands.
 namespace uplink::storage {

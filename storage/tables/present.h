@@ -8,11 +8,11 @@
 
 #include "schema/json/text.h"
 #include "schema/model/spatial.h"
+#include "storage/commit_record.h"
 #include "storage/present.h"
 #include "storage/rows.h"
 #include "storage/tables/reports.h"
 #include "storage/tables/table.h"
-#include "storage/types.h"
 
 // What is present by key: faults that are active, shapes and objects.
 namespace uplink::storage {

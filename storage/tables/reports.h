@@ -6,9 +6,9 @@
 #include "schema/json/text.h"
 #include "schema/model/reports.h"
 #include "schema/model/scope_update.h"
+#include "storage/commit_record.h"
 #include "storage/rows.h"
 #include "storage/tables/table.h"
-#include "storage/types.h"
 
 // What is reported and kept as it came: faults, events, messages, and updates of what is no robot.
 namespace uplink::storage {

@@ -7,10 +7,12 @@
 #include <string_view>
 
 #include "schema/model/rejection.h"
+#include "storage/batch.h"
+#include "storage/commit_record.h"
+#include "storage/origin.h"
 #include "storage/rows.h"
 #include "storage/tables/reports.h"
 #include "storage/tables/table.h"
-#include "storage/types.h"
 
 // What did not become a record: quarantine and gaps.
 namespace uplink::storage {

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "storage/types.h"
+#include "storage/batch.h"
+#include "storage/open_stream.h"
 
 namespace uplink::bench {
 

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/present_contract.h"
 
 /// The bound of shapes and objects per robot.

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
 /// Rejects that are kept for their robot alone: limited numbers, and what outlives its day of

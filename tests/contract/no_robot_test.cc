@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
 /// What did not come by the relay, and what of it belongs to no robot.

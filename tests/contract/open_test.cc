@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
 namespace uplink::testing {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
 /// Presence changes: records that the server makes itself, numbered by its own sessions.

@@ -1,7 +1,7 @@
 #include "tests/contract/present_kinds.h"
 
+#include "storage/bounds.h"
 #include "storage/refusal.h"
-#include "storage/types.h"
 
 namespace uplink::testing {
 namespace {

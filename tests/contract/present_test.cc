@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/present_contract.h"
 #include "tests/unit/schema/samples.h"
 

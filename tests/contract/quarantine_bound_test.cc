@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
 /// Rows of quarantine per robot.

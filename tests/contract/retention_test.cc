@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 #include "tests/support/fake_trust.h"
 

@@ -5,6 +5,7 @@
 
 #include "schema/json/text.h"
 #include "schema/limits.h"
+#include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 #include "tests/support/fake_trust.h"
 #include "tests/unit/schema/samples.h"

@@ -15,6 +15,7 @@
 #include "storage/robot_removal.h"
 #include "storage/shared_items.h"
 #include "storage/store.h"
+#include "storage/store_rules.h"
 #include "storage/topic_leases.h"
 
 namespace uplink::testing {

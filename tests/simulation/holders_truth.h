@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "storage/types.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/presence.h"
 #include "tests/support/fake_database.h"
 
 namespace uplink::simulation {

@@ -11,7 +11,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/nexus_command/command.h"
-#include "storage/types.h"
+#include "storage/commit_record.h"
 
 namespace uplink::simulation {
 

@@ -14,11 +14,20 @@
 #include <utility>
 #include <vector>
 
+#include "storage/adopt.h"
+#include "storage/batch.h"
+#include "storage/commit_record.h"
 #include "storage/compare.h"
+#include "storage/deliveries.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/latest_kind.h"
 #include "storage/leases.h"
+#include "storage/open_stream.h"
+#include "storage/outcome.h"
 #include "storage/reader.h"
 #include "storage/retention.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 #include "tests/support/fake_kinds.h"
 #include "tests/support/fake_lease_table.h"
 #include "tests/support/fake_presence.h"

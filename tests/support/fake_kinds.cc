@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "schema/json/text.h"
+#include "storage/bounds.h"
 #include "storage/expiry.h"
 #include "storage/refusal.h"
 

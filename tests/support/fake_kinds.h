@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "schema/model/mission.h"
+#include "storage/commit_record.h"
+#include "storage/latest_kind.h"
 #include "storage/reader.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 #include "tests/support/fake_present.h"
 
 namespace uplink::testing {

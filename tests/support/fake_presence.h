@@ -8,8 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/batch.h"
+#include "storage/bounds.h"
+#include "storage/outcome.h"
+#include "storage/presence.h"
 #include "storage/reader.h"
-#include "storage/types.h"
 #include "tests/support/fake_present.h"
 
 namespace uplink::testing {

@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "storage/types.h"
+#include "storage/commit_record.h"
+#include "storage/rejects.h"
 
 namespace uplink::testing {
 

@@ -11,8 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "storage/batch.h"
+#include "storage/deliveries.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
+#include "storage/outcome.h"
 #include "storage/topic_leases.h"
-#include "storage/types.h"
 
 namespace uplink::testing {
 

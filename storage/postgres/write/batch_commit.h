@@ -9,9 +9,10 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/batch.h"
+#include "storage/outcome.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/write/decide_slice.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 

@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "schema/json/text.h"
+#include "storage/bounds.h"
 #include "storage/postgres/write/open_runs.h"
 
 namespace uplink::storage::postgres {

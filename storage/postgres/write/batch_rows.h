@@ -9,15 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "storage/batch.h"
+#include "storage/commit_record.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/write/added_rows.h"
 #include "storage/postgres/write/delivery_rows.h"
 #include "storage/postgres/write/latest_rows.h"
 #include "storage/postgres/write/limited_rows.h"
 #include "storage/postgres/write/present_rows.h"
+#include "storage/presence.h"
 #include "storage/present.h"
 #include "storage/remember.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

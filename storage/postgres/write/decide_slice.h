@@ -4,9 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "storage/outcome.h"
 #include "storage/postgres/write/batch_rows.h"
 #include "storage/postgres/write/known.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

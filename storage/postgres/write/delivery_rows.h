@@ -2,9 +2,10 @@
 
 #include <vector>
 
+#include "storage/batch.h"
+#include "storage/identity.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/remember.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/expiry.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/rejection_row.h"

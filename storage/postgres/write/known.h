@@ -15,9 +15,13 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/batch.h"
+#include "storage/commit_record.h"
 #include "storage/decide.h"
+#include "storage/epoch.h"
+#include "storage/identity.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

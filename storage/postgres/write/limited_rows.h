@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "storage/commit_record.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 

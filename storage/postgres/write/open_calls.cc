@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "storage/bounds.h"
 #include "storage/postgres/tables/rejects_sql.h"
 #include "storage/postgres/write/stored_presence.h"
 #include "storage/postgres/write/transaction.h"

@@ -6,8 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/identity.h"
+#include "storage/open_stream.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
 
 // The statements of Store::OpenStreams.
 namespace uplink::storage::postgres {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/postgres/write/transaction.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 namespace {

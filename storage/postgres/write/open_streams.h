@@ -7,8 +7,9 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/identity.h"
+#include "storage/open_stream.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 

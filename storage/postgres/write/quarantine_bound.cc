@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/numbers.h"
 #include "storage/postgres/write/transaction.h"
 

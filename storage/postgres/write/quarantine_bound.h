@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/retention.h"
 
 namespace uplink::storage::postgres {
 

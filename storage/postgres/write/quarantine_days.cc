@@ -5,8 +5,9 @@
 #include <string_view>
 #include <utility>
 
+#include "storage/bounds.h"
 #include "storage/postgres/write/transaction.h"
-#include "storage/types.h"
+#include "storage/retention.h"
 
 namespace uplink::storage::postgres {
 namespace {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/retention.h"
 #include "storage/tables/lists.h"

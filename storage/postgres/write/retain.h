@@ -6,7 +6,7 @@
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/write/quarantine_days.h"
 #include "storage/retention.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

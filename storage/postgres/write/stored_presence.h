@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/presence.h"
 
 namespace uplink::storage::postgres {
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/shared_items.h"

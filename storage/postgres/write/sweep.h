@@ -8,7 +8,8 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/retention.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 

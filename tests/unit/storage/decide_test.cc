@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "storage/bounds.h"
 #include "storage/expiry.h"
 #include "storage/refusal.h"
 #include "tests/support/records.h"

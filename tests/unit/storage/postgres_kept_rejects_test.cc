@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
+#include "storage/bounds.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/store.h"

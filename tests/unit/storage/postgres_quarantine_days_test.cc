@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
+#include "storage/bounds.h"
 #include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_trust.h"

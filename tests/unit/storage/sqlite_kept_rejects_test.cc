@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "storage/bounds.h"
 #include "storage/sqlite/set_aside_tables.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/sqlite_shell.h"

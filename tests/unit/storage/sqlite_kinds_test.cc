@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "storage/bounds.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/records.h"
 #include "tests/support/sqlite_shell.h"

@@ -1,4 +1,4 @@
-#include "schema/model/record.h"
+#include "schema/model/variants.h"
 
 #include <array>
 
