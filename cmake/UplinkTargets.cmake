@@ -16,6 +16,9 @@ if(UPLINK_CCACHE)
   add_compile_options("-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 endif()
 
+# g++ takes a precompiled header only where this is the same, and some packages ask for it.
+add_compile_options(-pthread)
+
 if(UPLINK_SANITIZE)
   add_compile_options("-fsanitize=${UPLINK_SANITIZE}" -fno-omit-frame-pointer)
   add_link_options("-fsanitize=${UPLINK_SANITIZE}")
@@ -49,12 +52,50 @@ target_compile_options(
             # g++ 12 reports these falsely inside std::string and std::variant at -O2
             $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized -Wno-stringop-overflow>)
 
-# uplink_library(name SOURCES a.cc ... [PUBLIC lib ...] [PRIVATE lib ...])
+# The headers that most units take a second to read. No header whose meaning a define of some target
+# changes, such as fmt's or Boost's: g++ would not take it there.
+set(UPLINK_COMMON_HEADERS
+    <algorithm>
+    <array>
+    <atomic>
+    <chrono>
+    <functional>
+    <map>
+    <memory>
+    <mutex>
+    <optional>
+    <set>
+    <span>
+    <string>
+    <unordered_map>
+    <utility>
+    <variant>
+    <vector>
+    <absl/status/statusor.h>)
+
+# uplink_precompiled(name [TARGET | header ...]): precompiles the common headers and these, or takes
+# what was precompiled for another target; without either, the common headers alone.
+function(uplink_precompiled name)
+  if(UPLINK_FUZZ)
+    return() # what is fuzzed has flags of its own
+  endif()
+  if(NOT ARGN)
+    target_precompile_headers(${name} REUSE_FROM uplink_common_header)
+  elseif(TARGET "${ARGN}")
+    target_precompile_headers(${name} REUSE_FROM ${ARGN})
+  else()
+    target_precompile_headers(${name} PRIVATE ${UPLINK_COMMON_HEADERS} ${ARGN})
+  endif()
+endfunction()
+
+# uplink_library(name SOURCES a.cc ... [PUBLIC lib ...] [PRIVATE lib ...]
+#                [PRECOMPILED target | header ...])
 function(uplink_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILED" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} uplink_warnings)
+  uplink_precompiled(${name} ${ARG_PRECOMPILED})
 endfunction()
 
 # uplink_interface(name [PUBLIC lib ...]): a folder of headers only
@@ -71,18 +112,18 @@ function(uplink_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${ARG_LINK} uplink_warnings)
+  uplink_precompiled(${name})
 endfunction()
 
 # Where a private PostgreSQL cluster of the test run says what it is; tests/CMakeLists.txt starts it.
 set(UPLINK_TEST_POSTGRES "${CMAKE_BINARY_DIR}/postgres.state")
 
 # What every test's own files are compiled with: little optimisation, which costs more there than it
-# saves (the product that they run has its own flags), and one precompiled header, which g++ takes
-# only where -pthread is the same.
+# saves (the product that they run has its own flags), and one precompiled header.
 add_library(uplink_test_flags INTERFACE)
 target_compile_options(
   uplink_test_flags
-  INTERFACE -pthread $<$<CONFIG:RelWithDebInfo>:-O1>
+  INTERFACE $<$<CONFIG:RelWithDebInfo>:-O1>
             # g++ 12 reports these falsely inside std::string at -O1
             $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
 

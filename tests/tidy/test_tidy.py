@@ -365,11 +365,6 @@ class BuiltTest(RuleTest):
         found = self.find(whole.built, {**self.GOOD, "server/x.h": ""})
         self.assertEqual(found, [("server/x.h", 1, "not-built")])
 
-    def test_takes_a_precompiled_header_that_a_list_names(self):
-        files = {**self.GOOD, "server/p.h": ""}
-        files["server/CMakeLists.txt"] += "target_precompile_headers(a PRIVATE p.h)\n"
-        self.assert_clean(whole.built, files)
-
     def test_refuses_a_list_that_nothing_enters(self):
         found = self.find(whole.built, {**self.GOOD, "server/sub/CMakeLists.txt": ""})
         self.assertEqual(found, [("server/sub/CMakeLists.txt", 1, "not-built")])

@@ -52,8 +52,7 @@ def built(tree):
             continue
         if path.endswith(".cc") and path not in named:
             yield Finding(path, 1, "not-built", "no CMakeLists.txt names it")
-        # A precompiled header is named by its target instead of being included.
-        if path.endswith(".h") and path not in included and path not in named:
+        if path.endswith(".h") and path not in included:
             yield Finding(path, 1, "not-built", "nothing includes it")
     for path in _cmake_files(tree):
         if path != "CMakeLists.txt" and path not in entered:

@@ -1,1 +1,0 @@
-// A target needs a source; the precompiled header of all tests is made for this one.
