@@ -6,7 +6,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/cyberwave/topic.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::broker {
 
@@ -17,7 +17,7 @@ namespace uplink::broker {
 /// Thread:  confined to its owner's.
 class IdBudgets final {
  public:
-  explicit IdBudgets(const robot::BucketSize& size) : size_(size) {}
+  explicit IdBudgets(const limits::BucketSize& size) : size_(size) {}
 
   enum class Answer : std::uint8_t {
     kPasses,
@@ -28,16 +28,16 @@ class IdBudgets final {
   /// So much for a message whose topic was read as this one.
   [[nodiscard]] Answer Take(const cyberwave::Topic& topic, std::size_t amount, SteadyTime now);
 
-  [[nodiscard]] const robot::BucketSize& size() const { return size_; }
+  [[nodiscard]] const limits::BucketSize& size() const { return size_; }
 
  private:
   struct Budget {
-    robot::TokenBucket bucket;
+    limits::TokenBucket bucket;
     std::optional<SteadyTime> told_at;
   };
   [[nodiscard]] Budget& Of(const cyberwave::Topic& topic, SteadyTime now);
 
-  const robot::BucketSize size_;
+  const limits::BucketSize size_;
   /// By a hash: two ids that share it share a budget.
   std::unordered_map<std::size_t, Budget> budgets_;
   Budget shared_;

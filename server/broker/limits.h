@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "server/config/config.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 #include "storage/deliveries.h"
 
 namespace uplink::broker {
@@ -26,19 +26,20 @@ inline constexpr std::chrono::seconds kTickLate{3};
 inline constexpr std::size_t kFaultsKeptShare = 2;
 /// Payloads at QoS 0 that one id may have us look into: 65 of the largest in a second, which take a
 /// fortieth of a core. A camera's are not looked into.
-inline constexpr robot::BucketSize kBytesOfId{.rate = 4 * config::kMiB, .burst = 32 * config::kMiB};
+inline constexpr limits::BucketSize kBytesOfId{.rate = 4 * config::kMiB,
+                                               .burst = 32 * config::kMiB};
 /// Smaller ones take no longer to read than to send.
 inline constexpr std::size_t kBudgetedBytesMin = 512;
 /// Messages of one id that are rejected and belong to no robot, such as those of a twin that was
 /// never heard. They stand for all ids in one place of the journal, and in one quarantine: with 50
 /// per second of each, thousands of ids do not fill what that place may have while the store takes
 /// them.
-inline constexpr robot::BucketSize kRejectsOfStranger{.rate = 50, .burst = 2'000};
+inline constexpr limits::BucketSize kRejectsOfStranger{.rate = 50, .burst = 2'000};
 /// What one environment or workflow run may have stored: it is no robot, and has no flow of one.
-inline constexpr robot::BucketSize kRecordsOfScope{
+inline constexpr limits::BucketSize kRecordsOfScope{
     .rate = config::LimitsConfig().durable_records_rate,
     .burst = config::LimitsConfig().durable_records_burst};
-inline constexpr robot::BucketSize kBytesOfScope{
+inline constexpr limits::BucketSize kBytesOfScope{
     .rate = config::LimitsConfig().durable_bytes_rate,
     .burst = config::LimitsConfig().durable_bytes_burst};
 /// Ids that have a budget of their own: more than there may be twins by default.

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "schema/cyberwave/limits.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 /// The bounds of what is held of one twin, and of what it may send.
 namespace uplink::cyberwave {
@@ -33,11 +33,11 @@ inline constexpr std::size_t kMetricFaultsMax = kErrorsMax;
 inline constexpr std::size_t kRecordsOfMessageMax = 2 * kMetricFaultsMax;
 
 /// What one twin may send, its simulated robot included.
-inline constexpr robot::BucketSize kMessagesOfTwin{.rate = 1'000, .burst = 5'000};
-inline constexpr robot::BucketSize kLogLinesOfTwin{.rate = 50, .burst = 2'000};
+inline constexpr limits::BucketSize kMessagesOfTwin{.rate = 1'000, .burst = 5'000};
+inline constexpr limits::BucketSize kLogLinesOfTwin{.rate = 50, .burst = 2'000};
 /// Faults that its metrics may raise and clear: one message of half a kilobyte may change 128, and
 /// one twin would keep the store busy with nothing else. As many as log lines.
-inline constexpr robot::BucketSize kFaultChangesOfTwin{.rate = 50, .burst = 2'000};
+inline constexpr limits::BucketSize kFaultChangesOfTwin{.rate = 50, .burst = 2'000};
 
 /// Pongs in any second, to one name and to all.
 inline constexpr std::size_t kPongsOfNameMax = 10;

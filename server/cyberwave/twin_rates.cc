@@ -30,11 +30,8 @@ std::optional<model::Rejection> TwinRates::Limit(const Judgement& judgement, Jou
 }
 
 std::optional<model::Rejection> TwinRates::LimitFaults(std::size_t changes, SteadyTime now) {
-  if (fault_changes_.PassesAt(changes, kFaultChangesOfTwin, now) > now) {
-    return robot::RateLimited(kFaultChangesOfTwin);
-  }
-  fault_changes_.Take(changes, kFaultChangesOfTwin, now);
-  return std::nullopt;
+  if (fault_changes_.TryTake(changes, kFaultChangesOfTwin, now)) return std::nullopt;
+  return robot::RateLimited(kFaultChangesOfTwin);
 }
 
 }  // namespace uplink::cyberwave

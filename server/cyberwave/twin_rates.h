@@ -8,7 +8,7 @@
 #include "schema/cyberwave/judge.h"
 #include "schema/model/rejection.h"
 #include "server/cyberwave/limits.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::cyberwave {
 
@@ -32,9 +32,9 @@ class TwinRates final {
   [[nodiscard]] std::optional<model::Rejection> LimitFaults(std::size_t changes, SteadyTime now);
 
  private:
-  robot::TokenBucket messages_;
-  robot::TokenBucket log_lines_;
-  robot::TokenBucket fault_changes_;
+  limits::TokenBucket messages_;
+  limits::TokenBucket log_lines_;
+  limits::TokenBucket fault_changes_;
 };
 
 }  // namespace uplink::cyberwave

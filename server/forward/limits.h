@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::forward {
 
@@ -46,8 +46,8 @@ inline constexpr std::chrono::milliseconds kLookAgainMax{250};
 /// What one robot may make all others of its fleet receive, in bytes per second and at once: half
 /// of a gigabit network. What is over waits, the latest of each item. 2,000 receivers of 50 changes
 /// per second, 250 bytes each, take a half of it.
-inline constexpr robot::BucketSize kFanOut = {.rate = std::uint64_t{64} * 1024 * 1024,
-                                              .burst = std::uint64_t{256} * 1024 * 1024};
+inline constexpr limits::BucketSize kFanOut = {.rate = std::uint64_t{64} * 1024 * 1024,
+                                               .burst = std::uint64_t{256} * 1024 * 1024};
 /// What a frame takes on the wire besides its bytes: gRPC's, HTTP/2's, TLS's and TCP's headers.
 inline constexpr std::size_t kWireOverheadBytes = 128;
 /// Items whose changes may wait for that, of all robots: some 40 MiB. Past it nothing more waits.

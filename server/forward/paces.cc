@@ -56,8 +56,7 @@ void Paces::DropIdle(SteadyTime now) {
   dropped_idle_at_ = now;
   std::erase_if(robots_, [&](const auto& entry) {
     const Robot& robot = entry.second;
-    return robot.waiting.empty() &&
-           robot.bucket.PassesAt(limits_.fan_out.burst, limits_.fan_out, now) <= now;
+    return robot.waiting.empty() && robot.bucket.IsFull(now);
   });
 }
 

@@ -10,7 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/forward/item.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::forward {
 
@@ -25,7 +25,7 @@ class Paces final {
  public:
   struct Limits {
     /// In bytes, to all receivers together.
-    robot::BucketSize fan_out;
+    limits::BucketSize fan_out;
     std::size_t waiting_max = 0;
   };
   /// Whose turn it is.
@@ -57,7 +57,7 @@ class Paces final {
 
  private:
   struct Robot {
-    robot::TokenBucket bucket;
+    limits::TokenBucket bucket;
     /// What its last change took: the next one probably takes as much.
     std::size_t last_bytes = 1;
     std::set<ItemKey> waiting;

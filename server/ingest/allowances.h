@@ -15,7 +15,7 @@ struct Allowance {
   robot::FlowLimits flow;
   robot::RateTable rates{};
   /// Of telemetry (metrics::IsTelemetry), all kinds together.
-  robot::BucketSize telemetry{};
+  limits::BucketSize telemetry{};
 };
 
 /// The allowance of every robot, by whichever source it speaks; a reload of the configuration

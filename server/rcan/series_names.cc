@@ -13,7 +13,7 @@ constexpr std::uint64_t kTokensPerName =
 /// Room for the labels of most robots.
 constexpr std::size_t kLabelsAtFirst = 8;
 
-robot::BucketSize BucketOf(const SeriesNames::Limits& limits) {
+limits::BucketSize BucketOf(const SeriesNames::Limits& limits) {
   return {.rate = limits.new_per_hour, .burst = limits.new_per_hour * kTokensPerName};
 }
 
@@ -71,7 +71,7 @@ SeriesNames::Place SeriesNames::TakePlace(const Limits& limits) {
     ++names_;
     return Place::kTaken;
   }
-  const robot::BucketSize size = BucketOf(limits);
+  const limits::BucketSize size = BucketOf(limits);
   if (bucket_.PassesAt(kTokensPerName, size, now_) > now_) return Place::kTooManyNew;
   if (names_ >= limits.names_max && !ForgetOne(limits.forget_after)) return Place::kNone;
   bucket_.Take(kTokensPerName, size, now_);

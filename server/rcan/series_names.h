@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::rcan {
 
@@ -69,7 +69,7 @@ class SeriesNames final {
   std::size_t names_ = 0;
   /// Names that were free so far.
   std::size_t free_taken_ = 0;
-  robot::TokenBucket bucket_;
+  limits::TokenBucket bucket_;
   /// Of this scrape and of the one before it.
   SteadyTime now_{};
   SteadyTime before_{};

@@ -14,7 +14,7 @@ constexpr std::uint64_t kDiskBurstSeconds = 10;
 
 }  // namespace
 
-BucketSize DurableFlow::DiskSize(std::int64_t rate) const {
+limits::BucketSize DurableFlow::DiskSize(std::int64_t rate) const {
   const auto bytes = static_cast<std::uint64_t>(rate);
   return {.rate = bytes, .burst = bytes * kDiskBurstSeconds};
 }

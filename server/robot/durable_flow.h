@@ -7,17 +7,17 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/limits/token_bucket.h"
 #include "server/robot/held_back.h"
-#include "server/robot/token_bucket.h"
 
 namespace uplink::robot {
 
 /// How much one robot may have stored (limits.durable_*). A value.
 struct FlowLimits {
-  BucketSize records{config::LimitsConfig().durable_records_rate,
-                     config::LimitsConfig().durable_records_burst};
-  BucketSize bytes{config::LimitsConfig().durable_bytes_rate,
-                   config::LimitsConfig().durable_bytes_burst};
+  limits::BucketSize records{config::LimitsConfig().durable_records_rate,
+                             config::LimitsConfig().durable_records_burst};
+  limits::BucketSize bytes{config::LimitsConfig().durable_bytes_rate,
+                           config::LimitsConfig().durable_bytes_burst};
 };
 
 /// What one robot has stored per second: past its buckets its stream is held back, and nothing is
@@ -52,11 +52,11 @@ class DurableFlow final {
  private:
   /// Of disk_rate_.
   static constexpr std::int64_t kNoLimit = -1;
-  [[nodiscard]] BucketSize DiskSize(std::int64_t rate) const;
+  [[nodiscard]] limits::BucketSize DiskSize(std::int64_t rate) const;
 
-  TokenBucket records_;
-  TokenBucket bytes_;
-  TokenBucket disk_;
+  limits::TokenBucket records_;
+  limits::TokenBucket bytes_;
+  limits::TokenBucket disk_;
   std::atomic<std::uint64_t> bytes_total_{0};
   std::atomic<std::int64_t> disk_rate_{kNoLimit};
 };

@@ -38,7 +38,7 @@ milliseconds Until(SteadyTime time, SteadyTime now) {
 
 }  // namespace
 
-model::Rejection RateLimited(const BucketSize& size) {
+model::Rejection RateLimited(const limits::BucketSize& size) {
   return {
       .reason = model::RejectReason::kRateLimited,
       .field = "",
@@ -73,7 +73,7 @@ void Rates::LimitedIds::Forget(SteadyTime now) {
 std::optional<Rates::Limited> Rates::LimitedNow(const model::Body& body, const RateTable& table,
                                                 SteadyTime now) {
   const std::size_t variant = body.index();
-  const BucketSize& size = table[variant];
+  const limits::BucketSize& size = table[variant];
   if (size.rate == 0) return std::nullopt;
   const std::optional<std::size_t> id = UpsertId(body);
   std::size_t waiting = 0;
@@ -82,7 +82,7 @@ std::optional<Rates::Limited> Rates::LimitedNow(const model::Body& body, const R
     if (const auto until = ids.Until(*id, now)) return Limited{.until = *until};
     waiting = ids.size();
   }
-  const TokenBucket& bucket = buckets_[variant];
+  const limits::TokenBucket& bucket = buckets_[variant];
   if (bucket.PassesAt(1, size, now) <= now || IsDeletion(body)) return std::nullopt;
   // Each of those that wait gets a token of its own.
   return Limited{.until = bucket.PassesAt(1 + waiting, size, now), .new_id = id};
@@ -91,13 +91,12 @@ std::optional<Rates::Limited> Rates::LimitedNow(const model::Body& body, const R
 std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTable& table,
                                          SteadyTime now) {
   const std::size_t variant = body.index();
-  const BucketSize& size = table[variant];
+  const limits::BucketSize& size = table[variant];
   if (size.rate == 0) return std::nullopt;
   const std::optional<Limited> limited = LimitedNow(body, table, now);
   if (!limited) {
     // A deletion takes a token where there is one.
-    TokenBucket& bucket = buckets_[variant];
-    if (bucket.PassesAt(1, size, now) <= now) bucket.Take(1, size, now);
+    static_cast<void>(buckets_[variant].TryTake(1, size, now));
     return std::nullopt;
   }
   if (limited->new_id) {

@@ -12,19 +12,19 @@
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::robot {
 
 /// Messages of one robot per second, by variant; no rate: as many as come. A value.
-using RateTable = std::array<BucketSize, model::kVariants>;
+using RateTable = std::array<limits::BucketSize, model::kVariants>;
 
 /// Ids of shapes, and of objects, that are limited at a time. Past it every upsert of the kind is,
 /// so that order is kept.
 inline constexpr std::size_t kLimitedIdsMax = 4'096;
 
 /// Why a message over this rate is rejected.
-[[nodiscard]] model::Rejection RateLimited(const BucketSize& size);
+[[nodiscard]] model::Rejection RateLimited(const limits::BucketSize& size);
 
 /// How many messages one robot may send, by variant (validation rules: rates).
 ///
@@ -48,11 +48,13 @@ class Rates final {
   }
   /// When a message of telemetry (metrics::IsTelemetry) may be decoded: at or before `now` if it
   /// may.
-  [[nodiscard]] SteadyTime TelemetryPassesAt(const BucketSize& size, SteadyTime now) const {
+  [[nodiscard]] SteadyTime TelemetryPassesAt(const limits::BucketSize& size, SteadyTime now) const {
     return telemetry_.PassesAt(1, size, now);
   }
   /// One is decoded, whatever was said.
-  void TakeTelemetry(const BucketSize& size, SteadyTime now) { telemetry_.Take(1, size, now); }
+  void TakeTelemetry(const limits::BucketSize& size, SteadyTime now) {
+    telemetry_.Take(1, size, now);
+  }
   /// One of this kind is superseded since it was over the rate.
   void CountOverRate(std::size_t kind) { limited_[kind].fetch_add(1, std::memory_order_relaxed); }
   /// Counts from zero.
@@ -96,8 +98,8 @@ class Rates final {
   [[nodiscard]] std::optional<Limited> LimitedNow(const model::Body& body, const RateTable& table,
                                                   SteadyTime now);
 
-  std::array<TokenBucket, model::kVariants> buckets_;
-  TokenBucket telemetry_;
+  std::array<limits::TokenBucket, model::kVariants> buckets_;
+  limits::TokenBucket telemetry_;
   /// Made when the first one is limited; of shapes and of objects.
   using IdsByVariant = std::unordered_map<std::size_t, LimitedIds>;
   std::unique_ptr<IdsByVariant> ids_;

@@ -5,7 +5,7 @@
 namespace uplink::robot {
 namespace {
 
-constexpr BucketSize kRejects{.rate = kRejectsPerSecondMax, .burst = kRejectsPerSecondMax};
+constexpr limits::BucketSize kRejects{.rate = kRejectsPerSecondMax, .burst = kRejectsPerSecondMax};
 
 }  // namespace
 

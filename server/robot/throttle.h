@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "schema/base/clock.h"
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 namespace uplink::robot {
 
@@ -22,7 +22,7 @@ class Throttle final {
   [[nodiscard]] std::optional<SteadyTime> end() const { return end_; }
 
  private:
-  TokenBucket bucket_;
+  limits::TokenBucket bucket_;
   std::optional<SteadyTime> end_;
 };
 

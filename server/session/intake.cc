@@ -95,7 +95,7 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
 }
 
 void Intake::End() {
-  const robot::BucketSize& rate = port_.allowance().telemetry;
+  const limits::BucketSize& rate = port_.allowance().telemetry;
   if (!live_.DecodesAt(rate)) return;
   Processed untold;
   live_.Decode(rate, untold);

@@ -7,7 +7,7 @@
 
 namespace uplink::session {
 
-void LiveIntake::TakeRate(std::size_t kind, const robot::BucketSize& rate) {
+void LiveIntake::TakeRate(std::size_t kind, const limits::BucketSize& rate) {
   if (!metrics::IsTelemetry(kind)) return;
   robot::Rates& rates = sources_.line.robot.rates;
   // What is rejected for its size passes whatever the rate, and must leave no debt.
@@ -77,7 +77,7 @@ void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::s
 // --- Telemetry over the rate ---
 
 std::optional<std::size_t> LiveIntake::OverRate(const UplinkView& uplink,
-                                                const robot::BucketSize& rate) const {
+                                                const limits::BucketSize& rate) const {
   if (sources_.line.robot.rates.TelemetryPassesAt(rate, arrived_) <= arrived_) return std::nullopt;
   // What is too large is rejected.
   if (uplink.payload.size() > sources_.context.limits.message_bytes_max) return std::nullopt;
@@ -113,12 +113,12 @@ void LiveIntake::CountOverRate(std::size_t place) {
   sources_.line.robot.rates.CountOverRate(metrics::kTelemetryKinds[place]);
 }
 
-std::optional<SteadyTime> LiveIntake::DecodesAt(const robot::BucketSize& rate) const {
+std::optional<SteadyTime> LiveIntake::DecodesAt(const limits::BucketSize& rate) const {
   if (surplus_.empty()) return std::nullopt;
   return sources_.line.robot.rates.TelemetryPassesAt(rate, sources_.context.clock.Steady());
 }
 
-void LiveIntake::Decode(const robot::BucketSize& rate, Processed& processed) {
+void LiveIntake::Decode(const limits::BucketSize& rate, Processed& processed) {
   const bool is_ours = sources_.line.robot.sessions.Knows(sources_.line.session);
   for (std::size_t place = 0; place < metrics::kTelemetryKinds.size(); ++place) {
     const std::optional<UplinkView> uplink = surplus_.Take(place);

@@ -43,7 +43,7 @@ class LiveIntake final {
   // --- Decoded messages, whose numbers the caller settles ---
 
   /// A message of this kind was decoded: it takes from the rate of telemetry, if it is such.
-  void TakeRate(std::size_t kind, const robot::BucketSize& rate);
+  void TakeRate(std::size_t kind, const limits::BucketSize& rate);
   /// It is a sign of life.
   void NoteLife() { sign_of_life_ = true; }
   void Add(model::Seq seq, model::Record record, Processed& processed);
@@ -59,13 +59,13 @@ class LiveIntake final {
 
   /// The kind of a message that must not be decoded now: telemetry, over the rate of its robot.
   [[nodiscard]] std::optional<std::size_t> OverRate(const UplinkView& uplink,
-                                                    const robot::BucketSize& rate) const;
+                                                    const limits::BucketSize& rate) const;
   /// Such a message, of this kind: an older one of it is superseded.
   void AddUndecoded(std::size_t kind, const UplinkView& uplink);
   /// When the latest of those may be decoded; nothing if none is held.
-  [[nodiscard]] std::optional<SteadyTime> DecodesAt(const robot::BucketSize& rate) const;
+  [[nodiscard]] std::optional<SteadyTime> DecodesAt(const limits::BucketSize& rate) const;
   /// Decodes the latest of those, of each kind. One that judgement rejects is superseded.
-  void Decode(const robot::BucketSize& rate, Processed& processed);
+  void Decode(const limits::BucketSize& rate, Processed& processed);
   /// Copies what is held: the bytes of its batch are about to go.
   void Keep() { surplus_.Keep(); }
 

@@ -68,7 +68,7 @@ std::optional<model::Rejection> NewUplink::TakeRate() {
   // An upsert that had expired is superseded, whatever its rate.
   if (record == nullptr || judged_.expired) return std::nullopt;
   const robot::RateTable& rates = sources_.port.allowance().rates;
-  const robot::BucketSize& rate = rates[static_cast<std::size_t>(record->variant())];
+  const limits::BucketSize& rate = rates[static_cast<std::size_t>(record->variant())];
   if (rate.rate == 0 || !IsNew()) return std::nullopt;
   const std::optional<milliseconds> again =
       sources_.robot.rates.Limit(record->body(), rates, sources_.context.clock.Steady());

@@ -61,6 +61,7 @@ ROOMS = (
     ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
     ("config",),  # it reads the certificates that it names, by identity
     ("loop",),  # the event loop; what threads do again and again; wakes
+    ("limits",),  # how much one sender may send
     ("transport",),  # what the listener for robots, and a handler of its calls, need beside the wire
     ("robot",),  # what is held of one robot
     ("cyberwave",),  # what is held of one twin: the queries show it, and the series are made of it

@@ -30,7 +30,9 @@ class RatesTest : public ::testing::Test {
     Set(Variant::kObject, {.rate = 10, .burst = 3});
     Set(Variant::kSystemHealth, {.rate = 2, .burst = 2});
   }
-  void Set(Variant variant, BucketSize size) { table_[static_cast<std::size_t>(variant)] = size; }
+  void Set(Variant variant, limits::BucketSize size) {
+    table_[static_cast<std::size_t>(variant)] = size;
+  }
   /// Milliseconds until it may come again; 0: it is taken.
   std::int64_t Limit(const model::Body& body) {
     const auto again = rates_.Limit(body, table_, clock_.Steady());

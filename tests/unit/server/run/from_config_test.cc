@@ -204,16 +204,16 @@ TEST(FromConfig, EveryRateReachesItsVariant) {
     *burst = number++;
   }
   const ingest::Allowance allowance = AllowanceOf(config);
-  EXPECT_EQ(allowance.flow.records, (robot::BucketSize{1, 2}));
-  EXPECT_EQ(allowance.flow.bytes, (robot::BucketSize{3, 4}));
-  EXPECT_EQ(allowance.telemetry, (robot::BucketSize{5, 6}));
+  EXPECT_EQ(allowance.flow.records, (limits::BucketSize{1, 2}));
+  EXPECT_EQ(allowance.flow.bytes, (limits::BucketSize{3, 4}));
+  EXPECT_EQ(allowance.telemetry, (limits::BucketSize{5, 6}));
   std::size_t limited = 0;
-  for (const robot::BucketSize& size : allowance.rates) limited += size.rate > 0 ? 1 : 0;
+  for (const limits::BucketSize& size : allowance.rates) limited += size.rate > 0 ? 1 : 0;
   EXPECT_EQ(limited, all.size()) << "no other variant has a rate";
   number = 10;
   for (const auto& [variant, rate, burst] : all) {
     const auto& size = allowance.rates[static_cast<std::size_t>(variant)];
-    EXPECT_EQ(size, (robot::BucketSize{number, number + 1})) << model::ToText(variant);
+    EXPECT_EQ(size, (limits::BucketSize{number, number + 1})) << model::ToText(variant);
     number += 2;
   }
 }

@@ -32,7 +32,7 @@ class RateTest : public SessionTest {
     Set(model::Variant::kObject, {.rate = 10, .burst = 2});
     Set(model::Variant::kSystemHealth, {.rate = 1, .burst = 1});
   }
-  void Set(model::Variant variant, robot::BucketSize size) {
+  void Set(model::Variant variant, limits::BucketSize size) {
     limits_.allowance.rates[static_cast<std::size_t>(variant)] = size;
   }
   BenchStream& Welcomed() {

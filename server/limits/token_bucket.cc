@@ -1,9 +1,9 @@
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 #include <algorithm>
 #include <chrono>
 
-namespace uplink::robot {
+namespace uplink::limits {
 namespace {
 
 /// What a bucket takes longer for than this is as good as never, and nothing overflows.
@@ -43,4 +43,4 @@ void TokenBucket::Take(std::uint64_t cost, const BucketSize& size, SteadyTime no
   size_ = size;
 }
 
-}  // namespace uplink::robot
+}  // namespace uplink::limits

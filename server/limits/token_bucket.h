@@ -4,7 +4,7 @@
 
 #include "schema/base/clock.h"
 
-namespace uplink::robot {
+namespace uplink::limits {
 
 /// How fast a bucket fills, and how much it holds. A value.
 struct BucketSize {
@@ -26,6 +26,14 @@ class TokenBucket final {
                                     SteadyTime now) const;
   /// Takes them, whether they are there or not.
   void Take(std::uint64_t cost, const BucketSize& size, SteadyTime now);
+  /// Takes them if they are there.
+  [[nodiscard]] bool TryTake(std::uint64_t cost, const BucketSize& size, SteadyTime now) {
+    if (PassesAt(cost, size, now) > now) return false;
+    Take(cost, size, now);
+    return true;
+  }
+  /// It lacks nothing: as good as one that was never used.
+  [[nodiscard]] bool IsFull(SteadyTime now) const { return full_at_ <= now; }
 
  private:
   /// When it is full again, at this size from now on: what it lacks stays, but for what the size
@@ -37,4 +45,4 @@ class TokenBucket final {
   BucketSize size_;
 };
 
-}  // namespace uplink::robot
+}  // namespace uplink::limits

@@ -1,4 +1,4 @@
-#include "server/robot/token_bucket.h"
+#include "server/limits/token_bucket.h"
 
 #include <chrono>
 
@@ -6,7 +6,7 @@
 
 #include "tests/support/manual_clock.h"
 
-namespace uplink::robot {
+namespace uplink::limits {
 namespace {
 
 using std::chrono::seconds;
@@ -15,11 +15,7 @@ class TokenBucketTest : public ::testing::Test {
  protected:
   SteadyTime Now() { return clock_.Steady(); }
   /// Takes tokens if they are there.
-  bool TryTake(std::uint64_t cost) {
-    if (bucket_.PassesAt(cost, size_, Now()) > Now()) return false;
-    bucket_.Take(cost, size_, Now());
-    return true;
-  }
+  bool TryTake(std::uint64_t cost) { return bucket_.TryTake(cost, size_, Now()); }
 
   testing::ManualClock clock_;
   BucketSize size_{.rate = 10, .burst = 100};
@@ -115,4 +111,4 @@ TEST_F(TokenBucketTest, WhatItGaveMoreThanItHeldIsNotForgivenWithAnotherSize) {
 }
 
 }  // namespace
-}  // namespace uplink::robot
+}  // namespace uplink::limits
