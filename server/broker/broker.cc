@@ -269,8 +269,7 @@ void Broker::Tick() {
     // Those that the store had, and that were read late.
     streams_.OpenKnown(context_.terms.prefixes, TwinStreams::Which::kNotHeld);
   }
-  if (now - looked_at_twins_ < kLookAtTwinsEvery) return;
-  looked_at_twins_ = now;
+  if (!twin_looks_.Take(now, kLookAtTwinsEvery)) return;
   NoteCertificate(context_.clients.front(), probe_);
   streams_.CloseIdle();
   streams_.ForgetLeft();

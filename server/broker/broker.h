@@ -27,6 +27,7 @@
 #include "server/broker/subscriber.h"
 #include "server/broker/twin_streams.h"
 #include "server/fleet/fleet.h"
+#include "server/limits/recent_times.h"
 #include "server/log/logger.h"
 #include "server/mqtt/settings.h"
 #include "server/mqtt/unacked.h"
@@ -179,7 +180,7 @@ class Broker final : private SubscriberEvents {
   Rereading rereading_;
   /// When a connection ended last: the lease is looked at before the next one.
   SteadyTime ask_since_{};
-  SteadyTime looked_at_twins_{};
+  limits::RecentTimes<1> twin_looks_;
   std::uint64_t fleet_changes_ = 0;
 
   std::mutex mutex_;

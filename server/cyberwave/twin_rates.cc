@@ -20,12 +20,10 @@ std::optional<model::Rejection> TwinRates::Limit(const Judgement& judgement, Jou
   const bool durable = judgement.message_class == MessageClass::kDurable;
   if (durable && fill == JournalFill::kUpToHalf) return std::nullopt;
   if (messages_.PassesAt(1, kMessagesOfTwin, now) > now) return robot::RateLimited(kMessagesOfTwin);
-  const bool log_line = IsLogLine(judgement);
-  if (log_line && log_lines_.PassesAt(1, kLogLinesOfTwin, now) > now) {
+  if (IsLogLine(judgement) && !log_lines_.TryTake(1, kLogLinesOfTwin, now)) {
     return robot::RateLimited(kLogLinesOfTwin);
   }
   messages_.Take(1, kMessagesOfTwin, now);
-  if (log_line) log_lines_.Take(1, kLogLinesOfTwin, now);
   return std::nullopt;
 }
 

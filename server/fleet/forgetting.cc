@@ -22,9 +22,7 @@ void Forgetting::RemoveLeft() {
 }
 
 void Forgetting::ForgetSilent() {
-  const SteadyTime now = context_.clock.Steady();
-  if (looked_ && now - *looked_ < kForgetEvery) return;
-  looked_ = now;
+  if (!looks_.Take(context_.clock.Steady(), kForgetEvery)) return;
   for (const RobotPtr& robot : context_.fleet.All()) {
     if (!IsForgotten(robot->heard_at()) || robot->leaving() || !robot->idle()) continue;
     context_.fleet.BeginLeaving(*robot);

@@ -3,11 +3,11 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <utility>
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/limits/recent_times.h"
 #include "server/log/logger.h"
 
 namespace uplink::fleet {
@@ -53,7 +53,7 @@ class Forgetting final {
   void NameRoom();
 
   const Context context_;
-  std::optional<SteadyTime> looked_;
+  limits::RecentTimes<1> looks_;
 };
 
 }  // namespace uplink::fleet

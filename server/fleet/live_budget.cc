@@ -118,11 +118,9 @@ void LiveBudget::Tell() {
   std::map<Name, Loss> losses;
   {
     const std::lock_guard lock(mutex_);
-    if (losses_.empty()) return;
-    if (told_at_ != SteadyTime() && now - told_at_ < kLiveLineEvery) return;
+    if (losses_.empty() || !told_.Take(now, kLiveLineEvery)) return;
     losses.swap(losses_);
   }
-  told_at_ = now;
   Loss all;
   for (const auto& [name, loss] : losses) {
     all.parts += loss.parts;

@@ -14,6 +14,7 @@
 #include "schema/base/clock.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/limits/recent_times.h"
 #include "server/log/logger.h"
 
 namespace uplink::fleet {
@@ -124,7 +125,7 @@ class LiveBudget final {
   /// Zero: never.
   std::atomic<SteadyTime> dropped_at_{SteadyTime()};
   /// The calls of Round alone.
-  SteadyTime told_at_;
+  limits::RecentTimes<1> told_;
   mutable std::mutex mutex_;
   /// Since the last line, one entry per holder.
   std::map<Name, Loss> losses_;

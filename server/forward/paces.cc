@@ -52,8 +52,7 @@ void Paces::ForgetAll() {
 }
 
 void Paces::DropIdle(SteadyTime now) {
-  if (now - dropped_idle_at_ < kDropIdleEvery) return;
-  dropped_idle_at_ = now;
+  if (!idle_looks_.Take(now, kDropIdleEvery)) return;
   std::erase_if(robots_, [&](const auto& entry) {
     const Robot& robot = entry.second;
     return robot.waiting.empty() && robot.bucket.IsFull(now);

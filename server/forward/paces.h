@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/forward/item.h"
+#include "server/limits/recent_times.h"
 #include "server/limits/token_bucket.h"
 
 namespace uplink::forward {
@@ -73,7 +74,7 @@ class Paces final {
   std::size_t waiting_ = 0;
   /// The last robot that had its turn.
   std::string last_robot_;
-  SteadyTime dropped_idle_at_;
+  limits::RecentTimes<1> idle_looks_;
 };
 
 }  // namespace uplink::forward

@@ -122,11 +122,10 @@ absl::Status Rounds::ReadAll() {
 }
 
 absl::Status Rounds::LookAtLeftOut() {
-  const SteadyTime now = context_.clock.Steady();
-  if (!context_.forwards.left_out() || now - looked_at_left_out_ < kLookAtLeftOutEvery) {
+  if (!context_.forwards.left_out() ||
+      !left_out_looks_.Take(context_.clock.Steady(), kLookAtLeftOutEvery)) {
     return absl::OkStatus();
   }
-  looked_at_left_out_ = now;
   // Each once: a robot that goes on giving room back would keep this thread for ever.
   for (const std::string& robot : context_.forwards.shares().ToLookAtAgain()) {
     if (absl::Status read = ReadRobot(robot); !read.ok()) return read;

@@ -18,6 +18,7 @@
 #include "server/forward/probe.h"
 #include "server/forward/told_robots.h"
 #include "server/forward/unreadable.h"
+#include "server/limits/recent_times.h"
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
 #include "storage/clock_trust.h"
@@ -94,7 +95,7 @@ class Rounds final {
   const Context context_;
   /// Nothing: all is to be read.
   std::optional<storage::ChangePositions> positions_;
-  SteadyTime looked_at_left_out_;
+  limits::RecentTimes<1> left_out_looks_;
   bool failing_ = false;
   Unreadable unreadable_;
   Paces paces_;

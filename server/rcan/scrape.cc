@@ -184,14 +184,13 @@ void RobotScrape::TellRoom(const LeftOut& left_out) {
 
 void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOut& series,
                        SteadyTime now) {
-  if (known.named_at != SteadyTime() && now - known.named_at < kRobotNamedEvery) return;
-  const std::uint64_t kept_back = series_left_out_.suppressed_total();
-  series_left_out_.Write(log::Level::kWarn, "rcan_series_left_out",
-                         {{"robot", ruri},
-                          {"over_robot_series_max", series.over_max},
-                          {"over_robot_new_names_max", series.new_names}});
+  if (known.named.IsFull(now, kRobotNamedEvery)) return;
+  const bool named = series_left_out_.Write(log::Level::kWarn, "rcan_series_left_out",
+                                            {{"robot", ruri},
+                                             {"over_robot_series_max", series.over_max},
+                                             {"over_robot_new_names_max", series.new_names}});
   // Who was kept back has its turn at a later scrape.
-  if (series_left_out_.suppressed_total() == kept_back) known.named_at = now;
+  if (named) known.named.Note(now);
 }
 
 std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format,

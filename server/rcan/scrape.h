@@ -15,6 +15,7 @@
 #include "server/config/config.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/limits/recent_times.h"
 #include "server/log/rate_limited.h"
 #include "server/rcan/fault_counts.h"
 #include "server/rcan/named_series.h"
@@ -87,8 +88,8 @@ class RobotScrape final {
     /// At this scrape; kPresence too if it is left out whole.
     Shown shown = Shown::kPresence;
     SeriesNames names;
-    /// In the log; the epoch if it never was.
-    SteadyTime named_at{};
+    /// In the log.
+    limits::RecentTimes<1> named;
   };
   /// What a scrape left out.
   struct LeftOut {

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "schema/base/clock.h"
+
 namespace uplink::robot {
 
 /// Rejects that session memory remembers for the next Welcome (protocol: Numbers).
@@ -18,6 +20,8 @@ inline constexpr std::uint32_t kRejectsAtOnce = 100;
 /// What one jump of numbers adds to the count of missing ones, at most: an agent may jump by 2^32,
 /// and at a stream's first message by more, so that one mistake would bury every honest count.
 inline constexpr std::uint64_t kMissingPerJumpMax = std::uint64_t{1} << 20U;
+/// A minute, its end included, for limits::RecentTimes.
+inline constexpr SteadyTime::duration kMinute = std::chrono::minutes(1) + SteadyTime::duration(1);
 /// Takeovers within a minute above which a robot is flagged as contested.
 inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
 /// What a record that waits in the journal costs besides its payload and its body: the record, the

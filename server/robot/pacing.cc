@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstddef>
-#include <utility>
 
 #include "server/robot/limits.h"
 
@@ -26,20 +25,14 @@ std::string WithoutIndexes(const std::string& field) {
 }  // namespace
 
 bool Pacing::KeepPayload(model::RejectReason reason, SteadyTime now) {
-  std::optional<SteadyTime>& kept = payload_kept_[static_cast<std::size_t>(reason)];
-  if (kept && now - *kept < kPace) return false;
-  kept = now;
-  return true;
+  return payload_kept_[static_cast<std::size_t>(reason)].Take(now, kPace);
 }
 
 bool Pacing::MayNotice(const std::string& field, SteadyTime now) {
   std::string path = WithoutIndexes(field);
   // Past the bound all further fields share one slot, so that a robot cannot grow the map.
   if (noticed_.size() >= kNoticeFieldsMax && !noticed_.contains(path)) path.clear();
-  const auto [at, first] = noticed_.try_emplace(std::move(path), now);
-  if (!first && now - at->second < kPace) return false;
-  at->second = now;
-  return true;
+  return noticed_[path].Take(now, kPace);
 }
 
 }  // namespace uplink::robot

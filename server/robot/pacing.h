@@ -2,11 +2,11 @@
 
 #include <array>
 #include <map>
-#include <optional>
 #include <string>
 
 #include "schema/base/clock.h"
 #include "schema/model/rejection.h"
+#include "server/limits/recent_times.h"
 
 namespace uplink::robot {
 
@@ -23,8 +23,8 @@ class Pacing final {
   [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now);
 
  private:
-  std::array<std::optional<SteadyTime>, model::kRejectReasons + 1> payload_kept_;
-  std::map<std::string, SteadyTime> noticed_;
+  std::array<limits::RecentTimes<1>, model::kRejectReasons + 1> payload_kept_;
+  std::map<std::string, limits::RecentTimes<1>> noticed_;
 };
 
 }  // namespace uplink::robot

@@ -51,7 +51,9 @@ std::optional<SteadyTime> Rates::LimitedIds::Until(std::size_t id, SteadyTime no
     until_.clear();
     return std::nullopt;
   }
-  if (until_.size() >= kLimitedIdsMax && now >= forget_at_) Forget(now);
+  if (until_.size() >= kLimitedIdsMax && looks_.Take(now, kForgetEvery)) {
+    std::erase_if(until_, [now](const auto& each) { return each.second <= now; });
+  }
   if (until_.size() >= kLimitedIdsMax) return last_;
   const auto known = until_.find(id);
   if (known == until_.end()) return std::nullopt;
@@ -63,11 +65,6 @@ std::optional<SteadyTime> Rates::LimitedIds::Until(std::size_t id, SteadyTime no
 void Rates::LimitedIds::Add(std::size_t id, SteadyTime until) {
   until_.insert_or_assign(id, until);
   last_ = std::max(last_, until);
-}
-
-void Rates::LimitedIds::Forget(SteadyTime now) {
-  std::erase_if(until_, [now](const auto& id) { return id.second <= now; });
-  forget_at_ = now + kForgetEvery;
 }
 
 std::optional<Rates::Limited> Rates::LimitedNow(const model::Body& body, const RateTable& table,

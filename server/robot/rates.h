@@ -12,6 +12,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
+#include "server/limits/recent_times.h"
 #include "server/limits/token_bucket.h"
 
 namespace uplink::robot {
@@ -79,13 +80,11 @@ class Rates final {
     [[nodiscard]] std::size_t size() const { return until_.size(); }
 
    private:
-    /// Those that are limited no more go.
-    void Forget(SteadyTime now);
-
     std::unordered_map<std::size_t, SteadyTime> until_;
     /// The latest of them.
     SteadyTime last_{};
-    SteadyTime forget_at_{};
+    /// For those that are limited no more.
+    limits::RecentTimes<1> looks_;
   };
 
   /// A message that is limited. A value.

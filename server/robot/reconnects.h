@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "schema/base/clock.h"
+#include "server/limits/recent_times.h"
 #include "server/robot/limits.h"
 
 namespace uplink::robot {
@@ -40,12 +40,8 @@ class Reconnects final {
   [[nodiscard]] bool MayAttach(std::uint64_t number);
 
  private:
-  /// It is one of the last minute's streams. Forgets those before, and the oldest without room.
-  void Remember(SteadyTime now);
-
-  /// When the last minute's streams came, ascending: `remembered_` of them.
-  std::array<SteadyTime, kStreamTimesMax> came_{};
-  std::size_t remembered_ = 0;
+  /// When streams came. More times would make no stream wait longer.
+  limits::RecentTimes<kStreamTimesMax> came_;
   std::uint64_t last_number_ = 0;
   /// The number of the newest that wanted the robot.
   std::uint64_t attached_ = 0;

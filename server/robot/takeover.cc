@@ -1,9 +1,6 @@
 #include "server/robot/takeover.h"
 
-#include <chrono>
 #include <utility>
-
-#include "server/robot/limits.h"
 
 namespace uplink::robot {
 
@@ -30,14 +27,9 @@ Takeover::Attached Takeover::Attach(loop::StreamRef stream, SteadyTime now, Syst
 }
 
 bool Takeover::AddTakeover(SteadyTime now) {
-  takeovers_.push_back(now);
-  // Only whether there were more than the limit counts, so no more need be kept.
-  while (takeovers_.size() > kTakeoversPerMinuteMax + 1 ||
-         now - takeovers_.front() > std::chrono::minutes(1)) {
-    takeovers_.pop_front();
-  }
+  takeovers_.Note(now);
   const bool was = contested_;
-  contested_ = takeovers_.size() > kTakeoversPerMinuteMax;
+  Sweep(now);
   return contested_ && !was;
 }
 
@@ -73,11 +65,6 @@ void Takeover::End() {
   if (current_ && current_standing_ == Standing::kCurrent) current_standing_ = Standing::kEnded;
 }
 
-void Takeover::Sweep(SteadyTime now) {
-  while (!takeovers_.empty() && now - takeovers_.front() > std::chrono::minutes(1)) {
-    takeovers_.pop_front();
-  }
-  contested_ = takeovers_.size() > kTakeoversPerMinuteMax;
-}
+void Takeover::Sweep(SteadyTime now) { contested_ = takeovers_.IsFull(now, kMinute); }
 
 }  // namespace uplink::robot

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/limits/recent_times.h"
 #include "server/loop/wake.h"
+#include "server/robot/limits.h"
 
 namespace uplink::robot {
 
@@ -82,7 +83,7 @@ class Takeover final {
   SystemTime next_since_;
   std::string gateway_;
   std::string next_gateway_;
-  std::deque<SteadyTime> takeovers_;
+  limits::RecentTimes<kTakeoversPerMinuteMax + 1> takeovers_;
 };
 
 }  // namespace uplink::robot

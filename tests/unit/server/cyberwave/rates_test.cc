@@ -71,20 +71,6 @@ TEST_F(TwinRatesTest, LinesOfLogsHaveARateOfTheirOwn) {
   EXPECT_EQ(Pass(60, line_, kOverHalf), 50U);
 }
 
-TEST(PongLimitTest, InNoSecondAreThereMoreToOneName) {
-  testing::ManualClock clock;
-  PongLimit limit;
-  std::vector<SteadyTime> answered;
-  for (int i = 0; i < 3'000; ++i) {
-    if (limit.Take("pong/me/response", clock.Steady())) answered.push_back(clock.Steady());
-    clock.Advance(milliseconds(i % 7 == 0 ? 3 : 1));
-  }
-  for (std::size_t i = kPongsOfNameMax; i < answered.size(); ++i) {
-    EXPECT_GE(answered[i] - answered[i - kPongsOfNameMax], seconds(1));
-  }
-  EXPECT_GE(answered.size(), 30U);
-}
-
 TEST(PongLimitTest, OneNameTakesNothingFromAnother) {
   testing::ManualClock clock;
   PongLimit limit;
