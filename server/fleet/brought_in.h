@@ -6,6 +6,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "server/limits/key_counts.h"
+
 namespace uplink::fleet {
 
 /// Robots in memory that one gateway may have brought in by the word for its fleet: four times as
@@ -42,7 +44,7 @@ class BroughtIn final {
   mutable std::mutex mutex_;
   /// The gateway of each robot, and how many each has.
   std::unordered_map<std::string, std::string> gateways_;
-  std::unordered_map<std::string, std::size_t> counts_;
+  limits::KeyCounts<std::string> counts_;
 };
 
 }  // namespace uplink::fleet

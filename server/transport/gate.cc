@@ -5,20 +5,6 @@
 #include <fmt/format.h>
 
 namespace uplink::transport {
-namespace {
-
-std::size_t Of(const std::unordered_map<std::string, std::size_t>& counts,
-               const std::string& name) {
-  const auto found = counts.find(name);
-  return found == counts.end() ? 0 : found->second;
-}
-
-void Drop(std::unordered_map<std::string, std::size_t>& counts, const std::string& name) {
-  const auto found = counts.find(name);
-  if (found != counts.end() && --found->second == 0) counts.erase(found);
-}
-
-}  // namespace
 
 Entrant EntrantOf(const identity::PeerIdentity& peer) {
   switch (peer.role) {
@@ -42,7 +28,7 @@ Gate::Gate(const Limits& limits, RelayProbe& probe)
       probe_(probe) {}
 
 absl::Status Gate::CheckRobot(const std::string& robot) const {
-  const std::size_t has = robot.empty() ? 0 : Of(by_robot_, robot);
+  const std::size_t has = by_robot_.Of(robot);
   if (has < kStreamsPerCertificateMax) return absl::OkStatus();
   probe_.refused_robot_total.Add();
   return absl::ResourceExhaustedError(
@@ -50,7 +36,7 @@ absl::Status Gate::CheckRobot(const std::string& robot) const {
 }
 
 absl::Status Gate::CheckGateway(const std::string& gateway) const {
-  const std::size_t has = gateway.empty() ? 0 : Of(by_gateway_, gateway);
+  const std::size_t has = by_gateway_.Of(gateway);
   if (has < per_gateway_max_) return absl::OkStatus();
   probe_.refused_gateway_total.Add();
   return absl::ResourceExhaustedError(fmt::format(
@@ -73,9 +59,9 @@ absl::Status Gate::Enter(const Entrant& entrant) {
   if (absl::Status status = CheckRobot(entrant.robot); !status.ok()) return status;
   if (absl::Status status = CheckGateway(entrant.gateway); !status.ok()) return status;
   ++streams_;
-  if (!entrant.robot.empty()) ++by_robot_[entrant.robot];
+  if (!entrant.robot.empty()) by_robot_.Add(entrant.robot);
   if (!entrant.gateway.empty()) {
-    ++by_gateway_[entrant.gateway];
+    by_gateway_.Add(entrant.gateway);
     probe_.gateway_streams.Add();
   }
   return absl::OkStatus();
@@ -84,9 +70,11 @@ absl::Status Gate::Enter(const Entrant& entrant) {
 void Gate::Leave(const Entrant& entrant) {
   const std::lock_guard lock(mutex_);
   --streams_;
-  Drop(by_robot_, entrant.robot);
-  Drop(by_gateway_, entrant.gateway);
-  if (!entrant.gateway.empty()) probe_.gateway_streams.Add(-1);
+  if (!entrant.robot.empty()) by_robot_.Drop(entrant.robot);
+  if (!entrant.gateway.empty()) {
+    by_gateway_.Drop(entrant.gateway);
+    probe_.gateway_streams.Add(-1);
+  }
   if (streams_ == 0) empty_.notify_all();
 }
 

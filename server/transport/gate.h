@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <mutex>
 #include <string>
-#include <unordered_map>
 
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/identity/peer_identity.h"
+#include "server/limits/key_counts.h"
 #include "server/transport/probe.h"
 
 namespace uplink::transport {
@@ -60,8 +60,6 @@ class Gate final {
   [[nodiscard]] bool WaitEmpty(milliseconds wait) const;
 
  private:
-  using Counts = std::unordered_map<std::string, std::size_t>;
-
   /// Under the lock.
   [[nodiscard]] absl::Status CheckRobot(const std::string& robot) const;
   [[nodiscard]] absl::Status CheckGateway(const std::string& gateway) const;
@@ -73,8 +71,8 @@ class Gate final {
   mutable std::condition_variable empty_;
   std::size_t streams_ = 0;
   /// Of each robot's certificate, and of each gateway, that has one.
-  Counts by_robot_;
-  Counts by_gateway_;
+  limits::KeyCounts<std::string> by_robot_;
+  limits::KeyCounts<std::string> by_gateway_;
   bool closed_ = false;
 };
 

@@ -2,13 +2,12 @@
 
 #include <chrono>
 #include <cstddef>
-#include <list>
-#include <map>
 #include <mutex>
-#include <vector>
 
 #include "schema/base/clock.h"
 #include "server/front/door/key_table.h"
+#include "server/limits/recent_keys.h"
+#include "server/limits/recent_times.h"
 
 namespace uplink::front {
 
@@ -31,16 +30,8 @@ class Evictions final {
   std::size_t Note(const KeyDigest& digest, SteadyTime now);
 
  private:
-  struct Key {
-    KeyDigest digest{};
-    /// From the oldest to the newest.
-    std::vector<SteadyTime> times;
-  };
-
   std::mutex mutex_;
-  /// From the one that was evicted last.
-  std::list<Key> keys_;
-  std::map<KeyDigest, std::list<Key>::iterator> by_digest_;
+  limits::RecentKeys<KeyDigest, limits::RecentTimes<kEvictionsFlagged>, kKeysMax> keys_;
 };
 
 }  // namespace uplink::front

@@ -2,11 +2,10 @@
 
 #include <chrono>
 #include <cstddef>
-#include <list>
-#include <map>
 
 #include "schema/base/clock.h"
 #include "server/front/door/source_address.h"
+#include "server/limits/recent_keys.h"
 
 namespace uplink::front {
 
@@ -18,7 +17,8 @@ inline constexpr int kHandshakesAtOnce = 40;
 inline constexpr std::size_t kRatedSourcesMax = 8192;
 
 /// Which sources began more handshakes lately than kHandshakesPerSecond and kHandshakesAtOnce. What
-/// follows from it the caller decides. Each call is O(log kRatedSourcesMax).
+/// follows from it the caller decides, so a source may go over: unlike a limits::TokenBucket this
+/// remembers no more than one handshake of that. Each call is O(log kRatedSourcesMax).
 ///
 /// Thread: confined to the acceptor's.
 class HandshakeRates final {
@@ -28,21 +28,11 @@ class HandshakeRates final {
   /// When the source is within the rate again; not after `now` if it is.
   [[nodiscard]] SteadyTime WithinAt(const SourceAddress& source, SteadyTime now) const;
   /// Sources in memory: those that have not used anything of late go when the next one is noted.
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  [[nodiscard]] std::size_t size() const { return idle_at_.size(); }
 
  private:
-  struct Entry {
-    SourceAddress source;
-    /// When it may have kHandshakesAtOnce again.
-    SteadyTime idle_at;
-  };
-  using Entries = std::list<Entry>;
-
-  void ForgetLast();
-
-  /// From the one noted latest to the one noted least recently.
-  Entries entries_;
-  std::map<SourceAddress, Entries::iterator> by_source_;
+  /// When each source may have kHandshakesAtOnce again.
+  limits::RecentKeys<SourceAddress, SteadyTime, kRatedSourcesMax> idle_at_;
 };
 
 }  // namespace uplink::front

@@ -2,12 +2,12 @@
 
 #include <chrono>
 #include <cstddef>
-#include <list>
 #include <mutex>
-#include <unordered_map>
 
 #include "schema/base/clock.h"
 #include "server/front/door/source_address.h"
+#include "server/limits/key_counts.h"
+#include "server/limits/recent_keys.h"
 
 namespace uplink::front {
 
@@ -18,7 +18,7 @@ inline constexpr std::chrono::hours kKnownFor{1};
 inline constexpr std::size_t kKnownSourcesMax = 65'536;
 
 /// The sources from which a robot streams, or streamed within the last hour: their connections come
-/// before a stranger's. Each call is O(1) amortised. Thread-safe.
+/// before a stranger's. Thread-safe.
 ///
 /// Limits: kKnownSourcesMax, and as many sources as there are streams (transport::Gate).
 class KnownSources final {
@@ -33,23 +33,10 @@ class KnownSources final {
   [[nodiscard]] std::size_t size() const;
 
  private:
-  struct Entry {
-    SourceAddress source;
-    SteadyTime noted;
-  };
-  using Entries = std::list<Entry>;
-
-  /// A stream from there ended.
-  void Note(const SourceAddress& source, SteadyTime now);
-  /// The one that was noted least recently.
-  void ForgetLast();
-
   mutable std::mutex mutex_;
-  /// How many streams each source has that has any.
-  std::unordered_map<SourceAddress, std::size_t> streams_;
-  /// From the one noted latest to the one noted least recently.
-  Entries entries_;
-  std::unordered_map<SourceAddress, Entries::iterator> by_source_;
+  limits::KeyCounts<SourceAddress> streams_;
+  /// When a stream from each source last ended.
+  limits::RecentKeys<SourceAddress, SteadyTime, kKnownSourcesMax> ended_;
 };
 
 }  // namespace uplink::front

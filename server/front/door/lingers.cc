@@ -8,9 +8,8 @@ bool Lingers::Begin(const std::optional<KeyDigest>& key) {
   const std::lock_guard lock(mutex_);
   if (all_ >= max_) return false;
   if (key) {
-    const auto found = by_key_.find(*key);
-    if (found != by_key_.end() && found->second >= kLingersPerKeyMax) return false;
-    ++by_key_[*key];
+    if (by_key_.Of(*key) >= kLingersPerKeyMax) return false;
+    by_key_.Add(*key);
   }
   ++all_;
   return true;
@@ -20,10 +19,7 @@ void Lingers::End(const std::optional<KeyDigest>& key) {
   const std::lock_guard lock(mutex_);
   UPLINK_CHECK(all_ > 0, "one ends that did not begin");
   --all_;
-  if (!key) return;
-  const auto found = by_key_.find(*key);
-  UPLINK_CHECK(found != by_key_.end(), "one of a key ends that did not begin");
-  if (--found->second == 0) by_key_.erase(found);
+  if (key) by_key_.Drop(*key);
 }
 
 }  // namespace uplink::front

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <mutex>
 #include <optional>
 
 #include "server/front/door/key_table.h"
+#include "server/limits/key_counts.h"
 
 namespace uplink::front {
 
@@ -30,8 +30,7 @@ class Lingers final {
   const std::size_t max_;
   std::mutex mutex_;
   std::size_t all_ = 0;
-  /// No entry is zero.
-  std::map<KeyDigest, std::size_t> by_key_;
+  limits::KeyCounts<KeyDigest> by_key_;
 };
 
 }  // namespace uplink::front

@@ -64,18 +64,7 @@ void SourceLines::Turn(Window& window, SteadyTime now) {
 }
 
 SourceLines::Window& SourceLines::WindowOf(const Key& key, SteadyTime now) {
-  auto found = by_key_.find(key);
-  if (found == by_key_.end()) {
-    if (entries_.size() >= kEntriesMax) {
-      by_key_.erase(entries_.back().key);
-      entries_.pop_back();
-    }
-    entries_.push_front({key, {}});
-    found = by_key_.emplace(key, entries_.begin()).first;
-  } else {
-    entries_.splice(entries_.begin(), entries_, found->second);
-  }
-  Window& window = found->second->window;
+  Window& window = windows_.Touch(key);
   Turn(window, now);
   return window;
 }

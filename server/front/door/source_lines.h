@@ -3,8 +3,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <list>
-#include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -12,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/front/door/origin.h"
+#include "server/limits/recent_keys.h"
 #include "server/log/logger.h"
 
 namespace uplink::front {
@@ -51,10 +50,6 @@ class SourceLines final {
   };
   /// Whom and what a line is about: a source, who is behind it, a kind; or a word for all kinds.
   using Key = std::tuple<SourceAddress, std::string, std::string_view>;
-  struct Entry {
-    Key key;
-    Window window;
-  };
 
   /// Takes a line of every window that it counts in, if it fits into all.
   [[nodiscard]] bool Take(Window& of_kind, const Origin& origin, SteadyTime now);
@@ -65,9 +60,7 @@ class SourceLines final {
   const log::Logger* const logger_;
   std::mutex mutex_;
   Window all_;
-  /// From the most recent to the least.
-  std::list<Entry> entries_;
-  std::map<Key, std::list<Entry>::iterator> by_key_;
+  limits::RecentKeys<Key, Window, kEntriesMax> windows_;
 };
 
 }  // namespace uplink::front

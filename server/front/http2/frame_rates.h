@@ -96,7 +96,8 @@ inline constexpr std::chrono::seconds kForSentWait{8};
 
 /// How many frames of each kind a connection's peer may still send, and how many more as answers to
 /// frames that we sent. The first is GCRA: it keeps per kind the time at which the whole burst is
-/// there again. Allocates nothing. Confined to the connection's thread.
+/// there again, in whole intervals and half the memory of a limits::TokenBucket, whose size may
+/// change. Allocates nothing. Confined to the connection's thread.
 class FrameRates final {
  public:
   /// For a peer that may have so many streams; until TLS has shown which one, a robot's.

@@ -76,25 +76,6 @@ TEST(KnownSources, AnEarlierTimeOfAnotherThreadTakesNothingBack) {
   EXPECT_TRUE(sources.IsKnown(From(1), kNow + kKnownFor));
 }
 
-TEST(KnownSources, KeepsAsManyAsItsBound) {
-  KnownSources sources;
-  for (std::size_t i = 0; i < kKnownSourcesMax; ++i) Stream(sources, From(i), kNow);
-  EXPECT_EQ(sources.size(), kKnownSourcesMax);
-  EXPECT_TRUE(sources.IsKnown(From(0), kNow));
-}
-
-TEST(KnownSources, PastItForgetsTheOneWhoseStreamEndedLeastRecently) {
-  KnownSources sources;
-  for (std::size_t i = 0; i < kKnownSourcesMax; ++i) Stream(sources, From(i), kNow);
-  Stream(sources, From(0), kNow + kMs);
-  Stream(sources, From(kKnownSourcesMax), kNow + kMs);
-  EXPECT_EQ(sources.size(), kKnownSourcesMax);
-  EXPECT_TRUE(sources.IsKnown(From(0), kNow + kMs));
-  EXPECT_FALSE(sources.IsKnown(From(1), kNow + kMs));
-  EXPECT_TRUE(sources.IsKnown(From(2), kNow + kMs));
-  EXPECT_TRUE(sources.IsKnown(From(kKnownSourcesMax), kNow + kMs));
-}
-
 TEST(KnownSources, DropsThoseThatAreKnownNoMore) {
   KnownSources sources;
   Stream(sources, From(1), kNow);
