@@ -1,13 +1,20 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string_view>
 
+#include "schema/base/clock.h"
 #include "schema/cyberwave/topic.h"
-#include "server/broker/id_budgets.h"
 #include "server/broker/twin_stream.h"
+#include "server/limits/keyed_buckets.h"
 #include "server/log/rate_limited.h"
 
 namespace uplink::broker {
+
+/// The key by which the id in a topic has a budget: the id under its prefix and of its kind (twin,
+/// environment, run, ping). Nothing if the topic has no id.
+[[nodiscard]] std::optional<std::size_t> BudgetKeyOf(const cyberwave::Topic& topic);
 
 /// The lines that name twins whose messages are rejected for their rate.
 ///
@@ -22,9 +29,9 @@ class LimitedLog final {
   /// One more message of this stream was rejected.
   void Tell(TwinStream& stream, std::string_view why, SteadyTime now);
   /// Takes so much of the budget that this topic's id has. False, and told at times, if it is over
-  /// it; `of` says what the budget is of.
-  [[nodiscard]] bool Passes(IdBudgets& budgets, const cyberwave::Topic& topic, std::size_t amount,
-                            SteadyTime now, std::string_view of);
+  /// it.
+  [[nodiscard]] bool Passes(limits::KeyedBuckets& budgets, const cyberwave::Topic& topic,
+                            std::size_t amount, SteadyTime now);
 
  private:
   log::RateLimited lines_;

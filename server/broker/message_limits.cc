@@ -12,8 +12,7 @@ bool IsAcked(const mqtt::Publish& publish) { return publish.id != 0; }
 
 bool MessageLimits::ExceedsUnknownSenderBudget(const Message& message, const TwinStream& stream) {
   if (stream.twin != nullptr || message.judgement.rejection() == nullptr) return false;
-  return !context_.log.Passes(strangers_, message.judgement.topic, 1, message.arrived,
-                              "rejected messages of no robot");
+  return !context_.log.Passes(strangers_, message.judgement.topic, 1, message.arrived);
 }
 
 std::optional<model::Rejection> MessageLimits::Limit(const Message& message, TwinStream& stream,
@@ -37,9 +36,8 @@ bool MessageLimits::ExceedsScopeBudget(const Message& message, bool journal_shor
   if (message.judgement.rejection() != nullptr) return false;
   if (IsAcked(message.publish) && !journal_short) return false;
   const cyberwave::Topic& topic = message.judgement.topic;
-  return !context_.log.Passes(scope_records_, topic, 1, message.arrived, "messages to store") ||
-         !context_.log.Passes(scope_bytes_, topic, message.publish.payload_bytes, message.arrived,
-                              "bytes to store");
+  return !context_.log.Passes(scope_records_, topic, 1, message.arrived) ||
+         !context_.log.Passes(scope_bytes_, topic, message.publish.payload_bytes, message.arrived);
 }
 
 }  // namespace uplink::broker

@@ -7,10 +7,10 @@
 #include "schema/base/clock.h"
 #include "schema/cyberwave/judge.h"
 #include "schema/model/rejection.h"
-#include "server/broker/id_budgets.h"
 #include "server/broker/limited_log.h"
 #include "server/broker/limits.h"
 #include "server/broker/twin_stream.h"
+#include "server/limits/keyed_buckets.h"
 #include "server/mqtt/packets.h"
 
 namespace uplink::broker {
@@ -51,9 +51,9 @@ class MessageLimits final {
   [[nodiscard]] bool ExceedsScopeBudget(const Message& message, bool journal_short);
 
   const Context context_;
-  IdBudgets strangers_{kRejectsOfStranger};
-  IdBudgets scope_records_{kRecordsOfScope};
-  IdBudgets scope_bytes_{kBytesOfScope};
+  limits::KeyedBuckets strangers_{kRejectsOfStranger};
+  limits::KeyedBuckets scope_records_{kRecordsOfScope};
+  limits::KeyedBuckets scope_bytes_{kBytesOfScope};
 };
 
 }  // namespace uplink::broker

@@ -10,8 +10,7 @@ PayloadJudge::Judged PayloadJudge::Judge(const mqtt::Publish& publish, SteadyTim
   }
   auto judged = cyberwave::JudgeTopic(publish.topic, publish.payload_bytes, terms_);
   if (!judged.decided && publish.id == 0 && publish.payload_bytes >= kBudgetedBytesMin) {
-    if (!limited_log_.Passes(bytes_, judged.judgement.topic, publish.payload_bytes, arrived,
-                             "bytes at QoS 0")) {
+    if (!limited_log_.Passes(bytes_, judged.judgement.topic, publish.payload_bytes, arrived)) {
       return {.judgement = std::move(judged.judgement), .over_budget = true};
     }
   }

@@ -2,9 +2,9 @@
 
 #include "schema/base/clock.h"
 #include "schema/cyberwave/judge.h"
-#include "server/broker/id_budgets.h"
 #include "server/broker/limited_log.h"
 #include "server/broker/limits.h"
+#include "server/limits/keyed_buckets.h"
 #include "server/mqtt/packets.h"
 
 namespace uplink::broker {
@@ -30,7 +30,7 @@ class PayloadJudge final {
  private:
   const cyberwave::JudgeTerms& terms_;
   LimitedLog& limited_log_;
-  IdBudgets bytes_{kBytesOfId};
+  limits::KeyedBuckets bytes_{kBytesOfId};
 };
 
 }  // namespace uplink::broker

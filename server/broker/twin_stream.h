@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "server/fleet/fleet.h"
 #include "server/ingest/room.h"
 #include "server/journal/journal.h"
+#include "server/limits/recent_times.h"
 #include "server/loop/wake.h"
 
 namespace uplink::broker {
@@ -45,7 +45,7 @@ struct TwinStream {
   std::vector<std::uint16_t> settled;
   SteadyTime used_at;
   /// When the log last named it for its rate (LimitedLog).
-  std::optional<SteadyTime> limited_told_at;
+  limits::RecentTimes<1> limited_told;
   /// It takes no more messages, and goes once nothing of it waits; but it may go on before.
   bool ending = false;
   /// An operator ended it: it goes once nothing of it waits.

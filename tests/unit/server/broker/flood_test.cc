@@ -30,7 +30,7 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   testing::FakeDatabase database;
   Bench bench(database, 1, {.journal = {.robot_share = 100}});
   ASSERT_TRUE(bench.TakeLease());
-  for (std::size_t i = 0; i < kRejectsOfStranger.burst + 100; ++i) {
+  for (std::size_t i = 0; i < kRejectsOfStranger.each.burst + 100; ++i) {
     (void)bench.Publish(Bench::Of("telemetry"), "{");
   }
   using model::RejectReason;
@@ -47,7 +47,7 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   (void)bench.Publish(Bench::Of("telemetry"), "{");
   EXPECT_EQ(rejects(RejectReason::kRateLimited), 100U);
   bench.Run();
-  EXPECT_EQ(rejects(RejectReason::kMalformed), kRejectsOfStranger.burst + 3);
+  EXPECT_EQ(rejects(RejectReason::kMalformed), kRejectsOfStranger.each.burst + 3);
   EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
@@ -71,6 +71,29 @@ TEST(Flood, AtQos0TakesNoMoreOfTheJournalThanOnesShare) {
   (void)bench.Publish(Bench::Of("telemetry"), Bench::Event(32));
   EXPECT_EQ(bench.ledger.Read().messages.in_flight, 1) << "there is room again";
   bench.Run();
+  EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
+}
+
+TEST(Flood, WhatIsOverAnIdsBudgetIsRejectedUnreadAtQos0Alone) {
+  testing::FakeDatabase database;
+  Bench bench(database, 1);
+  ASSERT_TRUE(bench.TakeLease());
+  const std::string large = R"({"type":"event","detail":")" + std::string(60'000, 'x') + "\"}";
+  const std::size_t passing = kBytesOfId.each.burst / large.size();
+  // Of a twin that nobody heard, who is commanded.
+  for (std::size_t i = 0; i < passing + 10; ++i) {
+    (void)bench.Publish(Bench::Of("command"), large);
+  }
+  EXPECT_EQ(bench.Count(Became::kRejected), 10U);
+  EXPECT_EQ(bench.Count(Became::kObserved), passing);
+  EXPECT_THAT(bench.lines(), ::testing::ElementsAre(::testing::HasSubstr("twin_limited")));
+  (void)bench.Publish(Bench::Of("command"), R"({"command":"small"})");
+  EXPECT_EQ(bench.Count(Became::kObserved), passing + 1) << "small ones always pass";
+  (void)bench.Publish(Bench::Of("telemetry"), large, {.id = 1, .handle = 1});
+  bench.Run();
+  EXPECT_EQ(bench.Count(Became::kStored), 1U);
+  (void)bench.Publish(Bench::Of("command", kOtherTwin), large);
+  EXPECT_EQ(bench.Count(Became::kObserved), passing + 2);
   EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 

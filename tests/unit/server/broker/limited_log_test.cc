@@ -1,6 +1,9 @@
 // What the log says of twins that send too much.
 #include "server/broker/limited_log.h"
 
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,6 +50,32 @@ TEST_F(LimitedLogTest, NamesATwinThatGoesOnAgain) {
   bench_.clock.Advance(milliseconds(1));
   Flood(kTwin, 100);
   EXPECT_THAT(bench_.lines(), SizeIs(2));
+}
+
+TEST(BudgetKeyOf, IsOneOfAnIdUnderAPrefixAndOfAKind) {
+  using enum cyberwave::TopicKind;
+  const auto id = *model::cyberwave::Uuid::FromText("00000000-0000-4000-8000-000000000001");
+  const auto other = *model::cyberwave::Uuid::FromText("00000000-0000-4000-8000-000000000002");
+  const cyberwave::Topic command{.kind = kCommand, .identified = true, .id = id};
+  const cyberwave::Topic ping{.kind = kPing, .identified = true, .name = "a"};
+  struct Row {
+    cyberwave::Topic left;
+    cyberwave::Topic right;
+    bool same;
+  };
+  for (const Row& row : std::vector<Row>{
+           {command, command, true},
+           {command, {.kind = kPosition, .identified = true, .id = id}, true},
+           {command, {.kind = kCommand, .identified = true, .id = other}, false},
+           {command, {.kind = kCommand, .prefix = "lab/", .identified = true, .id = id}, false},
+           {command, {.kind = kEnvironment, .identified = true, .id = id}, false},
+           {ping, {.kind = kPing, .identified = true, .name = "a"}, true},
+           {ping, {.kind = kPing, .identified = true, .name = "b"}, false},
+       }) {
+    EXPECT_EQ(BudgetKeyOf(row.left) == BudgetKeyOf(row.right), row.same)
+        << static_cast<int>(row.right.kind) << row.right.prefix << row.right.name;
+  }
+  EXPECT_EQ(BudgetKeyOf({.kind = kCommand}), std::nullopt);
 }
 
 }  // namespace
