@@ -1,12 +1,21 @@
 #include "server/broker/message_limits.h"
 
-#include "server/broker/message_cost.h"
-
 namespace uplink::broker {
 namespace {
 
 /// Its publisher waits for our ack.
 bool IsAcked(const mqtt::Publish& publish) { return publish.id != 0; }
+
+/// Why the twin sends too much, if it does; else its tokens are taken for a message that may bring
+/// so many records.
+std::optional<model::Rejection> LimitOf(const cyberwave::Judgement& judgement, TwinStream& stream,
+                                        std::size_t records, cyberwave::JournalFill fill,
+                                        SteadyTime now) {
+  if (auto limited = stream.rates->Limit(judgement, fill, now)) return limited;
+  const bool faults = judgement.topic.kind == cyberwave::TopicKind::kMetrics &&
+                      judgement.rejection() == nullptr && records > 0;
+  return faults ? stream.rates->LimitFaults(records, now) : std::nullopt;
+}
 
 }  // namespace
 

@@ -1,15 +1,99 @@
 #include "server/broker/twin_message.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
+#include <variant>
 
 #include "schema/cyberwave/topic.h"
-#include "server/broker/message_cost.h"
-#include "server/broker/outcome.h"
-#include "server/broker/records_of.h"
+#include "schema/model/held_bytes.h"
 #include "server/cyberwave/whose.h"
+#include "storage/commit_record.h"
 #include "storage/origin.h"
 
 namespace uplink::broker {
+namespace {
+
+using cyberwave::DurableRecord;
+using cyberwave::TopicKind;
+
+/// How many records the message may bring; they must have room before anything of it is done.
+std::size_t RecordsAtMost(const cyberwave::Judgement& judgement, const TwinStream& stream) {
+  if (judgement.rejection() != nullptr ||
+      judgement.message_class == cyberwave::MessageClass::kDurable) {
+    return 1;
+  }
+  const bool metrics = judgement.topic.kind == TopicKind::kMetrics && stream.twin != nullptr;
+  return metrics ? stream.twin->RecordsAtMost(judgement) : 0;
+}
+
+/// What the flow counts of these records of one message: the bytes of its payload, or what they
+/// hold where that is more, as of any robot's messages (limits.durable_bytes_*).
+std::size_t FlowBytes(std::size_t payload_bytes, std::span<const DurableRecord> records) {
+  std::size_t held = 0;
+  for (const DurableRecord& record : records) {
+    held += std::visit([](const auto& each) { return model::HeldBytes(each); }, record);
+  }
+  return std::max(payload_bytes, held);
+}
+
+storage::CommitContent ContentOf(DurableRecord&& record) {
+  return std::visit(
+      [](auto&& each) { return storage::CommitContent(std::forward<decltype(each)>(each)); },
+      std::move(record));
+}
+
+std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made,
+                                             const ingest::Arrival& arrival) {
+  std::vector<storage::CommitRecord> records;
+  records.reserve(made.size());
+  for (DurableRecord& each : made) {
+    records.push_back({.received_at = arrival.system,
+                       .content = ContentOf(std::move(each)),
+                       .payload = "",
+                       .payload_bytes = arrival.payload_bytes});
+  }
+  // The store may refuse it; of many records one has what all of them came from.
+  if (!records.empty()) records.front().payload = arrival.payload;
+  return records;
+}
+
+metrics::Became BecameOf(cyberwave::Outcome outcome) {
+  switch (outcome) {
+    case cyberwave::Outcome::kApplied:
+      return metrics::Became::kApplied;
+    case cyberwave::Outcome::kSuperseded:
+      return metrics::Became::kSuperseded;
+    case cyberwave::Outcome::kObserved:
+      return metrics::Became::kObserved;
+    case cyberwave::Outcome::kStored:
+      return metrics::Became::kStored;
+    case cyberwave::Outcome::kRejected:  // it does not come so far
+    case cyberwave::Outcome::kIgnored:
+      break;
+  }
+  return metrics::Became::kIgnored;
+}
+
+/// Counts fields that a message went without.
+void CountDropped(std::span<const model::DroppedField> dropped, metrics::Ledger& ledger) {
+  for (const model::DroppedField& field : dropped) {
+    ledger.CountDropped(metrics::kUnknownKind, field.reason);
+  }
+}
+
+/// Counts what a message that was judged good went without, and what in it was absurd.
+void CountOdd(const cyberwave::Judgement& judgement, metrics::Ledger& ledger) {
+  CountDropped(judgement.dropped, ledger);
+  for (const model::UntoldFields& fields : judgement.untold) {
+    ledger.CountDropped(metrics::kUnknownKind, fields.reason, fields.fields);
+  }
+  const metrics::OddCounts odd{.times_unknown = judgement.times_unknown,
+                               .control_characters = judgement.control_characters};
+  if (odd.any()) ledger.CountOdd(odd);
+}
+
+}  // namespace
 
 using ingest::Numbered;
 
@@ -62,13 +146,13 @@ ingest::Brought TwinMessage::Take() {
           : sources_.twins.Apply(*stream.twin, std::move(known_.judgement), known_.arrived);
   CountDropped(applied.dropped, sources_.ledger);
   stream.robot->state.CountDropped(applied.without_room);
-  rests_on_store_ = topic_.kind == cyberwave::TopicKind::kMetrics;
+  rests_on_store_ = topic_.kind == TopicKind::kMetrics;
   if (applied.records.empty()) return {.records = {}, .became = BecameOf(applied.outcome)};
-  ingest::Brought brought{
-      .records = RecordsOf(std::move(applied.records), known_.publish, known_.arrived.system)};
+  ingest::Brought brought;
   if (stream.twin != nullptr) {
-    brought.flow_bytes = FlowBytes(arrival_.payload_bytes, brought.records);
+    brought.flow_bytes = FlowBytes(arrival_.payload_bytes, applied.records);
   }
+  brought.records = RecordsOf(std::move(applied.records), arrival_);
   return brought;
 }
 
