@@ -27,7 +27,12 @@ class Evictions final {
 
   /// A connection of the key was evicted; says how many were within kEvictionsWithin, this one
   /// included, up to kEvictionsFlagged.
-  std::size_t Note(const KeyDigest& digest, SteadyTime now);
+  std::size_t Note(const KeyDigest& digest, SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    auto& times = keys_.Touch(digest);
+    times.Note(now);
+    return times.Within(now, kEvictionsWithin);
+  }
 
  private:
   std::mutex mutex_;
