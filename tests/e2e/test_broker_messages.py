@@ -156,20 +156,6 @@ class Clients(MessageTest):
         sessions = self.said(server, twin(A))["sessions"]
         self.assertEqual({name: each["connected"] for name, each in sessions.items()}, {"a": True, "b": False})
 
-    def test_late_state_of_one_session_is_superseded(self):
-        server = self.serve()
-        client = self.client("publisher")
-        for x, at in ((1, NOON), (2, NOON - 1), (3, NOON + 1), (4, NOON + 0.5)):
-            client.publish(topic(A, "position"), position(x, timestamp=at, session_id=LIVE))
-        for name, value, at in (("_1", 1, NOON), ("_1", 2, NOON - 1), ("_2", 3, NOON - 1)):
-            said = {"source_type": "edge", "timestamp": at, "positions": {name: value}, "session_id": LIVE}
-            client.publish(joints(A), json.dumps(said))
-        self.assertEqual(self.outcomes(server, 7), {"applied": 4, "superseded": 3})
-        self.assertEqual(self.x(server, twin(A)), 3)
-        shown = {name: each["position"] for name, each in self.said(server, twin(A))["joints"]["edge"].items()}
-        self.assertEqual(shown, {"_1": 1, "_2": 3})
-        self.assertEqual(self.history(server, twin(A), "quarantine"), [])
-
     def changes_to_offline(self, server):
         """The history of presence, once it ends so."""
         changes = self.history(server, twin(A), "presence")

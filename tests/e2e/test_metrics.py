@@ -91,9 +91,6 @@ class Scrapes(EndToEnd):
         self.assertTrue(lines)
         self.assertEqual([line for line in lines if not OF_RCANS_UNITS.match(line)], [])
 
-    def test_promtool_sees_a_text_that_is_wrong(self):
-        self.assertEqual(self.check(b"rcan_robot_online{ruri=\"a\n1\"} 1\n").returncode, 1)
-
     def test_formats_and_codings_hold_the_same(self):
         fleet = self.at_work()
         for path in ("/metrics", "/metrics/robots"):

@@ -5,9 +5,8 @@ import time
 import unittest
 import urllib.request
 
-from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, run, uplinkctl, wait_until
+from harness import BIN, Cluster, EndToEnd, Fleet, Server, run, uplinkctl, wait_until
 
-KILLS = 3
 # Robots that die while sessions with the database end so often, and how long the row with their offline may
 # take then: presence.timeout (10 s), the sweep after it (1 s), a commit that is tried again, and a busy machine.
 DEAD = 3
@@ -117,43 +116,6 @@ class Schema(EndToEnd):
 
 
 class Crashes(EndToEnd):
-    def test_kills_of_everything_lose_nothing_and_double_nothing(self):
-        cluster = Cluster(self.folder).create().migrate()
-        self.open_things.append(cluster)
-        server = Server(self.folder, store_url=cluster.url("uplinkd")).start()
-        self.open_things.append(server)
-        fleet = Fleet(server, "--robots", "20", "--pace", "2", "--breaks-per-minute", "6")
-        self.open_things.append(fleet)
-
-        def stored():
-            return int(cluster.sql("SELECT coalesce(sum(cursor_seq), 0) FROM uplinkd.sessions"))
-
-        def wait_for_more():
-            before = stored()
-            server.wait_for_status(lambda _: stored() > before + 20, 60, "rows are committed")
-
-        for _ in range(KILLS):
-            wait_for_more()
-            server.kill()
-            server.start()
-            wait_for_more()
-            cluster.sql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
-                        " WHERE application_name LIKE 'uplinkd%'", "postgres")  # fmt: skip
-            wait_for_more()
-            cluster.crash()
-        wait_for_more()
-        code, report = fleet.finish()
-        self.assertEqual(mismatches(report), [])
-        self.assertEqual(code, 0)
-        doubled = cluster.sql(
-            "SELECT count(*) FROM (SELECT 1 FROM (SELECT ruri, session, seq FROM uplinkd.events"
-            " UNION ALL SELECT ruri, session, seq FROM uplinkd.messages"
-            " UNION ALL SELECT ruri, session, seq FROM uplinkd.faults_history"
-            " UNION ALL SELECT ruri, session, seq FROM uplinkd.mission_reports"
-            " UNION ALL SELECT ruri, session, seq FROM uplinkd.quarantine) AS r"
-            " GROUP BY ruri, session, seq HAVING count(*) > 1) AS d"
-        )
-        self.assertEqual(doubled, "0")
 
     def test_sessions_that_end_every_two_seconds_keep_no_dead_robot_from_offline(self):
         cluster = Cluster(self.folder).create().migrate()

@@ -1,4 +1,4 @@
-"""The life of a real uplinkd: crashes, restarts, drain, starts that must fail."""
+"""The life of a real uplinkd: crashes, restarts, drain."""
 
 import random
 import socket
@@ -6,7 +6,7 @@ import ssl
 import threading
 import unittest
 
-from harness import BIN, EndToEnd, run, uplinkctl
+from harness import EndToEnd, uplinkctl
 
 KILLS = 20
 ROUND_SECONDS = 30
@@ -61,50 +61,6 @@ class Drain(EndToEnd):
         report = self.assert_agrees(fleet)
         self.assertGreaterEqual(report["run"]["drains"], 8)
         self.assertGreaterEqual(report["run"]["ends"]["UNAVAILABLE"], 8)
-
-    def test_an_idle_server_drains_at_once(self):
-        server = self.server().start()
-        self.assertEqual(server.terminate(5), 0)
-
-
-class Start(EndToEnd):
-    def test_a_bad_configuration_ends_with_2_and_names_every_problem(self):
-        path = self.folder / "bad.toml"
-        path.write_text(
-            "[limits]\nrobots_max = -1\nno_such_key = 3\n[presence]\ntimeout = \"soon\"\n[nonsense]\n",
-            encoding="utf-8",
-        )
-        for flags in (["--config", path], ["--config", path, "--check-config"]):
-            done = run(BIN / "uplinkd", *flags, code=2)
-            for problem in ("robots_max", "no_such_key", "presence.timeout", "nonsense"):
-                self.assertIn(problem, done.stdout + done.stderr)
-
-    def test_files_that_are_missing_end_with_2_and_are_named(self):
-        server = self.server()
-        path = server.configuration()
-        missing = [server.pki / "server.crt", server.pki / "server.key"]
-        for file in missing:
-            file.unlink()
-        done = run(BIN / "uplinkd", "--config", path, "--check-config", code=2)
-        for file in missing:
-            self.assertIn(str(file), done.stdout + done.stderr)
-
-    def test_a_good_configuration_passes_the_check(self):
-        run(BIN / "uplinkd", "--config", self.server().configuration(), "--check-config")
-
-    def test_wrong_use_ends_with_2(self):
-        run(BIN / "uplinkd", "--no-such-flag", code=2)
-
-    def test_a_port_in_use_ends_with_1_and_names_the_address(self):
-        for which in ("relay", "http"):
-            with self.subTest(which), socket.socket() as taken:
-                taken.bind(("127.0.0.1", 0))
-                taken.listen()
-                address = f"127.0.0.1:{taken.getsockname()[1]}"
-                server = self.server()
-                setattr(server, which, address)
-                done = run(BIN / "uplinkd", "--config", server.configuration(), code=1)
-                self.assertIn(address, done.stdout + done.stderr)
 
 
 class Tickets(EndToEnd):

@@ -34,10 +34,11 @@ TEST(CommandLine, CheckConfigIsZeroForAGoodFile) {
 
 TEST(CommandLine, CheckConfigIsTwoAndNamesEveryProblemAtOnce) {
   const UplinkdFolder folder;
-  folder.WriteConfig("[presence]\ntimeout = \"soon\"\n[limits]\nno_such_key = 1\n");
+  folder.WriteConfig("[presence]\ntimeout = \"soon\"\n[limits]\nno_such_key = 1\n[nonsense]\n");
   const Ended text = RunToEnd(folder, {"--check-config"});
   EXPECT_EQ(text.code, 2);
-  EXPECT_THAT(text.text, AllOf(HasSubstr("presence.timeout"), HasSubstr("limits.no_such_key")));
+  EXPECT_THAT(text.text, AllOf(HasSubstr("presence.timeout"), HasSubstr("limits.no_such_key"),
+                               HasSubstr("nonsense")));
 
   folder.WriteConfig();
   folder.Write("server.crt", "no certificate");
@@ -46,6 +47,12 @@ TEST(CommandLine, CheckConfigIsTwoAndNamesEveryProblemAtOnce) {
   EXPECT_EQ(files.code, 2);
   EXPECT_THAT(files.text,
               AllOf(HasSubstr("tls.certificate_file"), HasSubstr("tls.client_ca_file")));
+
+  for (const char* name : {"server.crt", "ca.crt"}) std::filesystem::remove(folder.Path(name));
+  const Ended missing = RunToEnd(folder, {"--check-config"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.text,
+              AllOf(HasSubstr(folder.Path("server.crt")), HasSubstr(folder.Path("ca.crt"))));
 }
 
 TEST(CommandLine, CheckConfigIsTwoForAFileThatIsMissing) {
