@@ -74,11 +74,7 @@ class Record {
   friend class uplink::schema::Judge;
   friend class uplink::cyberwave::Records;
   Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
-         std::size_t payload_bytes)
-      : body_(std::move(body)),
-        dropped_(std::move(dropped)),
-        untold_(std::move(untold)),
-        payload_bytes_(payload_bytes) {}
+         std::size_t payload_bytes);
 
   Body body_;
   std::vector<DroppedField> dropped_;
