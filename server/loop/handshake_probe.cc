@@ -13,8 +13,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 
 #include "server/loop/client_hello.h"
 
@@ -22,15 +22,15 @@ namespace uplink::loop {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
 using asio::ip::tcp;
+using boost::system::error_code;
 
 /// Where to ask, one after the other.
 using Targets = std::vector<tcp::endpoint>;
 
 /// True if there is nobody to ask: the machine lacks the address or its whole family, or nothing
 /// listens there. Whoever took the connection, or keeps us waiting for it, was asked.
-bool IsNobodyThere(const beast::error_code& error) {
+bool IsNobodyThere(const error_code& error) {
   using std::errc;
   constexpr std::array kNobody = {
       errc::address_family_not_supported,
@@ -53,7 +53,8 @@ class Probe final : public std::enable_shared_from_this<Probe> {
  public:
   Probe(asio::io_context& io, Targets targets, const ProbeTarget& target,
         std::function<void(bool)> done)
-      : stream_(io),
+      : socket_(io),
+        late_(io),
         targets_(std::move(targets)),
         proxy_protocol_from_(target.proxy_protocol_from),
         proxy_header_(target.proxy_header),
@@ -62,7 +63,13 @@ class Probe final : public std::enable_shared_from_this<Probe> {
         done_(std::move(done)) {}
 
   void Start(milliseconds wait) {
-    stream_.expires_after(wait);  // for all that follows
+    late_.expires_after(wait);  // for all that follows
+    late_.async_wait([weak = weak_from_this()](error_code error) {
+      const auto self = weak.lock();
+      if (error || self == nullptr) return;
+      self->is_late_ = true;
+      self->socket_.close(error);
+    });
     Connect(0);
   }
 
@@ -71,33 +78,32 @@ class Probe final : public std::enable_shared_from_this<Probe> {
   /// or takes a port of its own.
   void TakePort(const tcp::endpoint& target) {
     if (own_port_ == nullptr) return;
-    beast::error_code error;
-    stream_.socket().open(target.protocol(), error);
-    if (!error) stream_.socket().bind({target.protocol(), 0}, error);
+    error_code error;
+    socket_.open(target.protocol(), error);
+    if (!error) socket_.bind({target.protocol(), 0}, error);
     if (error) return;
-    const tcp::endpoint own = stream_.socket().local_endpoint(error);
+    const tcp::endpoint own = socket_.local_endpoint(error);
     if (!error) own_port_->store(own.port());
   }
 
   void Connect(std::size_t target) {
     TakePort(targets_[target]);
-    stream_.async_connect(targets_[target],
-                          [self = shared_from_this(), target](beast::error_code error) {
-                            if (!error) return self->SendHello();
-                            const std::size_t next = target + 1;
-                            if (next == self->targets_.size() || !IsNobodyThere(error)) {
-                              return self->done_(false);
-                            }
-                            // The socket belongs to the family that it was opened for.
-                            self->stream_.socket().close(error);
-                            self->Connect(next);
-                          });
+    socket_.async_connect(targets_[target], [self = shared_from_this(), target](error_code error) {
+      if (!error) return self->SendHello();
+      const std::size_t next = target + 1;
+      if (self->is_late_ || next == self->targets_.size() || !IsNobodyThere(error)) {
+        return self->done_(false);
+      }
+      // The socket belongs to the family that it was opened for.
+      self->socket_.close(error);
+      self->Connect(next);
+    });
   }
 
   /// A listener on this machine sees us come from the address at which we asked it, mostly.
   [[nodiscard]] bool IsLoadBalancer() {
-    beast::error_code error;
-    const tcp::endpoint own = stream_.socket().local_endpoint(error);
+    error_code error;
+    const tcp::endpoint own = socket_.local_endpoint(error);
     sockaddr_storage address{};
     if (!error) std::memcpy(&address, own.data(), own.size());
     return config::Contains(proxy_protocol_from_, address);
@@ -105,21 +111,23 @@ class Probe final : public std::enable_shared_from_this<Probe> {
 
   void SendHello() {
     if (IsLoadBalancer()) hello_.insert(0, proxy_header_);
-    asio::async_write(stream_, asio::buffer(hello_),
-                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+    asio::async_write(socket_, asio::buffer(hello_),
+                      [self = shared_from_this()](error_code error, std::size_t) {
                         if (error) return self->done_(false);
                         self->ReadAnswer();
                       });
   }
 
   void ReadAnswer() {
-    asio::async_read(stream_, asio::buffer(answer_),
-                     [self = shared_from_this()](beast::error_code error, std::size_t bytes) {
+    asio::async_read(socket_, asio::buffer(answer_),
+                     [self = shared_from_this()](error_code error, std::size_t bytes) {
                        self->done_(!error && IsServerHello({self->answer_.data(), bytes}));
                      });
   }
 
-  beast::tcp_stream stream_;
+  tcp::socket socket_;
+  asio::steady_timer late_;
+  bool is_late_ = false;
   const Targets targets_;
   const std::vector<config::Network> proxy_protocol_from_;
   const std::string proxy_header_;
@@ -142,7 +150,7 @@ Targets TargetsOf(const asio::ip::address& address, std::uint16_t port) {
 
 void ProbeHandshake(EventLoop& loop, const ProbeTarget& target, milliseconds wait,
                     std::function<void(bool)> done) {
-  beast::error_code error;
+  error_code error;
   const asio::ip::address address = asio::ip::make_address(target.address.host, error);
   if (error) return done(false);
   std::make_shared<Probe>(loop.io(), TargetsOf(address, target.address.port), target,

@@ -42,6 +42,7 @@ FOREIGN = (
         ("schema/", "tests/unit/schema/", "tests/conformance/", "tests/fuzz/", "tests/bench/"),
     ),
     Foreign("Boost.JSON", re.compile(r"^boost/json"), ("schema/json/", "schema/rcan/", "schema/cyberwave/", "server/view/", "tools/", "tests/")),
+    Foreign("Boost.Beast", re.compile(r"^boost/beast"), ("server/http/", "tools/", "tests/")),
     Foreign(
         "Boost",
         re.compile(r"^boost/(?!json)"),
