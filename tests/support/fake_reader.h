@@ -14,7 +14,7 @@
 namespace uplink::testing {
 
 /// The query side of a FakeDatabase. Cheap to make. Thread-safe.
-class FakeReader final : public storage::Reader {
+class FakeReader : public storage::Reader {
  public:
   /// `database` must outlive this.
   explicit FakeReader(const FakeDatabase& database) : database_(database) {}

@@ -3,18 +3,20 @@
 #include <condition_variable>
 #include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <mutex>
 #include <span>
-#include <string_view>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "storage/reader.h"
 #include "storage/store.h"
 #include "tests/support/fake_database.h"
+#include "tests/support/fake_reader.h"
 
 namespace uplink::testing {
 
@@ -30,12 +32,12 @@ enum class FailAt : std::uint8_t {
 /// contract suite in tests/contract.
 ///
 /// Thread: thread-safe, so that a test may order faults while a writer thread works.
-class FakeStore final : public storage::Store, public storage::Reader {
+class FakeStore final : public storage::Store, public FakeReader {
  public:
   /// `database` must outlive this.
   FakeStore(FakeDatabase& database, const storage::ProcessId& process,
-            const storage::StoreRules& rules = {});
-  ~FakeStore() override;
+            const storage::StoreRules& rules = {})
+      : FakeReader(database), database_(database), process_(process), store_rules_(rules) {}
 
   // storage::Store
   [[nodiscard]] absl::StatusOr<std::vector<storage::OpenResult>> OpenStreams(
@@ -58,29 +60,6 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] std::string ServerRun() const override { return database_.ServerRun(); }
   void EndDoubt() override;
 
-  // storage::Reader
-  [[nodiscard]] absl::StatusOr<std::vector<storage::RobotRow>> Robots(
-      std::uint32_t robots_max) override;
-  [[nodiscard]] absl::StatusOr<std::size_t> RobotCount() override;
-  [[nodiscard]] absl::StatusOr<std::vector<std::string>> FleetsBeyondAscii(
-      std::uint32_t fleets_max) override;
-  // NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
-#define UPLINK_LIST(Name, number, Row, Query, retained)                                       \
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::Row>> Name(const storage::Query& query) \
-      override;
-  UPLINK_LISTS(UPLINK_LIST)
-#undef UPLINK_LIST
-  // NOLINTEND(bugprone-macro-parentheses)
-  [[nodiscard]] absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
-      const std::string& ruri) override;
-  [[nodiscard]] absl::StatusOr<std::vector<storage::StoredReject>> Rejects(
-      const storage::RejectsQuery& query) override;
-  [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
-      std::span<const std::string> ruris) override;
-  [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
-                                                  storage::LatestKindSet kinds) override;
-  [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
-
   /// The connection breaks in the `calls`-th Compare from now, which fails.
   void BreakAtCompare(std::uint64_t calls);
   /// The connection breaks: InDoubt until EndDoubt, and every other call fails.
@@ -89,26 +68,29 @@ class FakeStore final : public storage::Store, public storage::Reader {
   // Faults; each set of orders is worked off before the next of its kind.
   /// The next `calls` calls of OpenStreams, Adopt, Commit or TrimQuarantine fail; FailAt::kBefore
   /// goes first.
-  void FailNext(std::uint32_t calls, FailAt at,
-                const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for Commit alone.
-  void FailNextCommits(std::uint32_t calls, FailAt at,
-                       const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for OpenStreams alone.
-  void FailNextOpens(std::uint32_t calls, FailAt at,
-                     const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for Sweep and CloseRuns alone.
-  void FailNextSweeps(std::uint32_t calls, FailAt at,
-                      const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for Checkpoint alone.
-  void FailNextCheckpoints(std::uint32_t calls, FailAt at,
-                           const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for TrimQuarantine alone.
-  void FailNextTrims(std::uint32_t calls, FailAt at,
-                     const absl::Status& status = absl::UnavailableError("the test said so"));
-  /// As FailNext, for Retain alone.
-  void FailNextRetains(std::uint32_t calls, FailAt at,
-                       const absl::Status& status = absl::UnavailableError("the test said so"));
+  void FailNext(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kAny, calls, at, status);
+  }
+  // The same for one kind of call alone.
+  void FailNextCommits(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kCommits, calls, at, status);
+  }
+  void FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kOpens, calls, at, status);
+  }
+  /// Sweep and CloseRuns.
+  void FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kSweeps, calls, at, status);
+  }
+  void FailNextCheckpoints(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kCheckpoints, calls, at, status);
+  }
+  void FailNextTrims(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kTrims, calls, at, status);
+  }
+  void FailNextRetains(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kRetains, calls, at, status);
+  }
   /// No ordered failure is left, and nothing blocks.
   void Heal();
   void SetRules(FakeRules rules);
@@ -121,15 +103,36 @@ class FakeStore final : public storage::Store, public storage::Reader {
   [[nodiscard]] bool WaitUntilBlocked(milliseconds deadline);
 
   /// Write calls that came back, with whatever answer.
-  [[nodiscard]] std::uint64_t commits() const;
-  [[nodiscard]] std::uint64_t opens() const;
-  [[nodiscard]] std::uint64_t adopts() const;
-  [[nodiscard]] std::uint64_t sweeps() const;
-  [[nodiscard]] std::uint64_t trims() const;
-  [[nodiscard]] std::uint64_t checkpoints() const;
-  [[nodiscard]] std::uint64_t compares() const;
+  [[nodiscard]] std::uint64_t commits() const { return Calls(Call::kCommit); }
+  [[nodiscard]] std::uint64_t opens() const { return Calls(Call::kOpen); }
+  [[nodiscard]] std::uint64_t adopts() const { return Calls(Call::kAdopt); }
+  [[nodiscard]] std::uint64_t sweeps() const { return Calls(Call::kSweep); }
+  [[nodiscard]] std::uint64_t trims() const { return Calls(Call::kTrim); }
+  [[nodiscard]] std::uint64_t checkpoints() const { return Calls(Call::kCheckpoint); }
+  [[nodiscard]] std::uint64_t compares() const { return Calls(Call::kCompare); }
 
  private:
+  enum class Call : std::uint8_t {
+    kOpen,
+    kAdopt,
+    kCommit,
+    kSweep,
+    kCloseRuns,
+    kTrim,
+    kRetain,
+    kCheckpoint,
+    kCompare
+  };
+  /// Which calls an order is for.
+  enum class Orders : std::uint8_t {
+    kAny,
+    kCommits,
+    kOpens,
+    kSweeps,
+    kTrims,
+    kRetains,
+    kCheckpoints
+  };
   struct Order {
     std::uint32_t before = 0;
     std::uint32_t after = 0;
@@ -144,8 +147,20 @@ class FakeStore final : public storage::Store, public storage::Reader {
     absl::Status status;
     FakeRules rules;
   };
-  Fate Begin(std::initializer_list<Order*> orders, std::uint64_t& calls);
-  void Add(Order& order, std::uint32_t calls, FailAt at, const absl::Status& status);
+  Fate Begin(std::initializer_list<Orders> orders, Call call);
+  /// Such a call that begins: `act` writes, under these rules.
+  template <typename Act>
+  auto Do(std::initializer_list<Orders> orders, Call call, Act act)
+      -> absl::StatusOr<decltype(act(FakeRules()))> {
+    Fate fate = Begin(orders, call);
+    if (fate.fail_before) return std::move(fate.status);
+    auto result = act(fate.rules);
+    if (fate.fail_after) return std::move(fate.status);
+    return result;
+  }
+  void Add(Orders orders, std::uint32_t calls, FailAt at, const absl::Status& status);
+  [[nodiscard]] std::uint64_t Calls(Call call) const;
+  static absl::Status Said() { return absl::UnavailableError("the test said so"); }
 
   FakeDatabase& database_;
   const storage::ProcessId process_;
@@ -158,24 +173,10 @@ class FakeStore final : public storage::Store, public storage::Reader {
   bool in_doubt_ = false;
   /// The number of the Compare in which the connection breaks; 0: of none.
   std::uint64_t break_at_compare_ = 0;
-  Order any_order_;
-  Order commit_order_;
-  Order open_order_;
-  Order sweep_order_;
-  Order trim_order_;
-  Order retain_order_;
-  Order checkpoint_order_;
+  std::map<Orders, Order> orders_;
   FakeRules rules_;
-  std::uint64_t commits_ = 0;
-  std::uint64_t opens_ = 0;
-  std::uint64_t adopts_ = 0;
-  std::uint64_t sweeps_ = 0;
-  std::uint64_t closes_ = 0;
-  std::uint64_t trims_ = 0;
+  std::map<Call, std::uint64_t> calls_;
   std::size_t runs_closed_taken_ = 0;
-  std::uint64_t retains_ = 0;
-  std::uint64_t checkpoints_ = 0;
-  std::uint64_t compares_ = 0;
 };
 
 }  // namespace uplink::testing
