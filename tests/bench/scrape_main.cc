@@ -18,7 +18,7 @@
 #include "server/rcan/scrape.h"
 #include "tests/bench/figures.h"
 #include "tests/support/flags.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 #include "tools/uplink-fleet/report/process_use.h"
 

@@ -4,11 +4,10 @@
 
 #include "storage/refusal.h"
 #include "tests/contract/store_under_test.h"
-#include "tests/support/fake_forget_requests.h"
+#include "tests/support/fake_forget_store.h"
 #include "tests/support/fake_leases.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
-#include "tests/support/fake_topic_leases.h"
 
 namespace uplink::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "schema/base/check.h"
 #include "server/journal/turns.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 
 namespace uplink::simulation {
 namespace {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tests/simulation/holders_process.h"
-#include "tests/support/manual_boot_clock.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::simulation {

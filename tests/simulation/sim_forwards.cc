@@ -5,7 +5,7 @@
 
 #include "schema/base/check.h"
 #include "server/forward/limits.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 #include "uplink/v1/relay.pb.h"
 
 namespace uplink::simulation {

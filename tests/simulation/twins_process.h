@@ -13,8 +13,8 @@
 #include "server/journal/shards.h"
 #include "tests/simulation/recorder.h"
 #include "tests/simulation/sim_broker.h"
-#include "tests/support/fake_topic_leases.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/fake_leases.h"
+#include "tests/support/kept_lines.h"
 
 namespace uplink::simulation {
 

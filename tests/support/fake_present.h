@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <initializer_list>
 #include <map>
@@ -15,7 +16,7 @@
 #include "schema/base/clock.h"
 #include "storage/expiry.h"
 #include "storage/present.h"
-#include "tests/support/fake_changes.h"
+#include "storage/shared_items.h"
 
 namespace uplink::testing {
 
@@ -50,6 +51,33 @@ std::size_t EraseBefore(std::vector<FakeEntry<Row>>& entries, SystemTime until,
   });
   return old.size();
 }
+
+/// The changes of shared items, as a FakeDatabase notes them. Confined to its lock.
+class FakeChanges final {
+ public:
+  struct Row {
+    std::uint64_t number = 0;
+    storage::ItemKey key;
+  };
+
+  void Note(storage::ItemKey key) { rows_.push_back({++last_, std::move(key)}); }
+  /// As storage::Store::Sweep. Returns how many went.
+  std::size_t Sweep() {
+    std::size_t swept = 0;
+    for (; swept < storage::kChangesSweptMax && rows_.size() > storage::kChangesKept; ++swept) {
+      rows_.pop_front();
+    }
+    return swept;
+  }
+
+  [[nodiscard]] std::uint64_t last() const { return last_; }
+  /// Ascending.
+  [[nodiscard]] const std::deque<Row>& rows() const { return rows_; }
+
+ private:
+  std::uint64_t last_ = 0;
+  std::deque<Row> rows_;
+};
 
 /// The shapes, or the objects, of all robots by id; notes what changes of those that are shared.
 /// Confined to its owner's lock.

@@ -34,6 +34,11 @@ void Flags::AddChoice(const Flag& flag, std::string& value,
   parser_->Add(flag, value)->check(CLI::IsMember(choices));
 }
 
+void Flags::AddChoices(const Flag& flag, std::vector<std::string>& values,
+                       const std::vector<std::string>& choices) {
+  parser_->Add(flag, values)->check(CLI::IsMember(choices));
+}
+
 void Flags::AddSwitch(const Flag& flag, bool& value) {
   parser_->app.add_flag(flag.name, value, flag.about);
 }

@@ -40,6 +40,9 @@ class Flags final {
   void Add(const Flag& flag, std::vector<std::string>& values);
   /// One of `choices`.
   void AddChoice(const Flag& flag, std::string& value, const std::vector<std::string>& choices);
+  /// The same, several times.
+  void AddChoices(const Flag& flag, std::vector<std::string>& values,
+                  const std::vector<std::string>& choices);
   /// True if it is given.
   void AddSwitch(const Flag& flag, bool& value);
 

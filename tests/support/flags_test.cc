@@ -62,6 +62,17 @@ TEST(FlagsTest, AChoiceIsOneOfThoseListed) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("other"));
 }
 
+TEST(FlagsTest, EachOfSeveralChoicesIsOneOfThoseListed) {
+  std::vector<std::string> only;
+  Flags flags("About");
+  flags.AddChoices({"--only"}, only, {"one", "two", "three"});
+  EXPECT_FALSE(Parse(flags, "--only", "two", "--only", "one").has_value());
+  EXPECT_THAT(only, ElementsAre("two", "one"));
+  ::testing::internal::CaptureStderr();
+  EXPECT_GE(Parse(flags, "--only", "one", "--only", "four").value_or(0), kWrongUseMin);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("four"));
+}
+
 TEST(FlagsTest, AListTakesEachValueAndASwitchNone) {
   std::vector<std::string> only;
   bool digest = false;

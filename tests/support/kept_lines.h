@@ -18,4 +18,10 @@ class KeptLines final : public log::LineSink {
   std::vector<std::string>& lines_;
 };
 
+/// Drops each line, for parts that want a logger where a test looks at none.
+class NoLines final : public log::LineSink {
+ public:
+  void Write(log::Level /*level*/, std::string_view /*line*/) override {}
+};
+
 }  // namespace uplink::testing

@@ -5,11 +5,6 @@
 #include <fstream>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "schema/base/check.h"
 
 namespace uplink::testing {
@@ -19,19 +14,6 @@ constexpr const char* kProgram = "/usr/sbin/mosquitto";
 constexpr const char* kPasswords = "/usr/bin/mosquitto_passwd";
 /// Between our look for a free port and the broker's start another one may take it.
 constexpr int kTries = 10;
-
-std::uint16_t FreePort() {
-  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  UPLINK_CHECK(listener >= 0, "a test can open a socket");
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  UPLINK_CHECK(bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0, "a port");
-  UPLINK_CHECK(getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0, "a name");
-  close(listener);
-  return ntohs(address.sin_port);
-}
 
 void WriteText(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;

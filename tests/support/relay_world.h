@@ -16,9 +16,18 @@ class RelayWorld final : public ListenerWorld {
   RelayWorld() : RelayWorld(Options{}) {}
   explicit RelayWorld(const Options& given) : ListenerWorld(given) {}
 
-  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const;
-  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const KeyPair& identity) const;
-  [[nodiscard]] ChannelSpec SpecFor(const std::string& ruri) const;
+  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const std::string& ruri) const {
+    return MakeChannel(SpecFor(ruri));
+  }
+  [[nodiscard]] std::shared_ptr<grpc::Channel> Channel(const KeyPair& identity) const {
+    return MakeChannel(
+        {.port = port(), .server_ca = authority.certificate(), .identity = identity});
+  }
+  [[nodiscard]] ChannelSpec SpecFor(const std::string& ruri) const {
+    return {.port = port(),
+            .server_ca = authority.certificate(),
+            .identity = authority.Issue(RobotSpec(ruri))};
+  }
 };
 
 }  // namespace uplink::testing

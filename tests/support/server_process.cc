@@ -3,9 +3,11 @@
 #include <cstdlib>
 
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -99,6 +101,19 @@ std::optional<std::uint16_t> PortIn(std::string_view text, std::string_view key)
   const unsigned long port =
       std::strtoul(std::string(value.substr(colon + 1)).c_str(), nullptr, 10);
   return static_cast<std::uint16_t>(port);
+}
+
+std::uint16_t FreePort() {
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  UPLINK_CHECK(bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                   getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0,
+               "there is a free port");
+  close(listener);
+  return ntohs(address.sin_port);
 }
 
 std::optional<Ports> WaitForPorts(ServerProcess& process) {

@@ -43,6 +43,9 @@ class ServerProcess final {
   std::optional<int> exit_code_;
 };
 
+/// A port of the loopback that was free a moment ago; another program may take it meanwhile.
+[[nodiscard]] std::uint16_t FreePort();
+
 /// Where an uplinkd listens.
 struct Ports {
   std::uint16_t relay = 0;

@@ -12,7 +12,7 @@
 #include "server/rcan/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 
 namespace uplink::testing {

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/component/front/raw_robot.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 
 namespace uplink::testing {
 

@@ -10,7 +10,7 @@
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "tests/component/front/front_world.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/raw_tcp.h"
 
 namespace uplink::testing {

@@ -20,7 +20,7 @@
 #include "server/front/door/proxy_header.h"
 #include "server/loop/client_hello.h"
 #include "tests/support/certificates.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 
 namespace uplink::loop {
 namespace {

@@ -22,7 +22,7 @@
 #include "server/loop/handshake_probe.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/eventually.h"
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/uplinkd_folder.h"
 

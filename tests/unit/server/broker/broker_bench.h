@@ -18,8 +18,8 @@
 #include "server/journal/shards.h"
 #include "server/journal/turns.h"
 #include "server/log/rate_limited.h"
+#include "tests/support/fake_leases.h"
 #include "tests/support/fake_store.h"
-#include "tests/support/fake_topic_leases.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 

@@ -14,8 +14,8 @@
 
 #include "server/broker/broker.h"
 #include "server/journal/turns.h"
+#include "tests/support/fake_leases.h"
 #include "tests/support/fake_store.h"
-#include "tests/support/fake_topic_leases.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/mqtt_bytes.h"

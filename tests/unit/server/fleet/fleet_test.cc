@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "storage/origin.h"
-#include "tests/support/manual_boot_clock.h"
 #include "tests/support/manual_clock.h"
 
 namespace uplink::fleet {

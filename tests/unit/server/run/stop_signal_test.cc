@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "tests/support/no_lines.h"
+#include "tests/support/kept_lines.h"
 
 namespace uplink::run {
 namespace {

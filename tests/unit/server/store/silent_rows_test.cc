@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/fake_robot_removal.h"
+#include "tests/support/fake_forget_store.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/eventually.h"
+#include "tests/support/fake_leases.h"
 #include "tests/support/fake_reader.h"
-#include "tests/support/fake_topic_leases.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
