@@ -15,19 +15,11 @@
 #include "schema/base/clock.h"
 #include "schema/judge.h"
 #include "schema/uplink.capnp.h"
-#include "tests/bench/figures.h"
-#include "tests/support/flags.h"
+#include "tests/bench/bench_flags.h"
 #include "tests/support/vector_files.h"
 
 namespace uplink::bench {
 namespace {
-
-struct Arguments {
-  std::string json;
-  std::string commit = "unknown";
-  int rounds = 5;
-  int seconds = 1;
-};
 
 constexpr double kNanosPerSecond = 1e9;
 constexpr int kTurns = 1000;
@@ -67,7 +59,7 @@ class BareWalk final {
 /// A figure for each vector.
 class DecodeBench final {
  public:
-  explicit DecodeBench(const Arguments& arguments)
+  explicit DecodeBench(const BenchFlags& arguments)
       : rounds_(arguments.rounds),
         each_(static_cast<double>(arguments.seconds) / arguments.rounds / 2) {}
 
@@ -109,20 +101,18 @@ class DecodeBench final {
 };
 
 int Run(int argc, char** argv) {
-  Arguments arguments;
+  BenchFlags arguments{.rounds = 5, .seconds = 1};
   testing::Flags flags("Benchmark of decoding and judging", "uplink_bench_decode");
-  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
-  flags.Add({"--commit", "What is measured"}, arguments.commit);
-  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
-  flags.Add({"--seconds", "For a figure, all rounds together"}, arguments.seconds, {1, 600});
+  arguments.AddTo(flags);
+  flags.Add({"--seconds", "For a figure, all rounds together"}, arguments.seconds, kSecondsRange);
   if (const auto code = flags.Parse(argc, argv)) return *code;
   DecodeBench bench(arguments);
   std::vector<Row> rows;
   for (const std::string& name : test::VectorNames()) rows.push_back(bench.Good(name));
   rows.push_back(bench.CutOff());
-  fmt::print("decode: one payload judged, on one core; {} rounds\n{}", arguments.rounds,
-             TableOf(rows));
-  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
+  return Publish(
+      arguments,
+      fmt::format("decode: one payload judged, on one core; {} rounds", arguments.rounds), rows);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "tests/bench/figures.h"
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include <boost/json.hpp>
 #include <fmt/core.h>
@@ -23,6 +25,19 @@ std::string Number(double value) {
 }
 
 }  // namespace
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  return values[std::min(at, values.size() - 1)];
+}
+
+Row RowOf(std::string scenario, std::string unit, double value) {
+  Row row{std::move(scenario), std::move(unit), "", {}, {}};
+  row.value.Add(value);
+  return row;
+}
 
 std::string TableOf(const std::vector<Row>& rows) {
   std::string text =

@@ -7,6 +7,9 @@
 
 namespace uplink::bench {
 
+/// The value below which so much of them lies (`share` of 0.99: the 99th percentile); 0 of none.
+[[nodiscard]] double Quantile(std::vector<double> values, double share);
+
 /// What several rounds of one scenario measured, in the scenario's unit.
 class Rounds final {
  public:
@@ -41,6 +44,9 @@ struct Row {
     return base == 0 ? 0 : value.median() / base;
   }
 };
+
+/// A figure that has no comparator and came once.
+[[nodiscard]] Row RowOf(std::string scenario, std::string unit, double value);
 
 /// The rows as a table for people.
 [[nodiscard]] std::string TableOf(const std::vector<Row>& rows);

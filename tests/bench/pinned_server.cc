@@ -36,28 +36,32 @@ std::string TailOf(const std::string& text) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<PinnedServer>> PinnedServer::Start(const World& world,
-                                                                  const Options& options) {
+std::unique_ptr<testing::ServerProcess> StartPinned(std::vector<std::string> command,
+                                                    const std::vector<std::string>& environment) {
   // setpriv becomes the program, which then dies with this thread.
-  std::vector<std::string> command = {"/usr/bin/setpriv", "--pdeathsig", "KILL"};
+  command.insert(command.begin(), {"/usr/bin/setpriv", "--pdeathsig", "KILL"});
+  const SignalsOfChildren taken;
+  // What is started takes the core of who starts it.
+  PinTo(kServerCore);
+  auto process = std::make_unique<testing::ServerProcess>(command, environment);
+  PinTo(kLoadCore);
+  return process;
+}
+
+synthetic::ProcessUse UseOf(const testing::ServerProcess& process) {
+  return synthetic::UseOf(process.pid()).value_or(synthetic::ProcessUse());
+}
+
+absl::StatusOr<std::unique_ptr<PinnedServer>> PinnedServer::Start(
+    const testing::UplinkdFolder& folder, const Options& options) {
+  std::vector<std::string> command = {options.program, "--config", folder.Path("uplinkd.toml")};
   if (options.descriptors_max > 0) {
-    // prlimit becomes it, too.
-    command.insert(command.end(),
+    // prlimit becomes the program, too.
+    command.insert(command.begin(),
                    {"/usr/bin/prlimit", fmt::format("--nofile={0}:{0}", options.descriptors_max)});
   }
-  command.insert(command.end(), {options.program, "--config", world.folder.Path("uplinkd.toml")});
-  const std::vector<std::string> environment = {
-      "UPLINKD_STORE_URL=" + options.store_url, "UPLINKD_STORE_MIGRATE=true",
-      // Half of the default: a window must be long enough to show a robot as away.
-      "UPLINKD_PRESENCE_TIMEOUT=5s", "UPLINKD_DRAIN_TIMEOUT=5s"};
-  PinTo(kServerCore);
-  std::unique_ptr<testing::ServerProcess> process;
-  {
-    const SignalsOfChildren taken;
-    process = std::make_unique<testing::ServerProcess>(command, environment);
-  }
-  PinTo(kLoadCore);
-  std::unique_ptr<PinnedServer> server(new PinnedServer(std::move(process)));
+  std::unique_ptr<PinnedServer> server(
+      new PinnedServer(StartPinned(std::move(command), options.environment)));
   const auto ports = testing::WaitForPorts(*server->process_);
   if (!ports) {
     return absl::UnavailableError(
@@ -65,10 +69,6 @@ absl::StatusOr<std::unique_ptr<PinnedServer>> PinnedServer::Start(const World& w
   }
   server->ports_ = *ports;
   return server;
-}
-
-synthetic::ProcessUse PinnedServer::use() const {
-  return synthetic::UseOf(process_->pid()).value_or(synthetic::ProcessUse());
 }
 
 bool PinnedServer::ended() const {

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -13,8 +12,14 @@
 
 namespace uplink::bench {
 
-/// An uplinkd of any build, on the servers' core. It ends with this object, or with the process
-/// that started it, however that ends.
+/// A program on the servers' core. It ends with the object, or with the thread that started it,
+/// however that ends.
+[[nodiscard]] std::unique_ptr<testing::ServerProcess> StartPinned(
+    std::vector<std::string> command, const std::vector<std::string>& environment = {});
+/// CPU and memory so far; of one that ended what the kernel still knows.
+[[nodiscard]] synthetic::ProcessUse UseOf(const testing::ServerProcess& process);
+
+/// An uplinkd of any build, on the servers' core.
 ///
 /// Errors: that it does not start, or ends by itself, is a value.
 /// Thread: confined to the thread that started it, which must outlive it.
@@ -22,19 +27,19 @@ class PinnedServer final {
  public:
   struct Options {
     std::string program;
-    std::string store_url;
+    /// `UPLINKD_...=`
+    std::vector<std::string> environment = {};
     /// Descriptors that it may have open; 0: as many as this process.
     int descriptors_max = 0;
   };
   /// Waits until it listens, at most half a minute.
   ///
   /// Errors: kUnavailable with its log.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PinnedServer>> Start(const World& world,
-                                                                           const Options& options);
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<PinnedServer>> Start(
+      const testing::UplinkdFolder& folder, const Options& options);
 
   [[nodiscard]] const testing::Ports& ports() const { return ports_; }
-  /// CPU and memory so far; of one that ended what the kernel still knows.
-  [[nodiscard]] synthetic::ProcessUse use() const;
+  [[nodiscard]] synthetic::ProcessUse use() const { return UseOf(*process_); }
   /// It has ended by itself.
   [[nodiscard]] bool ended() const;
   /// Reads its log, so that it need not wait for a reader. To be called every second or so.

@@ -1,12 +1,12 @@
 #include "tests/bench/relay_bench.h"
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
+#include <memory>
 #include <utility>
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
+#include "schema/encode.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tools/uplink-fleet/report/process_use.h"
@@ -17,20 +17,36 @@ namespace {
 constexpr std::size_t kRobots = 16;
 /// Messages that one robot has on its way.
 constexpr std::size_t kAhead = 2048;
-constexpr int kWarmUpSeconds = 1;
+constexpr std::size_t kTextBytes = 120;
+constexpr std::int64_t kTimeMs = 1'763'683'200'000;
+constexpr std::chrono::seconds kWarmUp{1};
 constexpr std::size_t kAcksARound = 400;
 constexpr double kMicrosPerSecond = 1e6;
 
-void WaitFor(int seconds) {
-  std::mutex mutex;
-  std::condition_variable never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, std::chrono::seconds(seconds), [] { return false; });
+double MillisecondsSince(SteadyTime began, const Clock& clock) {
+  return std::chrono::duration<double, std::milli>(clock.Steady() - began).count();
 }
 
-double Percentile(const std::vector<double>& sorted, double share) {
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
-  return sorted[std::min(at, sorted.size() - 1)];
+ClientStyle Messages() {
+  model::Message message;
+  message.unix_time_ms = kTimeMs;
+  message.message = std::string(kTextBytes, 'm');
+  return {.write = [text = schema::Encode(message)](std::uint64_t /*seq*/,
+                                                    std::string& payload) { payload = text; },
+          .durable = true};
+}
+
+ClientStyle Faults() {
+  return {.write =
+              [](std::uint64_t seq, std::string& payload) {
+                model::Fault fault;
+                fault.unix_time_ms = kTimeMs;
+                fault.fault_id = "BENCH";
+                fault.source = "bench";
+                fault.active = seq % 2 == 0;
+                payload = schema::Encode(fault);
+              },
+          .durable = true};
 }
 
 }  // namespace
@@ -42,22 +58,17 @@ RelayBench::RelayBench(std::vector<std::string> environment) {
   environment.emplace_back("UPLINKD_LIMITS_DURABLE_RECORDS_RATE=0");
   environment.emplace_back("UPLINKD_LIMITS_DURABLE_BYTES_RATE=0");
   environment.emplace_back("UPLINKD_JOURNAL_ROBOT_SHARE=1");
-  process_ = folder_.Start({}, environment);
+  process_ = world_.folder.Start({}, environment);
   const auto ports = testing::WaitForPorts(*process_);
   UPLINK_CHECK(ports.has_value(), process_->text());
   ports_ = *ports;
 }
 
-RelayShape RelayBench::Shape(std::size_t robots) {
-  RelayShape shape;
-  shape.port = ports_.relay;
-  shape.server_ca = folder_.authority().certificate();
-  shape.ahead = kAhead;
-  for (std::size_t robot = 0; robot < robots; ++robot) {
-    shape.identities.push_back(
-        folder_.authority().Issue(testing::RobotSpec("rcan://bench/" + std::to_string(robot))));
-  }
-  return shape;
+Load::Where RelayBench::Where(const ClientStyle& style) {
+  world_.MakeRobots(kRobots);
+  return {.style = [style](std::size_t /*number*/) { return style; },
+          .link = world_.LinkTo(ports_.relay),
+          .identities = &world_.identities};
 }
 
 void RelayBench::WaitUntilSettled() {
@@ -81,17 +92,17 @@ RelayBench::Durable RelayBench::MeasureDurable(const std::string& name, std::siz
                                                const std::function<double(int)>& bare,
                                                const Times& times) {
   const SystemClock clock;
-  RelayShape shape = Shape(kRobots);
-  shape.frame_messages = frame_messages;
   Durable rows{{name, "rows/s", comparator, {}, {}}, {name + "_cpu", "us/row", "", {}, {}}};
   for (int round = 0; round < times.rounds; ++round) {
     {
-      const RelayLoad load(shape);
-      WaitFor(kWarmUpSeconds);
+      link::Loop loop;
+      Load load(Where(Messages()), loop);
+      load.ConnectUpTo(kRobots, kRobots);
+      load.Flood(kAhead, frame_messages, kWarmUp);
       const SteadyTime began = clock.Steady();
       const double cpu_before = Cpu();
       const auto before = static_cast<double>(load.acked());
-      WaitFor(times.seconds);
+      load.Flood(kAhead, frame_messages, std::chrono::seconds(times.seconds));
       const double acked = static_cast<double>(load.acked()) - before;
       const double cpu = Cpu() - cpu_before;
       rows.rate.value.Add(acked / std::chrono::duration<double>(clock.Steady() - began).count());
@@ -103,27 +114,40 @@ RelayBench::Durable RelayBench::MeasureDurable(const std::string& name, std::siz
   return rows;
 }
 
+std::vector<double> RelayBench::MeasureAcks(std::size_t count) {
+  const SystemClock clock;
+  link::Loop loop;
+  Load load(Where(Faults()), loop);
+  load.ConnectUpTo(1, 1);
+  std::vector<double> took;
+  took.reserve(count);
+  for (std::size_t sent = 1; sent <= count; ++sent) {
+    const SteadyTime began = clock.Steady();
+    load.SendOneAndAwaitAck();
+    took.push_back(MillisecondsSince(began, clock));
+  }
+  return took;
+}
+
 std::vector<Row> RelayBench::MeasureAckRows(const std::string& name, const std::string& comparator,
                                             const std::function<void()>& bare_commit,
                                             const Times& times) {
   const SystemClock clock;
-  const RelayShape shape = Shape(1);
   std::vector<Row> rows = {{name + "_p50", "ms", comparator, {}, {}},
                            {name + "_p99", "ms", comparator, {}, {}}};
   for (int round = 0; round < times.rounds; ++round) {
-    const std::vector<double> ours = MeasureAcks(shape, kAcksARound);
+    const std::vector<double> ours = MeasureAcks(kAcksARound);
     std::vector<double> theirs;
     theirs.reserve(kAcksARound);
     for (std::size_t i = 0; i < kAcksARound; ++i) {
       const SteadyTime began = clock.Steady();
       bare_commit();
-      theirs.push_back(std::chrono::duration<double, std::milli>(clock.Steady() - began).count());
+      theirs.push_back(MillisecondsSince(began, clock));
     }
-    std::ranges::sort(theirs);
-    rows[0].value.Add(Percentile(ours, 0.5));
-    rows[1].value.Add(Percentile(ours, 0.99));
-    rows[0].comparator_value.Add(Percentile(theirs, 0.5));
-    rows[1].comparator_value.Add(Percentile(theirs, 0.99));
+    rows[0].value.Add(Quantile(ours, 0.5));
+    rows[1].value.Add(Quantile(ours, 0.99));
+    rows[0].comparator_value.Add(Quantile(theirs, 0.5));
+    rows[1].comparator_value.Add(Quantile(theirs, 0.99));
   }
   return rows;
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tests/bench/figures.h"
-#include "tests/bench/relay_load.h"
-#include "tests/support/uplinkd_folder.h"
+#include "tests/bench/load/load.h"
+#include "tests/bench/world.h"
 
 namespace uplink::bench {
 
@@ -44,12 +44,15 @@ class RelayBench final {
                                                 const Times& times);
 
  private:
-  [[nodiscard]] RelayShape Shape(std::size_t robots);
+  /// Robots that say durable messages in this way.
+  [[nodiscard]] Load::Where Where(const ClientStyle& style);
   void WaitUntilSettled();
+  /// How long each of so many faults took from its write to its Ack, in milliseconds.
+  [[nodiscard]] std::vector<double> MeasureAcks(std::size_t count);
   /// Seconds of CPU that the server used so far.
   [[nodiscard]] double Cpu() const;
 
-  testing::UplinkdFolder folder_;
+  World world_;
   std::unique_ptr<testing::ServerProcess> process_;
   testing::Ports ports_;
 };

@@ -11,22 +11,19 @@
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
-#include "tests/bench/figures.h"
+#include "tests/bench/bench_flags.h"
 #include "tests/bench/servers.h"
-#include "tests/support/flags.h"
 
 namespace uplink::bench {
 namespace {
 
 using std::chrono::seconds;
 
-struct Arguments {
+struct Arguments : BenchFlags {
+  Arguments() : BenchFlags{.rounds = 3, .seconds = 3} {}
+
   std::string what = "relay";
-  std::string json;
-  std::string commit = "unknown";
   std::vector<std::string> only;
-  int rounds = 3;
-  int seconds = 3;
 };
 
 constexpr double kMicrosPerSecond = 1e6;
@@ -60,6 +57,8 @@ constexpr std::size_t kStormAtOnce = 256;
 using Kinds = std::vector<ServerKind>;
 const Kinds kAll = {ServerKind::kGrpcSink, ServerKind::kTlsSink, ServerKind::kMosquitto,
                     ServerKind::kNats};
+const Kinds kEach = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
+                     ServerKind::kMosquitto, ServerKind::kNats};
 const Kinds kSinks = {ServerKind::kGrpcSink, ServerKind::kTlsSink};
 const Kinds kBareGrpc = {ServerKind::kGrpcSink};
 
@@ -106,6 +105,30 @@ class RelayBench final {
   }
 
   static void Say(const std::string& text) { fmt::print(stderr, "{}\n", text); }
+
+  /// uplinkd beside each of the others that was measured.
+  void AddRows(const std::string& scenario, const std::string& unit,
+               const std::map<ServerKind, Rounds>& figures) {
+    for (const auto& [kind, its] : figures) {
+      if (kind == ServerKind::kUplinkd) continue;
+      rows_.push_back({scenario, unit, NameOf(kind), figures.at(ServerKind::kUplinkd), its});
+    }
+  }
+
+  /// A fresh server of each kind that is installed, and robots for it, in each round.
+  void OnFreshServers(const std::string& scenario,
+                      const std::function<void(ServerKind, const Server&, Load&)>& act) {
+    for (int round = 0; round < arguments_.rounds; ++round) {
+      for (const ServerKind kind : kEach) {
+        if (!IsInstalled(kind)) continue;
+        Say(scenario + ": " + NameOf(kind));
+        const Server server(world_, kind);
+        link::Loop loop;
+        Load load(server.where(), loop);
+        act(kind, server, load);
+      }
+    }
+  }
 
   /// Microseconds of the server's CPU for each message of one window.
   double CostOnce(const Server& server, Load& load, const Act& act) {
@@ -159,10 +182,7 @@ class RelayBench final {
                                                   *loads[i], act));
       }
     }
-    for (std::size_t i = 1; i < kinds.size(); ++i) {
-      rows_.push_back({scenario, "us CPU/message", NameOf(kinds[i]), costs[ServerKind::kUplinkd],
-                       costs[kinds[i]]});
-    }
+    AddRows(scenario, "us CPU/message", costs);
     for (std::size_t i = 0; i < loads.size(); ++i) {
       if (loads[i]->late() > 0) {
         Say(fmt::format("{}: the load itself was late for {}: {} frames", scenario,
@@ -262,29 +282,15 @@ class RelayBench final {
     world_.MakeRobots(kMemoryRobots);
     std::map<ServerKind, Rounds> idle;
     std::map<ServerKind, Rounds> used;
-    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
-                         ServerKind::kMosquitto, ServerKind::kNats};
-    for (int round = 0; round < arguments_.rounds; ++round) {
-      for (const ServerKind kind : kinds) {
-        if (!IsInstalled(kind)) continue;
-        Say("memory: " + NameOf(kind));
-        const Server server(world_, kind);
-        link::Loop loop;
-        Load load(server.where(), loop);
-        const std::uint64_t before = server.use().rss_bytes;
-        load.ConnectUpTo(kMemoryRobots, kConnectsAtOnce);
-        idle[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
-        load.SendEach(kMemoryMessages);
-        used[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
-      }
-    }
-    for (std::size_t i = 1; i < kinds.size(); ++i) {
-      if (!IsInstalled(kinds[i])) continue;
-      rows_.push_back({"memory_connected", "KiB/robot", NameOf(kinds[i]),
-                       idle[ServerKind::kUplinkd], idle[kinds[i]]});
-      rows_.push_back({"memory_after_64_messages", "KiB/robot", NameOf(kinds[i]),
-                       used[ServerKind::kUplinkd], used[kinds[i]]});
-    }
+    OnFreshServers("memory", [&](ServerKind kind, const Server& server, Load& load) {
+      const std::uint64_t before = server.use().rss_bytes;
+      load.ConnectUpTo(kMemoryRobots, kConnectsAtOnce);
+      idle[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
+      load.SendEach(kMemoryMessages);
+      used[kind].Add(KiBPerRobot(server.use().rss_bytes - before));
+    });
+    AddRows("memory_connected", "KiB/robot", idle);
+    AddRows("memory_after_64_messages", "KiB/robot", used);
   }
 
   static double KiBPerRobot(std::uint64_t bytes) {
@@ -296,26 +302,12 @@ class RelayBench final {
     if (!Wanted("accepts")) return;
     world_.MakeRobots(kAcceptRobots);
     std::map<ServerKind, Rounds> rates;
-    const Kinds kinds = {ServerKind::kUplinkd, ServerKind::kGrpcSink, ServerKind::kTlsSink,
-                         ServerKind::kMosquitto, ServerKind::kNats};
-    for (int round = 0; round < arguments_.rounds; ++round) {
-      for (const ServerKind kind : kinds) {
-        if (!IsInstalled(kind)) continue;
-        Say("accepts: " + NameOf(kind));
-        const Server server(world_, kind);
-        link::Loop loop;
-        Load load(server.where(), loop);
-        const synthetic::ProcessUse before = server.use();
-        load.ConnectUpTo(kAcceptRobots, kConnectsAtOnce);
-        rates[kind].Add(static_cast<double>(kAcceptRobots) /
-                        server.use().Since(before).cpu_seconds);
-      }
-    }
-    for (std::size_t i = 1; i < kinds.size(); ++i) {
-      if (!IsInstalled(kinds[i])) continue;
-      rows_.push_back({"accepts", "1/s of a core", NameOf(kinds[i]), rates[ServerKind::kUplinkd],
-                       rates[kinds[i]]});
-    }
+    OnFreshServers("accepts", [&](ServerKind kind, const Server& server, Load& load) {
+      const synthetic::ProcessUse before = server.use();
+      load.ConnectUpTo(kAcceptRobots, kConnectsAtOnce);
+      rates[kind].Add(static_cast<double>(kAcceptRobots) / server.use().Since(before).cpu_seconds);
+    });
+    AddRows("accepts", "1/s of a core", rates);
   }
 
   /// A server that is killed under its robots: until all stream again to the next one.
@@ -352,19 +344,19 @@ int Run(int argc, char** argv) {
   Arguments arguments;
   testing::Flags flags("Benchmarks of the relay", "uplink_bench_relay");
   flags.AddChoice({"what"}, arguments.what, {"relay", "connect", "memory"});
-  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
-  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  arguments.AddTo(flags);
   flags.Add({"--only", "Scenarios; all if none is named"}, arguments.only);
-  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
-  flags.Add({"--seconds"}, arguments.seconds, {1, 600});
+  flags.Add({"--seconds"}, arguments.seconds, kSecondsRange);
   if (const auto code = flags.Parse(argc, argv)) return *code;
   const bool apart = PinTo(kLoadCore);
   const std::vector<Row> rows = RelayBench(arguments).Run();
-  fmt::print(
-      "{}: the server on {}, robots over mutual TLS, {} rounds of {} s; no rate is limited\n{}",
-      arguments.what, apart ? "a core of its own" : "the only core", arguments.rounds,
-      arguments.seconds, TableOf(rows));
-  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
+  return Publish(
+      arguments,
+      fmt::format(
+          "{}: the server on {}, robots over mutual TLS, {} rounds of {} s; no rate is limited",
+          arguments.what, apart ? "a core of its own" : "the only core", arguments.rounds,
+          arguments.seconds),
+      rows);
 }
 
 }  // namespace

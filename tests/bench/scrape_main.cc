@@ -16,8 +16,7 @@
 
 #include "schema/base/check.h"
 #include "server/rcan/scrape.h"
-#include "tests/bench/figures.h"
-#include "tests/support/flags.h"
+#include "tests/bench/bench_flags.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 #include "tools/uplink-fleet/report/process_use.h"
@@ -28,10 +27,9 @@ namespace {
 using metrics::Coding;
 using metrics::Format;
 
-struct Arguments {
-  std::string json;
-  std::string commit = "unknown";
-  int rounds = 9;
+struct Arguments : BenchFlags {
+  Arguments() : BenchFlags{.rounds = 9} {}
+
   std::size_t series = 100'000;
 };
 
@@ -186,16 +184,16 @@ class ScrapeBench {
 int Run(int argc, char** argv) {
   Arguments arguments;
   testing::Flags flags("Benchmark of the robots' scrape", "uplink_bench_scrape");
-  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
-  flags.Add({"--commit", "What is measured"}, arguments.commit);
-  flags.Add({"--rounds"}, arguments.rounds, {1, 1000});
+  arguments.AddTo(flags);
   flags.Add({"--series"}, arguments.series, {1000, 1'000'000});
   if (const auto code = flags.Parse(argc, argv)) return *code;
   ScrapeBench bench(arguments.series);
   const std::vector<Row> rows = bench.Run(arguments.rounds);
-  fmt::print("scrape: {} series of ours, {} of the library's, on one core; {} rounds\n{}",
-             bench.series(), arguments.series, arguments.rounds, TableOf(rows));
-  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
+  return Publish(
+      arguments,
+      fmt::format("scrape: {} series of ours, {} of the library's, on one core; {} rounds",
+                  bench.series(), arguments.series, arguments.rounds),
+      rows);
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/bench/load/load.h"
-#include "tests/bench/world.h"
-#include "tests/support/server_process.h"
-#include "tools/uplink-fleet/report/process_use.h"
+#include "tests/bench/pinned_server.h"
 
 namespace uplink::bench {
 
@@ -36,17 +35,18 @@ class Server final {
   Server(const World& world, ServerKind kind, std::size_t frame_messages = 1);
 
   [[nodiscard]] Load::Where where() const;
-  [[nodiscard]] synthetic::ProcessUse use() const;
+  [[nodiscard]] synthetic::ProcessUse use() const { return UseOf(*process_); }
   /// SIGKILL, and a new process on the same port and store.
   void KillAndStart();
 
  private:
   void Start();
+  /// Of all but uplinkd.
+  [[nodiscard]] std::vector<std::string> Command() const;
 
   const World& world_;
   ServerKind kind_;
   std::size_t frame_messages_;
-  std::string folder_;
   std::uint16_t port_ = 0;
   std::unique_ptr<testing::ServerProcess> process_;
 };

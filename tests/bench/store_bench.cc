@@ -17,21 +17,18 @@
 #include "storage/sqlite/store.h"
 #include "tests/bench/bare_postgres.h"
 #include "tests/bench/bare_sqlite.h"
-#include "tests/bench/figures.h"
+#include "tests/bench/bench_flags.h"
 #include "tests/bench/relay_bench.h"
 #include "tests/bench/store_load.h"
-#include "tests/support/flags.h"
 
 namespace uplink::bench {
 namespace {
 
-struct Arguments {
+struct Arguments : BenchFlags {
+  Arguments() : BenchFlags{.rounds = 5, .seconds = 2} {}
+
   std::string url;
   std::string folder;
-  std::string json;
-  std::string commit = "unknown";
-  int rounds = 5;
-  int seconds = 2;
   std::size_t writers = 2;
 };
 
@@ -191,10 +188,8 @@ int Run(int argc, char** argv) {
   testing::Flags flags("Benchmarks of the stores", "uplink_bench_store");
   flags.Add({"--url", "A migrated PostgreSQL database", kRequired}, arguments.url);
   flags.Add({"--folder", "An empty folder for SQLite files", kRequired}, arguments.folder);
-  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
-  flags.Add({"--commit", "What is measured"}, arguments.commit);
-  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
-  flags.Add({"--seconds"}, arguments.seconds, {1, 600});
+  arguments.AddTo(flags);
+  flags.Add({"--seconds"}, arguments.seconds, kSecondsRange);
   flags.Add({"--writers"}, arguments.writers, {1, 16});
   if (const auto code = flags.Parse(argc, argv)) return *code;
   StoreBench bench(arguments);
@@ -205,11 +200,13 @@ int Run(int argc, char** argv) {
                            bench.Postgres("postgres_1_a_robot", singles),
                            bench.Sqlite("sqlite_64_a_robot", frames)};
   AddRelayRows(arguments, rows);
-  fmt::print(
-      "store: calls of the store alone. relay: robots, TLS, the server, COMMIT, Ack, on the "
-      "same {} cores; no rate is limited\n{}",
-      std::thread::hardware_concurrency(), TableOf(rows));
-  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
+  return Publish(
+      arguments,
+      fmt::format(
+          "store: calls of the store alone. relay: robots, TLS, the server, COMMIT, Ack, on the "
+          "same {} cores; no rate is limited",
+          std::thread::hardware_concurrency()),
+      rows);
 }
 
 }  // namespace

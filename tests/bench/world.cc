@@ -7,7 +7,7 @@
 #include <sys/resource.h>
 
 #include "schema/base/check.h"
-#include "tests/bench/load/bench_ruri.h"
+#include "tests/bench/load/robots.h"
 #include "tests/support/certificates.h"
 
 namespace uplink::bench {
@@ -27,13 +27,24 @@ void PrepareLoad() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+link::LinkOptions World::LinkTo(std::uint16_t port, link::Alpn alpn) const {
+  link::LinkOptions options;
+  options.tls = *link::TlsClient::Create(folder.authority().certificate(), alpn);
+  options.address = *link::Resolve("127.0.0.1:" + std::to_string(port));
+  return options;
+}
+
+link::Identity World::Issue(const testing::CertificateSpec& spec) const {
+  const testing::KeyPair pair = folder.authority().Issue(spec);
+  auto identity = link::Identity::Parse(pair.certificate, pair.key);
+  UPLINK_CHECK(identity.ok(), identity.status().ToString());
+  return *std::move(identity);
+}
+
 void World::MakeRobots(std::size_t robots) {
   identities.reserve(robots);
   for (std::size_t i = identities.size(); i < robots; ++i) {
-    const testing::KeyPair pair = folder.authority().Issue(testing::RobotSpec(BenchRuri(i)));
-    auto identity = link::Identity::Parse(pair.certificate, pair.key);
-    UPLINK_CHECK(identity.ok(), identity.status().ToString());
-    identities.push_back(*std::move(identity));
+    identities.push_back(Issue(testing::RobotSpec(BenchRuri(i))));
   }
 }
 
@@ -44,10 +55,7 @@ std::vector<link::Identity> World::MakeGateways(std::size_t gateways, std::size_
     spec.common_names = {"gateway " + std::to_string(gateway)};
     spec.units = {"gateway"};
     for (std::size_t i = gateway; i < robots; i += gateways) spec.uris.push_back(BenchRuri(i));
-    const testing::KeyPair pair = folder.authority().Issue(spec);
-    auto identity = link::Identity::Parse(pair.certificate, pair.key);
-    UPLINK_CHECK(identity.ok(), identity.status().ToString());
-    made.push_back(*std::move(identity));
+    made.push_back(Issue(spec));
   }
   return made;
 }

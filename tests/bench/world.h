@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "tests/support/uplinkd_folder.h"
-#include "tools/link/tls_client.h"
+#include "tools/link/tls_link.h"
 
 namespace uplink::bench {
 
@@ -22,10 +23,16 @@ void PrepareLoad();
 struct World {
   /// Makes certificates until there are so many.
   void MakeRobots(std::size_t robots);
+  /// A certificate for that.
+  [[nodiscard]] link::Identity Issue(const testing::CertificateSpec& spec) const;
   /// Certificates of so many gateways, which name robots of MakeRobots in equal parts: robot i is
   /// gateway i % gateways'.
   [[nodiscard]] std::vector<link::Identity> MakeGateways(std::size_t gateways,
                                                          std::size_t robots) const;
+
+  /// The way to a server of this machine, without an identity.
+  [[nodiscard]] link::LinkOptions LinkTo(std::uint16_t port,
+                                         link::Alpn alpn = link::Alpn::kHttp2) const;
 
   testing::UplinkdFolder folder;
   std::vector<link::Identity> identities;

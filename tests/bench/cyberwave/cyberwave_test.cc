@@ -6,8 +6,8 @@
 
 #include "schema/cyberwave/judge.h"
 #include "tests/bench/cyberwave/messages.h"
-#include "tests/bench/cyberwave/page_figures.h"
 #include "tests/bench/load/mqtt.h"
+#include "tests/bench/page.h"
 
 namespace uplink::bench {
 namespace {
@@ -82,14 +82,6 @@ TEST(PageFiguresTest, AHistogramSaysWithinWhichTimeAShareLies) {
   EXPECT_DOUBLE_EQ(HistogramMs(before, after, "h", 1), 10) << "over all bounds";
   EXPECT_EQ(HistogramMs(after, after, "h", 0.5), 0) << "nothing came";
   EXPECT_EQ(HistogramMs({}, {}, "h", 0.5), 0);
-}
-
-TEST(PageFiguresTest, AShareOfValues) {
-  EXPECT_EQ(ShareOf({}, 0.5), 0);
-  EXPECT_EQ(ShareOf({3, 1, 2}, 0), 1);
-  EXPECT_EQ(ShareOf({3, 1, 2}, 0.5), 2);
-  EXPECT_EQ(ShareOf({3, 1, 2}, 0.99), 3);
-  EXPECT_EQ(ShareOf({3, 1, 2, 4}, 0.5), 2);
 }
 
 }  // namespace

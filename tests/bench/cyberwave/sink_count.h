@@ -4,6 +4,12 @@
 #include <cstdint>
 #include <string>
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "schema/base/check.h"
+
 namespace uplink::bench {
 
 /// What a sink says once it is subscribed.
@@ -14,8 +20,16 @@ inline constexpr const char* kSinkReady = "subscribed";
 class SinkCount final {
  public:
   /// Makes the file if there is none. Aborts if that fails.
-  explicit SinkCount(const std::string& path);
-  ~SinkCount();
+  explicit SinkCount(const std::string& path) {
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    UPLINK_CHECK(file >= 0 && ftruncate(file, sizeof(Count)) == 0, "a benchmark can make a file");
+    void* memory = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    UPLINK_CHECK(memory != MAP_FAILED, "a benchmark can map a file");
+    close(file);
+    // A new file is zero, which is a count of none.
+    count_ = static_cast<Count*>(memory);
+  }
+  ~SinkCount() { munmap(count_, sizeof(Count)); }
   SinkCount(const SinkCount&) = delete;
   SinkCount& operator=(const SinkCount&) = delete;
 

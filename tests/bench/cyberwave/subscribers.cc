@@ -1,6 +1,5 @@
 #include "tests/bench/cyberwave/subscribers.h"
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -8,10 +7,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
-#include "tests/bench/cyberwave/page_figures.h"
-#include "tests/bench/fair/scrape.h"
-#include "tests/bench/free_port.h"
-#include "tests/bench/world.h"
+#include "tests/bench/pinned_server.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/raw_tcp.h"
@@ -21,20 +17,6 @@ namespace {
 
 constexpr const char* kExporter = "/usr/bin/prometheus-mqtt-exporter";
 constexpr int kJoints = 6;
-
-std::unique_ptr<testing::ServerProcess> StartPinned(const std::vector<std::string>& arguments) {
-  // What is started takes the core of who starts it.
-  PinTo(kServerCore);
-  auto process = std::make_unique<testing::ServerProcess>(arguments);
-  PinTo(kLoadCore);
-  return process;
-}
-
-synthetic::ProcessUse UseOf(const testing::ServerProcess& process, const std::string& name) {
-  const auto use = synthetic::UseOf(process.pid());
-  UPLINK_CHECK(use.has_value(), name + " still runs");
-  return *use;
-}
 
 /// A program in Go sends a long page in pieces, but not to a client of HTTP/1.0.
 Samples PageOf(std::uint16_t port) {
@@ -72,9 +54,7 @@ Sink::Sink(std::uint16_t broker_port)
   UPLINK_CHECK(process_->WaitFor(kSinkReady), process_->text());
 }
 
-synthetic::ProcessUse Sink::use() const { return UseOf(*process_, name()); }
-
-Exporter::Exporter(std::uint16_t broker_port) : port_(FreePort()) {
+Exporter::Exporter(std::uint16_t broker_port) : port_(testing::FreePort()) {
   std::ofstream(folder_.File("config.yaml")) << ExporterConfig(broker_port);
   process_ =
       StartPinned({kExporter, "-config", folder_.File("config.yaml"), "-listen-address",
@@ -91,42 +71,31 @@ std::uint64_t Exporter::count() {
   return static_cast<std::uint64_t>(SumOf(PageOf(port_), "received_messages{"));
 }
 
-synthetic::ProcessUse Exporter::use() const { return UseOf(*process_, name()); }
-
 Uplinkd::Uplinkd(const Options& options) : counts_media_(options.media == "count") {
   folder_.WriteConfig(
       fmt::format("[mqtt]\nurl = \"mqtt://127.0.0.1:{}\"\n[cyberwave]\nmedia = \"{}\"\n",
                   options.broker_port, options.media));
-  PinTo(kServerCore);
   std::vector<std::string> environment;
   if (!options.store_url.empty()) environment.push_back("UPLINKD_STORE_URL=" + options.store_url);
-  process_ = folder_.Start({}, environment);
-  PinTo(kLoadCore);
-  const auto ports = testing::WaitForPorts(*process_);
-  UPLINK_CHECK(ports.has_value(), process_->text());
-  ports_ = *ports;
-}
-
-Uplinkd::~Uplinkd() {
-  process_->Signal(SIGTERM);
-  static_cast<void>(process_->WaitForExit());
+  auto server =
+      PinnedServer::Start(folder_, {.program = UPLINKD_PROGRAM, .environment = environment});
+  UPLINK_CHECK(server.ok(), server.status().ToString());
+  server_ = *std::move(server);
 }
 
 std::uint64_t Uplinkd::count() {
   return static_cast<std::uint64_t>(SumOf(Metrics(), "uplinkd_mqtt_messages_settled_total{"));
 }
 
-synthetic::ProcessUse Uplinkd::use() const { return UseOf(*process_, name()); }
-
-std::map<std::string, double> Uplinkd::Metrics() const {
-  return SamplesOf(testing::HttpGet(ports_.http, "/metrics").body);
+Samples Uplinkd::Metrics() const {
+  return SamplesOf(testing::HttpGet(server_->ports().http, "/metrics").body);
 }
 
 void Uplinkd::WaitConnected() const {
   const double connections = counts_media_ ? 3 : 2;
   const bool connected = testing::Eventually(
       [&] { return SumOf(Metrics(), "uplinkd_mqtt_connected{") == connections; });
-  UPLINK_CHECK(connected, "uplinkd reaches the broker: " + process_->text());
+  UPLINK_CHECK(connected, "uplinkd reaches the broker: " + server_->log());
 }
 
 }  // namespace uplink::bench

@@ -1,16 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/bench/cyberwave/sink_count.h"
-#include "tests/support/server_process.h"
+#include "tests/bench/page.h"
+#include "tests/bench/pinned_server.h"
 #include "tests/support/temp_folder.h"
-#include "tests/support/uplinkd_folder.h"
-#include "tools/uplink-fleet/report/process_use.h"
 
 namespace uplink::bench {
 
@@ -33,7 +31,7 @@ class Sink final : public Subscriber {
   explicit Sink(std::uint16_t broker_port);
   [[nodiscard]] std::string name() const override { return "libmosquitto sink"; }
   [[nodiscard]] std::uint64_t count() override { return count_.Read(); }
-  [[nodiscard]] synthetic::ProcessUse use() const override;
+  [[nodiscard]] synthetic::ProcessUse use() const override { return UseOf(*process_); }
 
  private:
   const testing::TempFolder folder_;
@@ -49,7 +47,7 @@ class Exporter final : public Subscriber {
   [[nodiscard]] static bool IsInstalled();
   [[nodiscard]] std::string name() const override { return "prometheus-mqtt-exporter"; }
   [[nodiscard]] std::uint64_t count() override;
-  [[nodiscard]] synthetic::ProcessUse use() const override;
+  [[nodiscard]] synthetic::ProcessUse use() const override { return UseOf(*process_); }
 
  private:
   const testing::TempFolder folder_;
@@ -69,24 +67,23 @@ class Uplinkd final : public Subscriber {
   };
   explicit Uplinkd(const Options& options);
   /// In order, so that the next one need not wait for its lease.
-  ~Uplinkd() override;
+  ~Uplinkd() override { static_cast<void>(server_->Stop()); }
   Uplinkd(const Uplinkd&) = delete;
   Uplinkd& operator=(const Uplinkd&) = delete;
 
   [[nodiscard]] std::string name() const override { return "uplinkd"; }
   [[nodiscard]] std::uint64_t count() override;
-  [[nodiscard]] synthetic::ProcessUse use() const override;
+  [[nodiscard]] synthetic::ProcessUse use() const override { return server_->use(); }
 
   /// Its metrics as they are now.
-  [[nodiscard]] std::map<std::string, double> Metrics() const;
+  [[nodiscard]] Samples Metrics() const;
   /// Waits until the broker has all of its connections.
   void WaitConnected() const;
 
  private:
   const bool counts_media_;
   testing::UplinkdFolder folder_;
-  std::unique_ptr<testing::ServerProcess> process_;
-  testing::Ports ports_;
+  std::unique_ptr<PinnedServer> server_;
 };
 
 }  // namespace uplink::bench

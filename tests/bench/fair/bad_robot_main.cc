@@ -52,7 +52,7 @@ absl::StatusOr<link::LinkOptions> LinkOf(const Arguments& arguments) {
   return options;
 }
 
-int Misbehave(const Arguments& arguments, Misdeed misdeed) {
+int Misbehave(const Arguments& arguments, const Misdeed& misdeed) {
   const SystemClock clock;
   synthetic::Signals signals(clock);
   auto options = LinkOf(arguments);
@@ -63,7 +63,7 @@ int Misbehave(const Arguments& arguments, Misdeed misdeed) {
   link::Loop loop;
   BadCounts counts;
   BadWorld world{loop, clock, *std::move(options), counts};
-  const auto bad = MakeMisbehaviour(misdeed, world, arguments.ruri);
+  const auto bad = misdeed.make(world, arguments.ruri);
   const SteadyTime end = clock.Steady() + std::chrono::seconds(arguments.seconds);
   bool told = false;
   while (!signals.Came() && clock.Steady() < end) {
@@ -90,8 +90,8 @@ int Run(int argc, char** argv) {
   flags.Add({"--port", "Of the relay on loopback", Need::kRequired}, arguments.port);
   flags.Add({"--seconds", "It ends after so many"}, arguments.seconds, {1, 3600});
   if (const auto code = flags.Parse(argc, argv)) return *code;
-  const auto misdeed = MisdeedOf(arguments.misdeed);
-  if (!misdeed) {
+  const Misdeed* const misdeed = MisdeedOf(arguments.misdeed);
+  if (misdeed == nullptr) {
     fmt::print(stderr, "unknown misdeed: {}\n", arguments.misdeed);
     return 2;
   }

@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "tests/bench/load/session_id.h"
+#include "tests/bench/load/robots.h"
 
 namespace uplink::bench {
 namespace {
@@ -28,7 +28,7 @@ std::string BadCounts::Text() const {
 
 BadSession NewBadSession() {
   BadSession session;
-  session.id = NewSessionId();
+  session.id = std::string(NewSessionId().AsBytes());
   return session;
 }
 
@@ -67,7 +67,7 @@ void BadStream::OpenAgain() { Greet(); }
 
 void BadStream::Greet() {
   rejects_ = 0;
-  if (!connection_.OpenStream("/uplink.v1.UplinkRelay/Relay")) return Enter(State::kOver);
+  if (!connection_.OpenStream(kRelayMethod)) return Enter(State::kOver);
   Enter(State::kGreeting);
   v1::RelayRequest frame;
   v1::Hello& hello = *frame.mutable_hello();

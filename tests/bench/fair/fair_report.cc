@@ -1,8 +1,7 @@
 #include "tests/bench/fair/fair_report.h"
 
 #include <algorithm>
-#include <functional>
-#include <map>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -62,10 +61,14 @@ void Line::Add(const FairResult& result) {
   server_ended += result.server_ended ? 1 : 0;
 }
 
-std::map<Misdeed, Line> LinesOf(const std::vector<FairResult>& results) {
-  std::map<Misdeed, Line> lines;
+/// By their misdeeds, in the order in which they came.
+std::vector<std::pair<std::string, Line>> LinesOf(const std::vector<FairResult>& results) {
+  std::vector<std::pair<std::string, Line>> lines;
   for (const FairResult& result : results) {
-    if (result.failure.empty()) lines[result.misdeed].Add(result);
+    if (!result.failure.empty()) continue;
+    auto line = std::ranges::find(lines, result.misdeed, &std::pair<std::string, Line>::first);
+    if (line == lines.end()) line = lines.insert(line, {result.misdeed, {}});
+    line->second.Add(result);
   }
   return lines;
 }
@@ -80,11 +83,11 @@ std::string MissedBy(const Line& line, double share_mib) {
   return missed.empty() ? "-" : missed.substr(1);
 }
 
-std::string TextOf(Misdeed misdeed, const Line& line, double share_mib) {
+std::string TextOf(const std::string& misdeed, const Line& line, double share_mib) {
   std::string text = fmt::format(
       "{:<10} {:>7.1f} {:>7.1f} {:>8.1f} {:>8.1f} {:>6.2f} {:>5} {:>5} {:>5} {:>6} {:>5.0f} "
       "{:>5.0f} {:>6.2f} {:>6.0f} {:>6.0f} {:>6.0f} {:>4}/{:<4} {}\n",
-      NameOf(misdeed), line.p50.without.median(), line.p50.with.median(), line.p99.without.median(),
+      misdeed, line.p50.without.median(), line.p50.with.median(), line.p99.without.median(),
       line.p99.with.median(), line.p99.ratio(), line.unknown, line.offline, line.cut, line.unacked,
       line.cpu.without.median(), line.cpu.with.median(), line.cpu.ratio(),
       line.memory.without.median(), line.memory.with.median(), line.memory_max(share_mib),
@@ -104,12 +107,6 @@ Row RowOf(std::string name, std::string unit, const Both& both) {
   return {std::move(name), std::move(unit), kWithout, both.with, both.without};
 }
 
-Row CountOf(std::string name, std::string unit, double count) {
-  Row row{std::move(name), std::move(unit), "", {}, {}};
-  row.value.Add(count);
-  return row;
-}
-
 }  // namespace
 
 std::string FairTable(const std::vector<FairResult>& results, double share_mib) {
@@ -124,7 +121,7 @@ std::string FairTable(const std::vector<FairResult>& results, double share_mib) 
   for (const auto& [misdeed, line] : LinesOf(results)) text += TextOf(misdeed, line, share_mib);
   for (const FairResult& result : results) {
     if (!result.failure.empty()) {
-      text += fmt::format("{:<10} no figures: {}\n", NameOf(result.misdeed), result.failure);
+      text += fmt::format("{:<10} no figures: {}\n", result.misdeed, result.failure);
     }
   }
   return text + fmt::format(
@@ -135,10 +132,9 @@ std::string FairTable(const std::vector<FairResult>& results, double share_mib) 
 
 std::vector<Row> FairRows(const std::vector<FairResult>& results, double share_mib) {
   std::vector<Row> rows;
-  for (const auto& [misdeed, line] : LinesOf(results)) {
-    const std::string name = NameOf(misdeed);
+  for (const auto& [name, line] : LinesOf(results)) {
     const auto count = [&](const char* figure, const char* unit, double value) {
-      rows.push_back(CountOf(name + figure, unit, value));
+      rows.push_back(RowOf(name + figure, unit, value));
     };
     rows.push_back(RowOf(name + "_ack_p50", "ms", line.p50));
     rows.push_back(RowOf(name + "_ack_p99", "ms", line.p99));

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/fair/misdeed.h"
 #include "tests/bench/figures.h"
 
 namespace uplink::bench {
@@ -34,7 +33,7 @@ struct WindowFigures {
 
 /// One scenario of one round. A value.
 struct FairResult {
-  Misdeed misdeed = Misdeed::kShapes;
+  std::string misdeed;
   /// Why the scenario gave no figures; empty if it did.
   std::string failure = {};
   /// It had figures, and the server ended by itself.

@@ -5,11 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/bench/fair/fair_flags.h"
 #include "tests/bench/fair/fair_report.h"
-#include "tests/bench/fair/misdeed.h"
-#include "tests/bench/fair/others.h"
-#include "tests/bench/fair/scrape.h"
+#include "tests/bench/fair/misbehaviour.h"
+#include "tests/bench/page.h"
+#include "tests/bench/trouble_flags.h"
 
 namespace uplink::bench {
 namespace {
@@ -27,29 +26,30 @@ constexpr double kShareMiB = 8;
 template <typename... Arguments>
 std::optional<int> Parse(FairFlags& flags, Arguments... arguments) {
   const std::array<const char*, sizeof...(arguments) + 1> all = {"program", arguments...};
-  return ParseFairFlags(static_cast<int>(all.size()), all.data(), flags);
+  return ParseFairFlags(static_cast<int>(all.size()), all.data(), NamesOf(Misdeeds()), flags);
 }
 
 /// Figures of a scenario that meets every goal.
 FairResult Fair() {
-  FairResult result{.misdeed = Misdeed::kTexts};
+  FairResult result{.misdeed = "texts"};
   result.without = {.ack_p50_ms = 2, .ack_p99_ms = 10, .cpu_percent = 20, .memory_mib = 100};
   result.with = {.ack_p50_ms = 2, .ack_p99_ms = 11, .cpu_percent = 30, .memory_mib = 117};
   return result;
 }
 
 TEST(MisdeedTest, EveryOneHasANameByWhichItIsFound) {
-  for (const Misdeed misdeed : kMisdeeds) {
-    EXPECT_EQ(MisdeedOf(NameOf(misdeed)), misdeed);
-    EXPECT_FALSE(AboutOf(misdeed).empty());
+  for (const Misdeed& misdeed : Misdeeds()) {
+    EXPECT_EQ(MisdeedOf(misdeed.name), &misdeed);
+    EXPECT_FALSE(misdeed.about.empty());
+    EXPECT_NE(misdeed.make, nullptr);
   }
-  EXPECT_EQ(MisdeedOf("politeness"), std::nullopt);
+  EXPECT_EQ(MisdeedOf("politeness"), nullptr);
 }
 
 TEST(FairFlagsTest, WithoutAnyAllScenariosRunOnSqlite) {
   FairFlags flags;
   EXPECT_EQ(Parse(flags), std::nullopt);
-  EXPECT_THAT(flags.misdeeds, SizeIs(kMisdeeds.size()));
+  EXPECT_THAT(ChosenOf(Misdeeds(), flags.only), SizeIs(Misdeeds().size()));
   EXPECT_EQ(flags.store, "sqlite");
   EXPECT_EQ(flags.robots, 500);
 }
@@ -59,7 +59,8 @@ TEST(FairFlagsTest, NamesOfScenariosChooseAmongThem) {
   EXPECT_EQ(Parse(flags, "--only", "gaps", "--only", "shapes", "--seconds", "3", "--server-bin",
                   "old/uplinkd", "--store", "postgres"),
             std::nullopt);
-  EXPECT_THAT(flags.misdeeds, ElementsAre(Misdeed::kGaps, Misdeed::kShapes));
+  EXPECT_THAT(ChosenOf(Misdeeds(), flags.only),
+              ElementsAre(MisdeedOf("gaps"), MisdeedOf("shapes")));
   EXPECT_EQ(flags.seconds, 3);
   EXPECT_EQ(flags.server_bin, "old/uplinkd");
   EXPECT_EQ(flags.store, "postgres");
@@ -124,7 +125,7 @@ TEST(FairReportTest, EachGoalThatIsMissedIsNamed) {
 }
 
 TEST(FairReportTest, AScenarioWithoutFiguresSaysWhyAndHasNoRows) {
-  FairResult result{.misdeed = Misdeed::kMute, .failure = "it does not listen"};
+  FairResult result{.misdeed = "mute", .failure = "it does not listen"};
   EXPECT_THAT(FairTable({result}, kShareMiB),
               HasSubstr("mute       no figures: it does not listen"));
   EXPECT_THAT(FairRows({result}, kShareMiB), IsEmpty());

@@ -1,7 +1,8 @@
-#include "tests/bench/fair/flood.h"
-
 #include <algorithm>
+#include <deque>
 #include <utility>
+
+#include "tests/bench/fair/misbehaviour.h"
 
 namespace uplink::bench {
 namespace {
@@ -22,7 +23,30 @@ constexpr std::size_t kLeftMax = 16;
 /// What was not sent for longer is not made up for.
 constexpr milliseconds kCatchUpMax{200};
 
-}  // namespace
+class Flood final : public Misbehaviour {
+ public:
+  Flood(BadWorld& world, FloodStyle style)
+      : world_(world), style_(std::move(style)), session_(NewBadSession()) {}
+
+  void Act() override;
+  [[nodiscard]] bool at_work() const override { return at_work_; }
+
+ private:
+  void Leave();
+  void OpenIfOver(SteadyTime now);
+  void SendWhatIsDue(SteadyTime now);
+
+  BadWorld& world_;
+  const FloodStyle style_;
+  BadSession session_;
+  std::unique_ptr<BadStream> stream_;
+  /// Connections that were left as they are, the oldest first.
+  std::deque<std::unique_ptr<BadStream>> left_;
+  bool at_work_ = false;
+  SteadyTime tried_{};
+  /// When the next byte, or frame, is due.
+  SteadyTime due_{};
+};
 
 void Flood::Act() {
   const SteadyTime now = world_.clock.Steady();
@@ -67,6 +91,12 @@ void Flood::SendWhatIsDue(SteadyTime now) {
     due_ += duration_cast<SteadyTime::duration>(duration<double>(
         static_cast<double>(bytes) / static_cast<double>(style_.bytes_per_second)));
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Misbehaviour> MakeFlood(BadWorld& world, FloodStyle style) {
+  return std::make_unique<Flood>(world, std::move(style));
 }
 
 }  // namespace uplink::bench

@@ -1,15 +1,18 @@
-#include "tests/bench/fair/gateway_flood.h"
-
 #include <algorithm>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "tests/bench/fair/bad_payloads.h"
+#include "tests/bench/fair/misbehaviour.h"
+#include "tools/link/http2_link.h"
 
 namespace uplink::bench {
 namespace {
 
+/// Streams of the gateway, each for a robot of its own, and its connections.
+constexpr std::size_t kGatewayStreams = 50;
+constexpr std::size_t kGatewayLinks = 5;
 /// Of a frame.
 constexpr std::size_t kEventsAFrame = 64;
 /// Of one robot, that wait for the server at most: it is asked for more soon enough.
@@ -17,13 +20,32 @@ constexpr std::size_t kUnsentMax = std::size_t{64} * 1024;
 /// Between two tries after a connection or a stream ended.
 constexpr milliseconds kRetry{200};
 
-}  // namespace
+class GatewayFlood final : public Misbehaviour {
+ public:
+  GatewayFlood(BadWorld& world, const std::string& ruri);
 
-std::vector<std::string> GatewayRobots(const std::string& ruri) {
-  std::vector<std::string> ruris;
-  for (std::size_t i = 0; i < kGatewayStreams; ++i) ruris.push_back(fmt::format("{}-{}", ruri, i));
-  return ruris;
-}
+  void Act() override;
+  [[nodiscard]] bool at_work() const override { return at_work_; }
+
+ private:
+  struct Robot {
+    BadSession session;
+    std::unique_ptr<BadStream> stream;
+    std::uint64_t events = 0;
+  };
+  struct Link {
+    std::shared_ptr<link::Http2Link> link;
+    std::vector<Robot> robots;
+    SteadyTime tried;
+  };
+
+  void Mend(Link& link, SteadyTime now);
+  void SendEvents(Robot& robot);
+
+  BadWorld& world_;
+  std::vector<Link> links_;
+  bool at_work_ = false;
+};
 
 GatewayFlood::GatewayFlood(BadWorld& world, const std::string& ruri)
     : world_(world), links_(kGatewayLinks) {
@@ -75,6 +97,18 @@ void GatewayFlood::SendEvents(Robot& robot) {
   std::vector<BadMessage> frame;
   for (std::size_t i = 0; i < kEventsAFrame; ++i) frame.push_back({GoodEvent(++robot.events)});
   robot.stream->Send(frame);
+}
+
+}  // namespace
+
+std::vector<std::string> GatewayRobots(const std::string& ruri) {
+  std::vector<std::string> ruris;
+  for (std::size_t i = 0; i < kGatewayStreams; ++i) ruris.push_back(fmt::format("{}-{}", ruri, i));
+  return ruris;
+}
+
+std::unique_ptr<Misbehaviour> MakeGatewayFlood(BadWorld& world, const std::string& ruri) {
+  return std::make_unique<GatewayFlood>(world, ruri);
 }
 
 }  // namespace uplink::bench

@@ -1,14 +1,12 @@
 #include "tests/bench/fair/misbehaviour.h"
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "tests/bench/fair/bad_payloads.h"
-#include "tests/bench/fair/flood.h"
-#include "tests/bench/fair/gateway_flood.h"
-#include "tests/bench/fair/reject_storm.h"
-#include "tests/bench/fair/takeover_war.h"
 #include "tests/bench/load/client.h"
 
 namespace uplink::bench {
@@ -38,8 +36,8 @@ using Frame = std::vector<BadMessage>;
 
 /// Frames of so many messages that `make` returns for their number.
 template <typename Make>
-Flood::Style FramesOf(std::size_t messages, Make make) {
-  Flood::Style style;
+FloodStyle FramesOf(std::size_t messages, Make make) {
+  FloodStyle style;
   style.frame = [messages, make = std::move(make), number = std::size_t{0}]() mutable {
     Frame frame;
     for (std::size_t i = 0; i < messages; ++i) frame.push_back({make(number++)});
@@ -49,40 +47,42 @@ Flood::Style FramesOf(std::size_t messages, Make make) {
 }
 
 /// One message per frame, from a list that is made once.
-Flood::Style InTurn(std::vector<std::string> payloads) {
+FloodStyle InTurn(std::vector<std::string> payloads) {
   return FramesOf(1, [payloads = std::move(payloads)](std::size_t number) {
     return payloads[number % payloads.size()];
   });
 }
 
-Flood::Style Shapes() {
+FloodStyle Shapes() {
   std::vector<std::string> payloads;
   for (std::size_t i = 0; i < kShapeIds; ++i) payloads.push_back(LargeShape(i));
   return InTurn(std::move(payloads));
 }
 
-Flood::Style Texts() {
-  Flood::Style style = InTurn({LongText()});
+FloodStyle Texts() {
+  FloodStyle style = InTurn({LongText()});
   style.bytes_per_second = kTextBytesPerSecond;
   return style;
 }
 
-Flood::Style Controls() {
+FloodStyle Controls() {
   std::vector<std::string> payloads(kTextsASnapshot, ControlText());
   payloads.push_back(ControlSettings());
-  Flood::Style style = InTurn(std::move(payloads));
+  FloodStyle style = InTurn(std::move(payloads));
   style.bytes_per_second = kTextBytesPerSecond;
   return style;
 }
 
+FloodStyle MalformedOnes() { return FramesOf(kMalformedAFrame, Malformed); }
+
 /// Alternately none good and one good: the message as such is rejected, or most of it dropped.
-Flood::Style Extras() {
+FloodStyle Extras() {
   return FramesOf(kExtrasAFrame, [none = FaultyExtras(0), one = FaultyExtras(1)](
                                      std::size_t number) { return number % 2 == 0 ? none : one; });
 }
 
-Flood::Style Joints(const Clock& clock, const std::string& ruri) {
-  Flood::Style style;
+FloodStyle Joints(const Clock& clock, const std::string& ruri) {
+  FloodStyle style;
   style.pause = kStatesEvery;
   style.frame = [&clock, ruri, generation = std::uint64_t{0}]() mutable {
     const std::int64_t now_us = UnixMs(clock.System()) * kMicrosAMilli;
@@ -91,8 +91,8 @@ Flood::Style Joints(const Clock& clock, const std::string& ruri) {
   return style;
 }
 
-Flood::Style Gaps() {
-  Flood::Style style = FramesOf(kGapsAFrame, Payload);
+FloodStyle Gaps() {
+  FloodStyle style = FramesOf(kGapsAFrame, Payload);
   // Numbers run to 2^63-1: that is two thousand million jumps of the largest.
   style.step = [large = false]() mutable {
     large = !large;
@@ -101,49 +101,61 @@ Flood::Style Gaps() {
   return style;
 }
 
-Flood::Style Mute() {
-  Flood::Style style = FramesOf(kMuteAFrame, [](std::size_t number) {
+FloodStyle Mute() {
+  FloodStyle style = FramesOf(kMuteAFrame, [](std::size_t number) {
     return number % 2 == 0 ? GoodEvent(number) : Malformed(number);
   });
   style.left_after = kMuteFor;
   return style;
 }
 
-std::unique_ptr<Misbehaviour> MakeFlood(BadWorld& world, Flood::Style style) {
-  return std::make_unique<Flood>(world, std::move(style));
+/// A flood that needs nothing of the robot.
+template <FloodStyle (*kStyle)()>
+std::unique_ptr<Misbehaviour> Flooding(BadWorld& world, const std::string& /*ruri*/) {
+  return MakeFlood(world, kStyle());
 }
+
+std::unique_ptr<Misbehaviour> FloodOfJoints(BadWorld& world, const std::string& ruri) {
+  return MakeFlood(world, Joints(world.clock, ruri));
+}
+
+std::unique_ptr<Misbehaviour> FloodOfOneMute(BadWorld& world, const std::string& /*ruri*/) {
+  world.link.window_bytes = kMuteWindowBytes;
+  world.link.window_renewed = false;
+  return MakeFlood(world, Mute());
+}
+
+constexpr std::array kMisdeeds = std::to_array<Misdeed>({
+    {"shapes", "shapes of 256 KiB, as fast as they are read", Flooding<Shapes>},
+    {"texts", "10 Mbit/s of messages for people", Flooding<Texts>},
+    {.name = "controls",
+     .about = "10 Mbit/s of control characters in messages and settings",
+     .make = Flooding<Controls>,
+     .page_looked_at = true},
+    {"malformed", "malformed payloads, as fast as they are read", Flooding<MalformedOnes>},
+    {"rejects", "reconnects without a pause, thousands of Rejects unconfirmed", MakeRejectStorm},
+    {"takeover", "two connections that take over from each other without a pause", MakeTakeoverWar},
+    {"extras", "256 faulty readings per extras message, as fast as they are read",
+     Flooding<Extras>},
+    {.name = "joints",
+     .about = "an RCAN state of 256 new joints every 100 ms, while robots are scraped",
+     .make = FloodOfJoints,
+     .robots_scraped = true},
+    {"gaps", "every number skips some, every other one 2^32", Flooding<Gaps>},
+    {"mute", "malformed payloads and events, and no Ack or Reject is read", FloodOfOneMute},
+    {.name = "gateway",
+     .about = "50 streams of events through one gateway, as fast as they are read",
+     .make = MakeGatewayFlood,
+     .by_gateway = true},
+});
 
 }  // namespace
 
-std::unique_ptr<Misbehaviour> MakeMisbehaviour(Misdeed misdeed, BadWorld& world,
-                                               const std::string& ruri) {
-  switch (misdeed) {
-    case Misdeed::kShapes:
-      return MakeFlood(world, Shapes());
-    case Misdeed::kTexts:
-      return MakeFlood(world, Texts());
-    case Misdeed::kControls:
-      return MakeFlood(world, Controls());
-    case Misdeed::kMalformed:
-      return MakeFlood(world, FramesOf(kMalformedAFrame, Malformed));
-    case Misdeed::kRejects:
-      return std::make_unique<RejectStorm>(world);
-    case Misdeed::kTakeover:
-      return std::make_unique<TakeoverWar>(world);
-    case Misdeed::kExtras:
-      return MakeFlood(world, Extras());
-    case Misdeed::kJoints:
-      return MakeFlood(world, Joints(world.clock, ruri));
-    case Misdeed::kGaps:
-      return MakeFlood(world, Gaps());
-    case Misdeed::kMute:
-      world.link.window_bytes = kMuteWindowBytes;
-      world.link.window_renewed = false;
-      return MakeFlood(world, Mute());
-    case Misdeed::kGateway:
-      return std::make_unique<GatewayFlood>(world, ruri);
-  }
-  return nullptr;
+std::span<const Misdeed> Misdeeds() { return kMisdeeds; }
+
+const Misdeed* MisdeedOf(std::string_view name) {
+  const auto* const found = std::ranges::find(kMisdeeds, name, &Misdeed::name);
+  return found == kMisdeeds.end() ? nullptr : found;
 }
 
 }  // namespace uplink::bench

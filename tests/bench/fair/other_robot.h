@@ -2,15 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "tools/link/grpc_connection.h"
-#include "uplink/v1/relay.pb.h"
+#include "tools/uplink-fleet/robot/agent_model.h"
 
 namespace uplink::bench {
 
@@ -39,9 +39,10 @@ struct OthersWorld {
   std::uint64_t window = 0;
 };
 
-/// An agent that keeps to the protocol: it keeps what is durable until it is acked, sends it again
-/// after a break under its own number, reads everything, and comes back a second after a break.
+/// A robot with the fleet's own agent, which sends each message in a frame of its own and comes
+/// back a second after a break.
 ///
+/// Errors: a server that breaks a rule of the protocol loses the stream, as one that ends it.
 /// Thread: confined to the loop's thread.
 class OtherRobot final : private link::StreamEvents {
  public:
@@ -51,44 +52,35 @@ class OtherRobot final : private link::StreamEvents {
   void SendEvent();
   /// Connects again if it is time to. Not to be called within an event.
   void Mend();
-  [[nodiscard]] bool open() const { return open_; }
+  [[nodiscard]] bool open() const { return agent_.may_send(); }
   /// All durable messages up to this number were acked.
-  [[nodiscard]] std::uint64_t settled_seq() const { return settled_seq_; }
-  [[nodiscard]] const std::string& session() const { return session_; }
-  /// Moves what was sent in this window and is not acked to the tally.
-  void GiveUp(std::uint64_t window, OthersTally& tally);
-  [[nodiscard]] bool HasPending(std::uint64_t window) const;
+  [[nodiscard]] std::uint64_t settled_seq() const { return agent_.settled_seq(); }
+  [[nodiscard]] const model::SessionId& session() const { return agent_.session(); }
+  /// Something of the tallied window has no Ack.
+  [[nodiscard]] bool pending() const { return !pending_.empty(); }
+  /// Moves what was sent in the tallied window and has no Ack to the tally.
+  void GiveUp();
 
  private:
-  struct Pending {
-    std::uint64_t seq = 0;
-    SteadyTime sent;
-    std::uint64_t window = 0;
-  };
-
   void OnConnected() override;
   void OnMessage(std::string_view message) override;
   void OnSent() override {}
   void OnEnded(const link::StreamEnd& end) override;
   void Connect();
-  void SendOne(std::uint64_t seq, const std::string& payload);
-  void OnWelcome(const v1::Welcome& welcome);
-  void OnAck(const v1::Ack& ack);
+  void Send(synthetic::Keeping keeping, std::string payload);
+  void Pump();
 
   OthersWorld& world_;
   const link::Identity identity_;
   const std::size_t number_;
-  const std::string session_;
+  synthetic::AgentModel agent_;
   std::unique_ptr<link::GrpcConnection> connection_;
-  bool open_ = false;
   bool over_ = false;
   /// When the connection was begun, or the stream was over.
   SteadyTime since_;
-  std::uint64_t last_seq_ = 0;
-  std::uint64_t settled_seq_ = 0;
-  std::uint64_t judged_seq_ = 0;
-  std::deque<Pending> pending_;
-  v1::RelayRequest frame_;
+  std::uint64_t events_ = 0;
+  /// When those of the tallied window were sent that have no Ack.
+  std::multiset<SteadyTime> pending_;
 };
 
 }  // namespace uplink::bench

@@ -1,7 +1,6 @@
 #include "tests/bench/fair/others.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <boost/asio/executor_work_guard.hpp>
 
@@ -9,12 +8,8 @@ namespace uplink::bench {
 namespace {
 
 constexpr std::size_t kConnectsAtOnce = 32;
-constexpr milliseconds kTurn{100};
-constexpr milliseconds kLook{20};
+constexpr milliseconds kTurn{20};
 constexpr milliseconds kLate{100};
-/// Of three messages one is an event: a robot sends it every other second, and a live one in each.
-constexpr std::uint64_t kMessagesARound = 3;
-constexpr double kMessagesPerSecond = 1.5;
 
 }  // namespace
 
@@ -24,9 +19,8 @@ Others::~Others() {
   world_.loop.io.poll();
 }
 
-std::size_t Others::CountOpen() const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(robots_, [](const auto& robot) { return robot->open(); }));
+void Others::Mend() {
+  for (const auto& robot : robots_) robot->Mend();
 }
 
 std::size_t Others::Connect(const std::vector<link::Identity>& identities, std::size_t robots,
@@ -39,24 +33,25 @@ std::size_t Others::Connect(const std::vector<link::Identity>& identities, std::
       robots_.push_back(std::make_unique<OtherRobot>(world_, identities.at(number), number));
     }
     world_.loop.io.restart();
-    world_.loop.io.run_one_for(kLook);
+    world_.loop.io.run_one_for(kTurn);
     world_.loop.io.poll();
-    for (const auto& robot : robots_) robot->Mend();
-    open = CountOpen();
+    Mend();
+    open = static_cast<std::size_t>(
+        std::ranges::count_if(robots_, [](const auto& robot) { return robot->open(); }));
   }
   return open;
 }
 
 SteadyTime Others::Due() const {
   const std::chrono::duration<double> gap(
-      1 / (kMessagesPerSecond * static_cast<double>(robots_.size())));
+      1 / (rhythm_.messages_per_second * static_cast<double>(robots_.size())));
   return began_ + std::chrono::duration_cast<SteadyTime::duration>(gap * sent_);
 }
 
 void Others::SendWhatIsDue(SteadyTime now) {
   for (SteadyTime due = Due(); due <= now; due = Due()) {
     if (now - due > kLate && world_.tally != nullptr) ++world_.tally->late;
-    if (++sent_ % kMessagesARound == 0) {
+    if (++sent_ % (rhythm_.live + 1) == 0) {
       robots_[next_event_++ % robots_.size()]->SendEvent();
     } else {
       robots_[next_live_++ % robots_.size()]->SendLive();
@@ -64,52 +59,44 @@ void Others::SendWhatIsDue(SteadyTime now) {
   }
 }
 
-bool Others::Drive(milliseconds duration, const OnTurn& on_turn) {
-  if (robots_.empty()) return false;
+void Others::Drive(const OnTurn& on_turn) {
+  if (robots_.empty()) return;
   boost::asio::io_context& io = world_.loop.io;
   const auto busy = boost::asio::make_work_guard(io);
   began_ = world_.clock.Steady();
   sent_ = 0;
-  const SteadyTime end = began_ + duration;
   SteadyTime turn = began_;
-  io.restart();
-  for (SteadyTime now = began_; now < end; now = world_.clock.Steady()) {
+  for (SteadyTime now = began_;; now = world_.clock.Steady()) {
     SendWhatIsDue(now);
     if (now >= turn) {
-      for (const auto& robot : robots_) robot->Mend();
-      if (!on_turn()) return false;
+      Mend();
+      if (!on_turn()) return;
       turn = now + kTurn;
     }
-    io.run_one_until(std::min({Due(), turn, end}));
+    io.restart();
+    io.run_one_until(std::min(Due(), turn));
   }
-  return true;
 }
 
-OthersTally Others::Measure(milliseconds duration, const OnTurn& on_turn) {
+OthersTally Others::Measure(const OnTurn& on_turn) {
   OthersTally tally;
   const std::uint64_t window = ++windows_;
   world_.tally = &tally;
   world_.tallied_window = world_.window = window;
-  bool going = Drive(duration, on_turn);
+  Drive(on_turn);
   world_.window = 0;
   const SteadyTime end = world_.clock.Steady() + kAckPatience;
-  while (going && HasPending(window) && world_.clock.Steady() < end) {
-    going = Drive(kTurn, on_turn);
-  }
-  for (const auto& robot : robots_) robot->GiveUp(window, tally);
+  const auto waits = [this, end] {
+    const auto pending = [](const auto& robot) { return robot->pending(); };
+    return std::ranges::any_of(robots_, pending) && world_.clock.Steady() < end;
+  };
+  Drive([&] {
+    static_cast<void>(on_turn());
+    return waits();
+  });
+  for (const auto& robot : robots_) robot->GiveUp();
   world_.tally = nullptr;
   return tally;
-}
-
-bool Others::HasPending(std::uint64_t window) const {
-  return std::ranges::any_of(robots_, [&](const auto& robot) { return robot->HasPending(window); });
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(at, values.size() - 1)];
 }
 
 }  // namespace uplink::bench

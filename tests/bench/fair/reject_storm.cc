@@ -1,12 +1,13 @@
-#include "tests/bench/fair/reject_storm.h"
-
 #include <vector>
 
 #include "tests/bench/fair/bad_payloads.h"
+#include "tests/bench/fair/misbehaviour.h"
 
 namespace uplink::bench {
 namespace {
 
+/// Rejects of its session that the robot never confirms.
+constexpr std::uint64_t kUnconfirmedRejects = 4000;
 /// With fewer Rejects it goes on after this.
 constexpr milliseconds kCollectMax{15'000};
 /// Messages of a frame (limits.batch_uplinks_max).
@@ -19,7 +20,29 @@ constexpr milliseconds kWelcomeWait{12'000};
 /// One stream of so many has a connection of its own, with its handshake.
 constexpr std::size_t kStreamsAConnection = 4;
 
-}  // namespace
+class RejectStorm final : public Misbehaviour {
+ public:
+  explicit RejectStorm(BadWorld& world) : world_(world), session_(NewBadSession()) {}
+
+  void Act() override;
+  [[nodiscard]] bool at_work() const override { return stage_ == Stage::kStorming; }
+
+ private:
+  enum class Stage : std::uint8_t { kCollecting, kStorming };
+
+  void Collect(SteadyTime now);
+  void Storm(SteadyTime now);
+  void OpenNext();
+
+  BadWorld& world_;
+  BadSession session_;
+  Stage stage_ = Stage::kCollecting;
+  std::unique_ptr<BadStream> stream_;
+  std::size_t sent_ = 0;
+  std::size_t opened_ = 0;
+  bool cancelled_ = false;
+  SteadyTime began_{};
+};
 
 void RejectStorm::Act() {
   const SteadyTime now = world_.clock.Steady();
@@ -72,6 +95,12 @@ void RejectStorm::OpenNext() {
   } else {
     stream_ = std::make_unique<BadStream>(world_, session_, BadStream::Confirms::kNothing);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Misbehaviour> MakeRejectStorm(BadWorld& world, const std::string& /*ruri*/) {
+  return std::make_unique<RejectStorm>(world);
 }
 
 }  // namespace uplink::bench

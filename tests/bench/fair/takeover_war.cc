@@ -1,6 +1,7 @@
-#include "tests/bench/fair/takeover_war.h"
+#include <array>
 
 #include "tests/bench/fair/bad_payloads.h"
+#include "tests/bench/fair/misbehaviour.h"
 
 namespace uplink::bench {
 namespace {
@@ -8,7 +9,24 @@ namespace {
 /// Longer than a server may let a Hello wait.
 constexpr milliseconds kWelcomeWait{12'000};
 
-}  // namespace
+class TakeoverWar final : public Misbehaviour {
+ public:
+  explicit TakeoverWar(BadWorld& world) : world_(world) {}
+
+  void Act() override;
+  [[nodiscard]] bool at_work() const override { return world_.counts.welcomes > 1; }
+
+ private:
+  struct Side {
+    BadSession session = NewBadSession();
+    std::unique_ptr<BadStream> stream;
+    bool sent = false;
+  };
+  void ActOn(Side& side);
+
+  BadWorld& world_;
+  std::array<Side, 2> sides_;
+};
 
 void TakeoverWar::Act() {
   for (Side& side : sides_) ActOn(side);
@@ -28,6 +46,12 @@ void TakeoverWar::ActOn(Side& side) {
   if (over || stuck) {
     side.stream = std::make_unique<BadStream>(world_, side.session, BadStream::Confirms::kAcks);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Misbehaviour> MakeTakeoverWar(BadWorld& world, const std::string& /*ruri*/) {
+  return std::make_unique<TakeoverWar>(world);
 }
 
 }  // namespace uplink::bench

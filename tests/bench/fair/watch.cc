@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <map>
 #include <utility>
 
 #include <fmt/core.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "tests/bench/fair/scrape.h"
+#include "tests/bench/page.h"
 
 namespace uplink::bench {
 namespace {
@@ -18,23 +17,9 @@ constexpr milliseconds kLookEvery{500};
 /// The robots whose waits are measured come first.
 constexpr int kNice = 19;
 
-double ValueOf(const std::map<std::string, double>& samples, const char* name) {
-  const auto found = samples.find(name);
-  return found == samples.end() ? 0 : found->second;
-}
-
-/// Over all labels.
-double SumOf(const std::map<std::string, double>& samples, const std::string& name) {
-  double sum = 0;
-  for (const auto& [sample, value] : samples) {
-    if (sample.starts_with(name + "{")) sum += value;
-  }
-  return sum;
-}
-
 }  // namespace
 
-Watch::Watch(std::uint16_t http_port, std::string bad_ruri, Misdeed misdeed)
+Watch::Watch(std::uint16_t http_port, std::string bad_ruri, const Misdeed& misdeed)
     : bad_ruri_(std::move(bad_ruri)),
       misdeed_(misdeed),
       client_(fmt::format("127.0.0.1:{}", http_port)),
@@ -68,24 +53,10 @@ void Watch::Look(const std::stop_token& stop) {
   if (stop.stop_requested()) return;
   LookForPresence("unknown", &WatchFigures::unknown);
   LookForPresence("offline", &WatchFigures::offline);
-  switch (misdeed_) {
-    case Misdeed::kJoints:
-      static_cast<void>(Get("/metrics/robots"));
-      return;
-    case Misdeed::kControls:
-      // Somebody looks at what the robot wrote: there it grows. It is 404 until it is there.
-      static_cast<void>(client_.Get("/api/v1/robots/" + synthetic::PercentEncoded(bad_ruri_)));
-      return;
-    case Misdeed::kShapes:
-    case Misdeed::kTexts:
-    case Misdeed::kMalformed:
-    case Misdeed::kRejects:
-    case Misdeed::kTakeover:
-    case Misdeed::kExtras:
-    case Misdeed::kGaps:
-    case Misdeed::kMute:
-    case Misdeed::kGateway:
-      return;
+  if (misdeed_.robots_scraped) static_cast<void>(Get("/metrics/robots"));
+  // It is 404 until the robot is there.
+  if (misdeed_.page_looked_at) {
+    static_cast<void>(client_.Get("/api/v1/robots/" + synthetic::PercentEncoded(bad_ruri_)));
   }
 }
 
@@ -111,9 +82,9 @@ void Watch::Scrape() {
   WatchFigures& figures = Present();
   ++figures.scrapes;
   if (!broken.empty() && figures.law_broken++ == 0) figures.law_example = broken;
-  figures.held_back = std::max(figures.held_back, SumOf(samples, "uplinkd_streams_held_back"));
+  figures.held_back = std::max(figures.held_back, SumOf(samples, "uplinkd_streams_held_back{"));
   figures.journal_bytes =
-      std::max(figures.journal_bytes, ValueOf(samples, "uplinkd_journal_bytes"));
+      std::max(figures.journal_bytes, FigureOf(samples, "uplinkd_journal_bytes"));
 }
 
 void Watch::LookForPresence(const char* presence, std::set<std::string> WatchFigures::*seen) {

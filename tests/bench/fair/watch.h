@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "schema/base/clock.h"
-#include "tests/bench/fair/misdeed.h"
+#include "tests/bench/fair/misbehaviour.h"
 #include "tools/uplink-fleet/run/http_client.h"
 
 namespace uplink::bench {
@@ -42,7 +42,7 @@ class Watch final {
 
   /// `bad_ruri`, and what begins so, is left out of what is counted; some misdeeds are looked at
   /// more closely.
-  Watch(std::uint16_t http_port, std::string bad_ruri, Misdeed misdeed);
+  Watch(std::uint16_t http_port, std::string bad_ruri, const Misdeed& misdeed);
   /// Waits for the request that is under way.
   ~Watch() = default;
   Watch(const Watch&) = delete;
@@ -62,7 +62,7 @@ class Watch final {
   [[nodiscard]] WatchFigures& Present();
 
   const std::string bad_ruri_;
-  const Misdeed misdeed_;
+  const Misdeed& misdeed_;
   const SystemClock clock_{};
   synthetic::HttpClient client_;
   mutable std::mutex mutex_;

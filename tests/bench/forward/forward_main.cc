@@ -9,24 +9,21 @@
 
 #include <fmt/core.h>
 
-#include "tests/bench/figures.h"
+#include "tests/bench/bench_flags.h"
 #include "tests/bench/forward/deliveries.h"
-#include "tests/bench/forward/peer.h"
-#include "tests/bench/load/bench_ruri.h"
+#include "tests/bench/forward/update.h"
+#include "tests/bench/load/robots.h"
 #include "tests/bench/servers.h"
-#include "tests/support/flags.h"
 
 namespace uplink::bench {
 namespace {
 
 using std::chrono::seconds;
 
-struct Arguments {
-  std::string json;
-  std::string commit = "unknown";
+struct Arguments : BenchFlags {
+  Arguments() : BenchFlags{.rounds = 3, .seconds = 5} {}
+
   int receivers = 2000;
-  int rounds = 3;
-  int seconds = 5;
 };
 
 constexpr double kUpdatesPerSecond = 50;
@@ -40,24 +37,9 @@ constexpr milliseconds kLook{20};
 constexpr double kFullCore = 0.97;
 /// Handshakes at a time.
 constexpr std::size_t kConnectsAtOnce = 32;
+constexpr const char* kTopic = "fleet";
 constexpr double kMedian = 0.5;
 constexpr double kNearlyAll = 0.99;
-
-FanOutProtocol ProtocolOf(ServerKind kind) {
-  switch (kind) {
-    case ServerKind::kMosquitto:
-      return FanOutProtocol::kMqttQos1;
-    case ServerKind::kMosquittoQos0:
-      return FanOutProtocol::kMqttQos0;
-    case ServerKind::kNats:
-      return FanOutProtocol::kNats;
-    case ServerKind::kUplinkd:
-    case ServerKind::kGrpcSink:
-    case ServerKind::kTlsSink:
-      break;
-  }
-  return FanOutProtocol::kRelay;
-}
 
 /// What the windows of one server showed.
 struct Figures {
@@ -75,14 +57,11 @@ class Side final {
       : name_(NameOf(kind)),
         clock_(clock),
         deliveries_(clock),
-        fan_out_{.protocol = ProtocolOf(kind),
-                 .clock = clock,
-                 .origin_ruri = BenchRuri(world.identities.size() - 1),
-                 .deliveries = deliveries_},
+        origin_ruri_(BenchRuri(world.identities.size() - 1)),
         publishers_{world.identities.back()},
         server_(world, kind),
-        receivers_(Where(FanOutRole::kReceiver), loop),
-        publisher_(Where(FanOutRole::kPublisher), loop) {}
+        receivers_(WhereReceivers(), loop),
+        publisher_(WherePublisher(), loop) {}
 
   void Connect(std::size_t receivers) {
     receiver_count_ = receivers;
@@ -115,12 +94,30 @@ class Side final {
   [[nodiscard]] std::uint64_t late() const { return publisher_.late(); }
 
  private:
-  [[nodiscard]] Load::Where Where(FanOutRole role) const {
+  /// Robots report; a broker carries what uplinkd makes of a report.
+  [[nodiscard]] Load::Where WherePublisher() const {
     Load::Where where = server_.where();
-    where.connect = [this, role](link::Loop& loop, link::LinkOptions options, std::size_t number) {
-      return ConnectPeer(fan_out_, role, loop, std::move(options), number);
+    where.identities = &publishers_;
+    where.style = [this, relay = where.protocol == Protocol::kRelay](std::size_t /*number*/) {
+      return ClientStyle{.name = "publisher",
+                         .topic = kTopic,
+                         .write = [this, relay](std::uint64_t seq, std::string& payload) {
+                           const Update update{.number = seq, .at = clock_.Steady()};
+                           payload = relay ? ReportOf(update) : ForwardOf(update, origin_ruri_);
+                         }};
     };
-    if (role == FanOutRole::kPublisher) where.identities = &publishers_;
+    return where;
+  }
+  [[nodiscard]] Load::Where WhereReceivers() {
+    Load::Where where = server_.where();
+    where.style = [this](std::size_t number) {
+      return ClientStyle{
+          .name = fmt::format("receiver-{}", number),
+          .topic = kTopic,
+          // Nearly all that a robot hears are updates, and the load has one core.
+          .takes = [this](std::string_view message) { return deliveries_.Note(message); },
+          .receives = true};
+    };
     return where;
   }
 
@@ -140,7 +137,8 @@ class Side final {
   const std::string name_;
   const Clock& clock_;
   Deliveries deliveries_;
-  const FanOut fan_out_;
+  /// The publisher is named so in what brokers carry.
+  const std::string origin_ruri_;
   const std::vector<link::Identity> publishers_;
   Server server_;
   Load receivers_;
@@ -208,20 +206,18 @@ class ForwardBench final {
 int Run(int argc, char** argv) {
   Arguments arguments;
   testing::Flags flags("Benchmark of what robots are told of each other", "uplink_bench_forward");
-  flags.Add({"--json", "Where the figures go as JSON"}, arguments.json);
-  flags.Add({"--commit", "What is measured"}, arguments.commit);
+  arguments.AddTo(flags);
   flags.Add({"--receivers"}, arguments.receivers, {1, kReceiversMax});
-  flags.Add({"--rounds"}, arguments.rounds, {1, 100});
-  flags.Add({"--seconds"}, arguments.seconds, {1, 600});
+  flags.Add({"--seconds"}, arguments.seconds, kSecondsRange);
   if (const auto code = flags.Parse(argc, argv)) return *code;
   const bool apart = PinTo(kLoadCore);
   const std::vector<Row> rows = ForwardBench(arguments).Run();
-  fmt::print(
-      "forward: the server on {}, {} receivers over mutual TLS, {} updates per second, {} rounds "
-      "of {} s\n{}",
-      apart ? "a core of its own" : "the only core", arguments.receivers, kUpdatesPerSecond,
-      arguments.rounds, arguments.seconds, TableOf(rows));
-  return KeepJson(arguments.json, rows, arguments.commit) ? 0 : 1;
+  return Publish(arguments,
+                 fmt::format("forward: the server on {}, {} receivers over mutual TLS, {} updates "
+                             "per second, {} rounds of {} s",
+                             apart ? "a core of its own" : "the only core", arguments.receivers,
+                             kUpdatesPerSecond, arguments.rounds, arguments.seconds),
+                 rows);
 }
 
 }  // namespace

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "tests/bench/hostile/certificates.h"
-#include "tests/bench/hostile/crowds.h"
-#include "tests/bench/hostile/floods.h"
-
 namespace uplink::bench {
 namespace {
 

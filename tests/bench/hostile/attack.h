@@ -57,4 +57,35 @@ struct Attack {
 /// Null if there is none of that name.
 [[nodiscard]] const Attack* AttackOf(std::string_view name);
 
+// Attacks by what is said on HTTP/2, with a certificate. Where the server ends a connection the
+// attacker comes back, some times.
+void Announce(const AttackSite& site);
+void OpenStreams(const AttackSite& site);
+void Reset(const AttackSite& site);
+void BombHeaders(const AttackSite& site);
+void LengthenHeaders(const AttackSite& site);
+void ContinueHeaders(const AttackSite& site);
+void FloodSettings(const AttackSite& site);
+void FloodPings(const AttackSite& site);
+void FloodEmptyData(const AttackSite& site);
+void OverflowWindows(const AttackSite& site);
+void OpenNoWindow(const AttackSite& site);
+
+// By many connections, and by slow ones.
+void SendHalfAFrame(const AttackSite& site);
+void TrickleFrames(const AttackSite& site);
+void SayNothingAsRobot(const AttackSite& site);
+void CrowdOfOneKey(const AttackSite& site);
+void LeaveAsRobot(const AttackSite& site);
+void LeaveAsNobody(const AttackSite& site);
+void LeaveHalfOpen(const AttackSite& site);
+void TrickleHandshakes(const AttackSite& site);
+void SayNothingFromOne(const AttackSite& site);
+void SayNothingFromFifty(const AttackSite& site);
+void TakeDescriptors(const AttackSite& site);
+
+// By what a stranger shows in its handshake.
+void ShowExplicitCurves(const AttackSite& site);
+void ShowDearCertificates(const AttackSite& site);
+
 }  // namespace uplink::bench

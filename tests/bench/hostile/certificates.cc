@@ -1,11 +1,10 @@
-#include "tests/bench/hostile/certificates.h"
-
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tests/bench/hostile/attack.h"
 #include "tests/support/odd_certificates.h"
 #include "tests/support/shown_chain.h"
 

@@ -1,5 +1,3 @@
-#include "tests/bench/hostile/crowds.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -7,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/bench/hostile/attack.h"
 #include "tests/support/attack_bytes.h"
 #include "tests/support/http2_frames.h"
 #include "tests/support/relay_bytes.h"

@@ -1,16 +1,14 @@
-#include "tests/bench/hostile/floods.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
 
+#include "tests/bench/hostile/attack.h"
 #include "tests/support/attack_bytes.h"
 #include "tests/support/http2_frames.h"
 #include "tests/support/relay_bytes.h"
 #include "tests/support/relay_samples.h"
-#include "tests/support/test_agent.h"
 
 namespace uplink::bench {
 namespace {
@@ -19,6 +17,8 @@ namespace attack = testing::attack;
 namespace http2 = testing::http2;
 using testing::RawHttp2;
 
+/// Of an attack; a server that ends each has shown what it does.
+constexpr int kConnectionsMax = 50;
 constexpr std::uint32_t kAnnouncedBytes = 600'000'000;
 constexpr std::size_t kAnnouncements = 8;
 constexpr std::size_t kTrickleBytes = std::size_t{16} * 1024;

@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "tests/bench/fair/others.h"
 #include "tests/bench/hostile/new_robot.h"
 
 namespace uplink::bench {
@@ -93,12 +92,6 @@ std::string TableOf(const std::vector<HostileResult>& lines) {
       "with", "ratio", "missed");
   for (const HostileResult& line : lines) text += TextOf(line);
   return text;
-}
-
-Row RowOf(std::string name, std::string unit, double value) {
-  Row row{std::move(name), std::move(unit), "", {}, {}};
-  row.value.Add(value);
-  return row;
 }
 
 double NumberOf(const Wait& wait) { return wait ? static_cast<double>(wait->count()) : -1; }

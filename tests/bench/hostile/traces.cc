@@ -57,8 +57,7 @@ std::string_view LineThatNames(std::string_view log) {
   return {};
 }
 
-std::string GrownMost(const std::map<std::string, double>& before,
-                      const std::map<std::string, double>& after) {
+std::string GrownMost(const Samples& before, const Samples& after) {
   std::string_view name;
   double most = 0;
   for (const std::string_view trace : kTraces) {

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
+
+#include "tests/bench/page.h"
 
 namespace uplink::bench {
 
@@ -12,7 +13,6 @@ namespace uplink::bench {
 
 /// Of the metrics that count what is refused or ended, the one that grew the most, by its label if
 /// it has one: `resets 50`. Empty if none grew.
-[[nodiscard]] std::string GrownMost(const std::map<std::string, double>& before,
-                                    const std::map<std::string, double>& after);
+[[nodiscard]] std::string GrownMost(const Samples& before, const Samples& after);
 
 }  // namespace uplink::bench

@@ -1,40 +1,42 @@
 #include "tests/bench/load/byte_client.h"
 
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
-#include "tests/bench/load/mqtt.h"
 #include "tests/bench/load/relay_client.h"
 #include "tests/bench/sink_protocol.h"
 
 namespace uplink::bench {
 namespace {
 
-constexpr std::size_t kMqttAnswerBytes = 4;
 constexpr std::uint64_t kNatsMessagesAPing = 64;
 
 }  // namespace
 
 std::unique_ptr<Client> Connect(Protocol protocol, link::Loop& loop, link::LinkOptions options,
-                                std::size_t number) {
+                                ClientStyle style) {
   switch (protocol) {
     case Protocol::kRelay:
-      return std::make_unique<RelayClient>(loop, std::move(options), number);
+      return std::make_unique<RelayClient>(loop, std::move(options), std::move(style));
     case Protocol::kLengthPrefix:
-      return std::make_unique<LengthPrefixClient>(loop, std::move(options));
+      return std::make_unique<LengthPrefixClient>(loop, std::move(options), std::move(style));
     case Protocol::kMqtt:
-      return std::make_unique<MqttClient>(loop, std::move(options), number);
+    case Protocol::kMqttQos0:
+      return std::make_unique<MqttClient>(loop, std::move(options), std::move(style),
+                                          protocol == Protocol::kMqtt);
     case Protocol::kNats:
       options.greeted_in_clear = true;
-      return std::make_unique<NatsClient>(loop, std::move(options), number);
+      return std::make_unique<NatsClient>(loop, std::move(options), std::move(style));
   }
   return nullptr;
 }
 
 void LengthPrefixClient::Send(std::size_t messages) {
   out_.assign(sizeof(SinkFrame), '\0');
-  for (std::size_t i = 0; i < messages; ++i) out_.append(Payload(++sent_));
+  for (std::size_t i = 0; i < messages; ++i) out_.append(NextPayload());
   const SinkFrame head{.bytes = static_cast<std::uint32_t>(out_.size() - sizeof(SinkFrame)),
                        .messages = static_cast<std::uint32_t>(messages)};
   std::memcpy(out_.data(), &head, sizeof head);
@@ -50,44 +52,65 @@ void LengthPrefixClient::TakeAnswers(std::string& in) {
   }
 }
 
-MqttClient::MqttClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
-    : ByteClient(loop, std::move(options)), name_(fmt::format("robot-{}", number)) {}
-
-void MqttClient::Greet() { Write(MqttConnectPacket(name_)); }
+void MqttClient::Greet() { Write(MqttConnectPacket(style().name)); }
 
 void MqttClient::Send(std::size_t messages) {
   out_.clear();
+  const std::string& topic = style().topic;
   for (std::size_t i = 0; i < messages; ++i) {
-    const std::string& payload = Payload(++sent_);
-    if (++packet_ == 0) packet_ = 1;
-    out_ += kMqttPublishQos1;
-    AppendMqttLength(out_, 2 + name_.size() + 2 + payload.size());
-    AppendMqttText(out_, name_);
-    AppendMqttNumber(out_, packet_);
+    const std::string& payload = NextPayload();
+    out_ += acknowledges_ ? kMqttPublishQos1 : kMqttPublish;
+    AppendMqttLength(out_, 2 + topic.size() + (acknowledges_ ? 2 : 0) + payload.size());
+    AppendMqttText(out_, topic);
+    if (acknowledges_) {
+      if (++packet_ == 0) packet_ = 1;
+      AppendMqttNumber(out_, packet_);
+    }
     out_.append(payload);
   }
   Write(out_);
 }
 
 void MqttClient::TakeAnswers(std::string& in) {
-  std::size_t at = 0;
-  for (; in.size() - at >= kMqttAnswerBytes; at += kMqttAnswerBytes) {
-    if (in[at] == kMqttConnack) ready_ = true;
-    if (in[at] == kMqttPuback) ++acked_;
+  std::string_view rest = in;
+  MqttPacket packet = ReadMqttPacket(rest);
+  for (; packet.state == MqttPacket::State::kWhole; packet = ReadMqttPacket(rest)) {
+    Take(packet);
+    rest.remove_prefix(packet.bytes);
   }
-  in.erase(0, at);
+  if (packet.state == MqttPacket::State::kMalformed) Fail("a packet that cannot be read");
+  in.erase(0, in.size() - rest.size());
+  if (!acknowledgements_.empty()) Write(acknowledgements_);
+  acknowledgements_.clear();
 }
 
-NatsClient::NatsClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
-    : ByteClient(loop, std::move(options)), subject_(fmt::format("robot.{}", number)) {}
+void MqttClient::Take(const MqttPacket& packet) {
+  if (packet.head == kMqttConnack && style().receives) {
+    Write(MqttSubscribePacket(style().topic, acknowledges_ ? 1 : 0));
+  } else if (packet.head == kMqttConnack || packet.head == kMqttSuback) {
+    ready_ = true;
+  }
+  if (packet.head == kMqttPuback) ++acked_;
+  const std::optional<MqttMessage> message = ReadMqttPublish(packet);
+  if (!message) return;
+  if (style().takes) style().takes(message->payload);
+  if (!message->packet) return;
+  acknowledgements_ += kMqttPuback;
+  AppendMqttLength(acknowledgements_, sizeof *message->packet);
+  AppendMqttNumber(acknowledgements_, *message->packet);
+}
 
-void NatsClient::Greet() { Write("CONNECT {\"verbose\":false,\"pedantic\":false}\r\nPING\r\n"); }
+void NatsClient::Greet() {
+  std::string hello = "CONNECT {\"verbose\":false,\"pedantic\":false}\r\n";
+  if (style().receives) hello += fmt::format("SUB {} 1\r\n", style().topic);
+  Write(hello + "PING\r\n");
+}
 
 void NatsClient::Send(std::size_t messages) {
   out_.clear();
   for (std::size_t i = 0; i < messages; ++i) {
-    const std::string& payload = Payload(++sent_);
-    out_ += fmt::format("PUB {} {}\r\n", subject_, payload.size());
+    const std::string& payload = NextPayload();
+    out_ += fmt::format("PUB {} {}\r\n", style().topic, payload.size());
     out_.append(payload).append("\r\n");
     if (sent_ % kNatsMessagesAPing == 0) out_ += "PING\r\n";
   }
@@ -95,13 +118,34 @@ void NatsClient::Send(std::size_t messages) {
 }
 
 void NatsClient::TakeAnswers(std::string& in) {
-  for (std::size_t end = 0; (end = in.find("\r\n")) != std::string::npos; in.erase(0, end + 2)) {
-    const std::string_view line(in.data(), end);
-    if (line == "PING") Write("PONG\r\n");
-    if (line.starts_with("-ERR")) Fail(std::string(line));
-    if (line != "PONG") continue;
-    if (ready_) acked_ += kNatsMessagesAPing;
-    ready_ = true;
+  std::string_view rest = in;
+  for (NatsSaid said = ReadNats(rest); said.kind != NatsSaid::Kind::kPartial;
+       said = ReadNats(rest)) {
+    Take(said);
+    if (failed_) break;
+    rest.remove_prefix(said.bytes);
+  }
+  in.erase(0, in.size() - rest.size());
+}
+
+void NatsClient::Take(const NatsSaid& said) {
+  switch (said.kind) {
+    case NatsSaid::Kind::kMessage:
+      if (style().takes) style().takes(said.text);
+      return;
+    case NatsSaid::Kind::kPing:
+      return Write("PONG\r\n");
+    case NatsSaid::Kind::kPong:
+      if (ready_) acked_ += kNatsMessagesAPing;
+      ready_ = true;
+      return;
+    case NatsSaid::Kind::kError:
+      return Fail(std::string(said.text));
+    case NatsSaid::Kind::kMalformed:
+      return Fail("a message that cannot be read");
+    case NatsSaid::Kind::kPartial:
+    case NatsSaid::Kind::kOther:
+      return;
   }
 }
 

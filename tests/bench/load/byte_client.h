@@ -5,14 +5,17 @@
 #include <string_view>
 
 #include "tests/bench/load/client.h"
+#include "tests/bench/load/mqtt.h"
+#include "tests/bench/load/nats.h"
 
 namespace uplink::bench {
 
 /// A client that speaks a protocol of its own on a TLS connection.
 class ByteClient : public Client, private link::LinkEvents {
  public:
-  ByteClient(link::Loop& loop, link::LinkOptions options)
-      : link_(std::make_shared<link::TlsLink>(loop, std::move(options),
+  ByteClient(link::Loop& loop, link::LinkOptions options, ClientStyle style)
+      : style_(std::move(style)),
+        link_(std::make_shared<link::TlsLink>(loop, std::move(options),
                                               static_cast<link::LinkEvents&>(*this))) {
     link_->Connect();
   }
@@ -28,6 +31,12 @@ class ByteClient : public Client, private link::LinkEvents {
   /// Takes whole answers from the front of `in_`.
   virtual void TakeAnswers(std::string& in) = 0;
   void Write(std::string_view bytes) { link_->Write(bytes); }
+  /// The payload of the next message; valid until the next call.
+  [[nodiscard]] const std::string& NextPayload() {
+    style_.write(++sent_, payload_);
+    return payload_;
+  }
+  [[nodiscard]] const ClientStyle& style() const { return style_; }
 
  private:
   void OnUp() override { Greet(); }
@@ -39,8 +48,10 @@ class ByteClient : public Client, private link::LinkEvents {
   void OnSent() override { Moved(); }
   void OnDown(const absl::Status& why) override { Fail(std::string(why.message())); }
 
+  const ClientStyle style_;
   std::shared_ptr<link::TlsLink> link_;
   std::string in_;
+  std::string payload_;
 };
 
 /// Length, then payloads; the server answers with how many messages it took.
@@ -56,32 +67,36 @@ class LengthPrefixClient final : public ByteClient {
   std::string out_;
 };
 
-/// MQTT 3.1.1, QoS 1: each message has a packet and an acknowledgement of its own.
+/// MQTT 3.1.1. At QoS 1 each message has a packet and an acknowledgement of its own.
 class MqttClient final : public ByteClient {
  public:
-  MqttClient(link::Loop& loop, link::LinkOptions options, std::size_t number);
+  MqttClient(link::Loop& loop, link::LinkOptions options, ClientStyle style, bool acknowledges)
+      : ByteClient(loop, std::move(options), std::move(style)), acknowledges_(acknowledges) {}
   void Send(std::size_t messages) override;
 
  private:
   void Greet() override;
   void TakeAnswers(std::string& in) override;
+  void Take(const MqttPacket& packet);
 
-  std::string name_;
+  const bool acknowledges_;
   std::string out_;
+  /// Of what came; they leave together.
+  std::string acknowledgements_;
   std::uint16_t packet_ = 0;
 };
 
 /// NATS core: no acknowledgement of messages; a PING after each 64 tells how far the server is.
 class NatsClient final : public ByteClient {
  public:
-  NatsClient(link::Loop& loop, link::LinkOptions options, std::size_t number);
+  using ByteClient::ByteClient;
   void Send(std::size_t messages) override;
 
  private:
   void Greet() override;
   void TakeAnswers(std::string& in) override;
+  void Take(const NatsSaid& said);
 
-  std::string subject_;
   std::string out_;
 };
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "tools/link/loop.h"
 #include "tools/link/tls_link.h"
@@ -53,12 +54,31 @@ class Client {
   std::function<void()> moved_;
 };
 
-/// The protocols that are compared.
-enum class Protocol : std::uint8_t { kRelay, kLengthPrefix, kMqtt, kNats };
+/// The protocols that are compared. MQTT is at QoS 1 but for the last.
+enum class Protocol : std::uint8_t { kRelay, kLengthPrefix, kMqtt, kNats, kMqttQos0 };
 
-/// Makes a client that connects at once. `number` tells robots apart.
+/// What a client says and hears. A value.
+struct ClientStyle {
+  /// Tells clients of a broker apart.
+  std::string name = {};
+  /// Where brokers publish what it sends.
+  std::string topic = {};
+  /// Sets the payload of the message with this number.
+  std::function<void(std::uint64_t seq, std::string& payload)> write = {};
+  /// Gets each message of the others that a broker passes on, and each of a relay before it is
+  /// parsed, which goes no further if it is taken.
+  std::function<bool(std::string_view message)> takes = {};
+  /// It asks for what the others send, and is ready once it will get it.
+  bool receives = false;
+  /// Its messages are durable: a relay acks them once they are committed.
+  bool durable = false;
+};
+/// Sends Payload() of the sum of both numbers, and wants nothing.
+[[nodiscard]] ClientStyle LiveStyle(std::size_t number);
+
+/// Makes a client that connects at once.
 [[nodiscard]] std::unique_ptr<Client> Connect(Protocol protocol, link::Loop& loop,
-                                              link::LinkOptions options, std::size_t number);
+                                              link::LinkOptions options, ClientStyle style);
 
 /// A motion report of about 150 bytes, as an agent encodes it; `variation` changes its numbers.
 [[nodiscard]] const std::string& Payload(std::size_t variation);

@@ -6,6 +6,7 @@
 
 #include "schema/base/check.h"
 #include "tests/bench/load/relay_client.h"
+#include "tests/bench/load/robots.h"
 
 namespace uplink::bench {
 namespace {
@@ -34,15 +35,15 @@ std::unique_ptr<Client> Load::NewThroughGateway(std::size_t number) {
     gateways_.push_back(std::make_shared<link::Http2Link>(loop_, std::move(options),
                                                           link::Http2Link::For::kSeveral));
   }
-  return std::make_unique<RelayClient>(gateways_[place], where_.link.address.text, number);
+  return std::make_unique<RelayClient>(gateways_[place], where_.link.address.text,
+                                       BenchRuri(number), where_.style(number));
 }
 
 std::unique_ptr<Client> Load::NewClient(std::size_t number) {
   if (!where_.gateways.empty()) return NewThroughGateway(number);
   link::LinkOptions options = where_.link;
   options.identity = where_.identities->at(number);
-  if (where_.connect) return where_.connect(loop_, std::move(options), number);
-  return Connect(where_.protocol, loop_, std::move(options), number);
+  return Connect(where_.protocol, loop_, std::move(options), where_.style(number));
 }
 
 void Load::RunFor(milliseconds duration) {
@@ -113,6 +114,17 @@ void Load::SendEach(std::size_t messages) {
   while (sent() - acked() >= kUnackedMax * clients_.size()) {
     UPLINK_CHECK(clock_.Steady() < end, "the server acks");
     RunFor(kLook);
+  }
+}
+
+void Load::SendOneAndAwaitAck() {
+  const SteadyTime end = clock_.Steady() + kPatience;
+  for (const auto& client : clients_) client->Send(1);
+  while (acked() < sent()) {
+    UPLINK_CHECK(clock_.Steady() < end, "the server acks");
+    CheckNoneFailed();
+    loop_.io.restart();
+    loop_.io.run_one_for(kLook);
   }
 }
 

@@ -23,9 +23,7 @@ class Load final {
  public:
   struct Where {
     Protocol protocol = Protocol::kRelay;
-    /// Makes the clients in place of `protocol`, if it is set.
-    std::function<std::unique_ptr<Client>(link::Loop&, link::LinkOptions, std::size_t number)>
-        connect = {};
+    std::function<ClientStyle(std::size_t number)> style = LiveStyle;
     link::LinkOptions link;
     /// The robots' certificates; as many robots as there are can be connected.
     const std::vector<link::Identity>* identities = nullptr;
@@ -46,6 +44,8 @@ class Load final {
   /// Each robot sends this many messages, one per frame; waits until the server has acked nearly
   /// all.
   void SendEach(std::size_t messages);
+  /// Each robot sends one message; waits until all are acked.
+  void SendOneAndAwaitAck();
   /// Evenly spread: so many frames per second over all robots, in turn.
   void Pace(double frames_per_second, std::size_t frame_messages, milliseconds duration);
   /// Lets the clients take what comes.

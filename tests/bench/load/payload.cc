@@ -1,5 +1,7 @@
 #include <array>
 
+#include <fmt/core.h>
+
 #include "schema/encode.h"
 #include "tests/bench/load/client.h"
 
@@ -51,6 +53,14 @@ std::array<std::string, kPayloads> MakePayloads() {
 const std::string& Payload(std::size_t variation) {
   static const std::array<std::string, kPayloads> kMade = MakePayloads();
   return kMade.at(variation % kPayloads);
+}
+
+ClientStyle LiveStyle(std::size_t number) {
+  return {.name = fmt::format("robot-{}", number),
+          .topic = fmt::format("robot.{}", number),
+          .write = [number](std::uint64_t seq, std::string& payload) {
+            payload = Payload(number + seq);
+          }};
 }
 
 }  // namespace uplink::bench

@@ -3,30 +3,29 @@
 #include <algorithm>
 #include <utility>
 
-#include "tests/bench/load/bench_ruri.h"
-#include "tests/bench/load/session_id.h"
+#include "tests/bench/load/robots.h"
 
 namespace uplink::bench {
 
-RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number)
-    : number_(number),
+RelayClient::RelayClient(link::Loop& loop, link::LinkOptions options, ClientStyle style)
+    : style_(std::move(style)),
       connection_(loop, std::move(options), static_cast<link::StreamEvents&>(*this)) {
   connection_.Connect();
 }
 
 RelayClient::RelayClient(std::shared_ptr<link::Http2Link> gateway, std::string authority,
-                         std::size_t number)
-    : number_(number),
-      ruri_(BenchRuri(number)),
+                         std::string ruri, ClientStyle style)
+    : style_(std::move(style)),
+      ruri_(std::move(ruri)),
       connection_(std::move(gateway), std::move(authority),
                   static_cast<link::StreamEvents&>(*this)) {
   connection_.Connect();
 }
 
 void RelayClient::OnConnected() {
-  connection_.OpenStream("/uplink.v1.UplinkRelay/Relay");
+  connection_.OpenStream(kRelayMethod);
   v1::RelayRequest frame;
-  frame.mutable_hello()->set_session_id(NewSessionId());
+  frame.mutable_hello()->set_session_id(std::string(NewSessionId().AsBytes()));
   frame.mutable_hello()->set_schema(v1::PAYLOAD_SCHEMA_ROVER_NEXUS_0_1);
   frame.mutable_hello()->set_agent_version("benchmark");
   frame.mutable_hello()->set_robot_ruri(ruri_);
@@ -39,16 +38,25 @@ void RelayClient::Send(std::size_t messages) {
   for (std::size_t i = 0; i < messages; ++i) {
     v1::Uplink& uplink = *batch.add_uplinks();
     uplink.set_seq(++sent_);
-    uplink.set_rover_nexus(Payload(number_ + sent_));
+    style_.write(sent_, *uplink.mutable_rover_nexus());
   }
   connection_.Send(frame_.SerializeAsString());
 }
 
 void RelayClient::OnMessage(std::string_view message) {
+  if (style_.takes && style_.takes(message)) return;
   v1::RelayResponse frame;
-  if (!frame.ParseFromArray(message.data(), static_cast<int>(message.size()))) return;
-  if (frame.has_welcome()) ready_ = true;
-  if (frame.has_ack()) acked_ = std::max(acked_, frame.ack().judged_seq());
+  if (!frame.ParseFromArray(message.data(), static_cast<int>(message.size()))) {
+    return Fail("a frame that cannot be read");
+  }
+  if (style_.receives ? frame.forward().kind() == v1::FORWARD_KIND_SNAPSHOT_END
+                      : frame.has_welcome()) {
+    ready_ = true;
+  }
+  if (frame.has_ack()) {
+    acked_ =
+        std::max(acked_, style_.durable ? frame.ack().through_seq() : frame.ack().judged_seq());
+  }
   if (frame.has_reject()) Fail("rejected: " + frame.reject().detail());
   Moved();
 }

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "tests/bench/load/client.h"
 #include "tools/link/grpc_connection.h"
@@ -9,12 +10,15 @@
 
 namespace uplink::bench {
 
-/// A robot as uplinkd and the bare gRPC sink know it.
+/// A robot as uplinkd and the bare gRPC sink know it. It keeps nothing and never resumes, so that a
+/// message costs the load's core as little as it can; what keeps to the protocol is the fleet's
+/// agent.
 class RelayClient final : public Client, private link::StreamEvents {
  public:
-  RelayClient(link::Loop& loop, link::LinkOptions options, std::size_t number);
-  /// Through a gateway's connection.
-  RelayClient(std::shared_ptr<link::Http2Link> gateway, std::string authority, std::size_t number);
+  RelayClient(link::Loop& loop, link::LinkOptions options, ClientStyle style);
+  /// The robot of this address, through a gateway's connection.
+  RelayClient(std::shared_ptr<link::Http2Link> gateway, std::string authority, std::string ruri,
+              ClientStyle style);
 
   void Send(std::size_t messages) override;
   [[nodiscard]] std::size_t unsent() const override { return connection_.unsent(); }
@@ -25,9 +29,9 @@ class RelayClient final : public Client, private link::StreamEvents {
   void OnSent() override { Moved(); }
   void OnEnded(const link::StreamEnd& end) override { Fail(end.message); }
 
-  std::size_t number_;
+  const ClientStyle style_;
   /// Hello.robot_ruri.
-  std::string ruri_;
+  const std::string ruri_;
   v1::RelayRequest frame_;
   link::GrpcConnection connection_;
 };

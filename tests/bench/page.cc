@@ -1,8 +1,12 @@
-#include "tests/bench/cyberwave/page_figures.h"
+#include "tests/bench/page.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <vector>
+
+#include <boost/json.hpp>
+#include <fmt/core.h>
 
 namespace uplink::bench {
 namespace {
@@ -63,12 +67,48 @@ double HistogramMs(const Samples& before, const Samples& after, std::string_view
   return below.seconds * kMsPerSecond;
 }
 
-double ShareOf(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
-  const auto place = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(place));
-  return values[place];
+Samples SamplesOf(std::string_view page) {
+  Samples samples;
+  while (!page.empty()) {
+    const std::size_t end = page.find('\n');
+    const std::string_view line = page.substr(0, end);
+    page.remove_prefix(end == std::string_view::npos ? page.size() : end + 1);
+    const std::size_t space = line.rfind(' ');
+    if (line.starts_with('#') || space == std::string_view::npos || space == 0) continue;
+    const std::string value(line.substr(space + 1));
+    char* stopped = nullptr;
+    const double number = std::strtod(value.c_str(), &stopped);
+    if (stopped != value.c_str() && *stopped == '\0') {
+      samples.emplace(line.substr(0, space), number);
+    }
+  }
+  return samples;
+}
+
+std::string BrokenLaw(const Samples& samples) {
+  const double received = FigureOf(samples, "uplinkd_uplinks_received_total");
+  const double settled = SumOf(samples, "uplinkd_uplinks_settled_total{");
+  const double in_flight = FigureOf(samples, "uplinkd_uplinks_in_flight");
+  // Counts are whole, and exact as doubles far beyond what a run sends.
+  if (received == settled + in_flight) return "";
+  return fmt::format("received {:.0f}, settled {:.0f}, in flight {:.0f}", received, settled,
+                     in_flight);
+}
+
+std::set<std::string> RurisOf(const std::string& page) {
+  std::set<std::string> ruris;
+  boost::system::error_code error;
+  const boost::json::value parsed = boost::json::parse(page, error);
+  const auto* object = error ? nullptr : parsed.if_object();
+  const auto* robots = object == nullptr ? nullptr : object->if_contains("robots");
+  const auto* list = robots == nullptr ? nullptr : robots->if_array();
+  if (list == nullptr) return ruris;
+  for (const boost::json::value& each : *list) {
+    const auto* robot = each.if_object();
+    const auto* ruri = robot == nullptr ? nullptr : robot->if_contains("ruri");
+    if (ruri != nullptr && ruri->is_string()) ruris.emplace(ruri->as_string());
+  }
+  return ruris;
 }
 
 }  // namespace uplink::bench
