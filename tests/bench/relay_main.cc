@@ -1,9 +1,11 @@
 // What a message, a connection and a byte of state cost uplinkd, beside bare servers and brokers
 // that do less, in one run. Servers have one core, the load has the other.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>

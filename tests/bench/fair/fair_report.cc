@@ -67,7 +67,7 @@ std::vector<std::pair<std::string, Line>> LinesOf(const std::vector<FairResult>&
   for (const FairResult& result : results) {
     if (!result.failure.empty()) continue;
     auto line = std::ranges::find(lines, result.misdeed, &std::pair<std::string, Line>::first);
-    if (line == lines.end()) line = lines.insert(line, {result.misdeed, {}});
+    if (line == lines.end()) line = lines.emplace(lines.end(), result.misdeed, Line());
     line->second.Add(result);
   }
   return lines;
