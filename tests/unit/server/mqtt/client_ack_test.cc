@@ -16,32 +16,14 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::ClientBench;
-using ::testing::ElementsAre;
 using testing::MqttField;
 using testing::PublishBytes;
 using testing::Raw;
 using ::testing::SizeIs;
 
-TEST(MqttClientAck, AcksWhatIsReleasedAndNothingElse) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("one", 7) + bench.MessageBytes("two", 8));
-  EXPECT_THAT(bench.Payloads(), ElementsAre("one", "two"));
-  EXPECT_EQ(bench.Written(), "");
-  EXPECT_EQ(bench.client->status().unacked, 2U);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), "");
-  bench.client->Release(*bench.messages[0].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(7) + EncodePuback(8));
-  EXPECT_EQ(bench.client->status().unacked, 0U);
-  EXPECT_EQ(bench.probe.pubacks.value(), 2);
-}
-
 TEST(MqttClientAck, WhatIsReleasedTogetherIsAckedByOneWrite) {
   ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("1", 7) + bench.MessageBytes("2", 8) +
                     bench.MessageBytes("3", 9));
   std::vector<AckHandle> handles;
@@ -53,28 +35,9 @@ TEST(MqttClientAck, WhatIsReleasedTogetherIsAckedByOneWrite) {
   EXPECT_EQ(bench.probe.releases_late.value(), 3);
 }
 
-TEST(MqttClientAck, AnAckGoesOnlyToTheConnectionThatDelivered) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("x", 5));
-  const AckHandle stale = *bench.messages[0].ack;
-  bench.link->events()->OnDown({EndReason::kClosed, "closed"});
-  bench.client->Release(stale);
-  bench.Advance(1s);
-  bench.Connect(true);
-  bench.link->Bring(bench.MessageBytes("x", 5, true));
-  bench.client->Release(stale);
-  EXPECT_EQ(bench.Written(), "");
-  EXPECT_EQ(bench.probe.releases_late.value(), 2);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(5));
-}
-
 TEST(MqttClientAck, AHandleOfAClientThatIsGoneMeansNothingToTheNext) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("x", 5));
   bench.Renew();
   bench.client->Start();
@@ -87,26 +50,9 @@ TEST(MqttClientAck, AHandleOfAClientThatIsGoneMeansNothingToTheNext) {
   EXPECT_EQ(bench.Written(), EncodePuback(6));
 }
 
-TEST(MqttClientAck, ARedeliveryOnTheSameConnectionIsToldAndAckedOnce) {
-  ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("x", 5) + bench.MessageBytes("x", 5, true));
-  ASSERT_THAT(bench.messages, SizeIs(2));
-  EXPECT_FALSE(bench.messages[0].again);
-  EXPECT_TRUE(bench.messages[1].again);
-  EXPECT_TRUE(bench.messages[1].dup);
-  EXPECT_EQ(bench.messages[0].ack, bench.messages[1].ack);
-  bench.client->Release(*bench.messages[0].ack);
-  bench.client->Release(*bench.messages[1].ack);
-  EXPECT_EQ(bench.Written(), EncodePuback(5));
-  EXPECT_EQ(bench.probe.redelivered.value(), 1);
-}
-
 TEST(MqttClientAck, ARedeliveryThatCrossesOurAckIsToldAndNotAckedAgain) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("x", 5));
   bench.client->Release(*bench.messages[0].ack);
   EXPECT_EQ(bench.Written(), EncodePuback(5));
@@ -131,8 +77,7 @@ TEST(MqttClientAck, ARedeliveryThatCrossesOurAckIsToldAndNotAckedAgain) {
 TEST(MqttClientAck, ReleasesWithinTheCallAreWrittenAfterIt) {
   ClientBench bench;
   bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   std::string all;
   std::string acks;
   for (std::size_t id = 1; id <= 5; ++id) {
@@ -146,8 +91,7 @@ TEST(MqttClientAck, ReleasesWithinTheCallAreWrittenAfterIt) {
 TEST(MqttClientAck, ABrokerThatFloodsAndReadsNothingIsReadNoFurther) {
   ClientBench bench;
   bench.on_message = [&] { bench.client->Release(*bench.messages.back().ack); };
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   constexpr int kBatch = 1000;
   std::string batch;
   for (std::size_t id = 1; id <= kBatch; ++id) batch += bench.MessageBytes("", id);
@@ -167,8 +111,7 @@ TEST(MqttClientAck, ABrokerThatFloodsAndReadsNothingIsReadNoFurther) {
 
 TEST(MqttClientAck, WhatAPublisherMadeUpIsGivenAndAckedAndEndsNothing) {
   ClientBench bench([](ClientSettings& settings) { settings.unacked_max = 3; });
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   std::string large;
   for (int i = 0; i < 4; ++i) {
     large += "\x26" + MqttField("k") + MqttField(std::string(60'000, 'v'));

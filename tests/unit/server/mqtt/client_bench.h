@@ -98,6 +98,11 @@ class ClientBench : public mqtt::ClientListener {
     Flush();
     link->written.clear();
   }
+  /// Starts, and is connected.
+  void Begin() {
+    client->Start();
+    Connect();
+  }
   void Flush() {
     while (!link->closed && link->writing) link->FinishWrite();
   }

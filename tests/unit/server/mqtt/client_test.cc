@@ -22,7 +22,6 @@ using testing::MqttProperties;
 using testing::Raw;
 using ::testing::SizeIs;
 
-const std::string kPing = Raw("\xC0\0");
 const std::string kPong = Raw("\xD0\0");
 
 TEST(MqttClient, SaysWhoItIsAndWhatItWants) {
@@ -51,8 +50,7 @@ TEST(MqttClient, SaysWhoItIsAndWhatItWants) {
 
 TEST(MqttClient, ReadsNoFurtherPastTheWindowUntilThereIsRoom) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("1", 1) + bench.MessageBytes("2", 2) +
                     bench.MessageBytes("live") + bench.MessageBytes("3", 3) +
                     bench.MessageBytes("behind"));
@@ -68,8 +66,7 @@ TEST(MqttClient, ReadsNoFurtherPastTheWindowUntilThereIsRoom) {
 
 TEST(MqttClient, AFullWindowAloneStopsNothing) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("1", 1) + bench.MessageBytes("2", 2));
   EXPECT_TRUE(bench.link->reading) << "a broker that obeys sends no third one, but PINGRESP";
   EXPECT_EQ(bench.probe.window_stops.value(), 0);
@@ -78,8 +75,7 @@ TEST(MqttClient, AFullWindowAloneStopsNothing) {
 TEST(MqttClient, StopsReadingWhenTheCoreAsksAlsoOverConnections) {
   ClientBench bench;
   bench.on_message = [&] { bench.client->StopReading(); };
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(bench.MessageBytes("1") + bench.MessageBytes("2"));
   EXPECT_THAT(bench.Payloads(), ElementsAre("1"));
   EXPECT_FALSE(bench.link->reading);
@@ -94,54 +90,9 @@ TEST(MqttClient, StopsReadingWhenTheCoreAsksAlsoOverConnections) {
   EXPECT_TRUE(bench.link->reading);
 }
 
-TEST(MqttClient, ABlackHoleIsNoticedByAPingThatNobodyAnswers) {
+TEST(MqttClient, ALatePingrespIsNoFailureWhileTheCoreStopsReading) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  bench.Advance(59s);
-  EXPECT_EQ(bench.Written(), "");
-  bench.Advance(1s);
-  EXPECT_EQ(bench.Written(), kPing);
-  bench.Advance(14s);
-  EXPECT_THAT(bench.ends, SizeIs(0));
-  bench.Advance(1s);
-  ASSERT_THAT(bench.ends, SizeIs(1));
-  EXPECT_EQ(bench.ends[0].reason, EndReason::kPingLate);
-}
-
-TEST(MqttClient, APingThatIsAnsweredIsFollowedByTheNext) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
-  for (int i = 0; i < 5; ++i) {
-    bench.Advance(60s);
-    EXPECT_EQ(bench.Written(), kPing);
-    bench.link->Bring(kPong);
-  }
-  EXPECT_THAT(bench.ends, SizeIs(0));
-}
-
-TEST(MqttClient, ALatePingrespIsNoFailureWhileTheWindowStopsReading) {
-  ClientBench bench([](ClientSettings& settings) { settings.version = Version::k311; });
-  bench.client->Start();
-  bench.Connect();
-  bench.link->Bring(bench.MessageBytes("1", 1) + bench.MessageBytes("2", 2) +
-                    bench.MessageBytes("3", 3));
-  bench.Advance(300s);
-  EXPECT_EQ(bench.Written(), kPing + kPing + kPing + kPing + kPing) << "the broker counts on them";
-  EXPECT_THAT(bench.ends, SizeIs(0));
-  bench.client->Release(*bench.messages[0].ack);
-  bench.Advance(14s);
-  EXPECT_THAT(bench.ends, SizeIs(0)) << "the wait began anew";
-  bench.Advance(1s);
-  ASSERT_THAT(bench.ends, SizeIs(1));
-  EXPECT_EQ(bench.ends[0].reason, EndReason::kPingLate);
-}
-
-TEST(MqttClient, NorWhileTheCoreDoes) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.client->StopReading();
   bench.Advance(300s);
   EXPECT_THAT(bench.ends, SizeIs(0));
@@ -149,16 +100,6 @@ TEST(MqttClient, NorWhileTheCoreDoes) {
   bench.link->Bring(kPong);
   bench.Advance(30s);
   EXPECT_THAT(bench.ends, SizeIs(0));
-}
-
-TEST(MqttClient, ObeysTheBrokersKeepalive) {
-  ClientBench bench;
-  bench.client->Start();
-  bench.Up();
-  bench.link->Bring(MqttPacket(0x20, Raw("\0\0") + MqttProperties(Raw("\x13\0\7"))));
-  static_cast<void>(bench.Written());
-  bench.Advance(7s);
-  EXPECT_EQ(bench.Written(), kPing);
 }
 
 TEST(MqttClient, EachStepOfConnectingHasItsLimit) {
@@ -188,8 +129,7 @@ TEST(MqttClient, EachStepOfConnectingHasItsLimit) {
 TEST(MqttClient, ASubscriptionWithoutAnAnswerEndsTheConnection) {
   ClientBench bench;
   ASSERT_TRUE(bench.client->SetFilters({{"a"}}).ok());
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.Advance(kAnswerWait);
   ASSERT_THAT(bench.ends, SizeIs(1));
   EXPECT_THAT(bench.ends[0].text, HasSubstr("no answer to what we subscribed to"));
@@ -197,8 +137,7 @@ TEST(MqttClient, ASubscriptionWithoutAnAnswerEndsTheConnection) {
 
 TEST(MqttClient, ABrokerThatTakesNothingEndsTheConnection) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   EXPECT_TRUE(bench.client->Publish({.topic = "p", .payload = "x"}));
   bench.clock.Advance(kWriteWait);
   bench.link->events()->OnDue();
@@ -232,8 +171,7 @@ TEST(MqttClient, PublishesOnlyWhatThereIsRoomForAndCountsTheRest) {
 TEST(MqttClient, ARefusedFilterIsTroubleAndAskedForAgain) {
   ClientBench bench;
   ASSERT_TRUE(bench.client->SetFilters({{"a", Qos::kAtLeastOnce}, {"b", Qos::kAtLeastOnce}}).ok());
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(Raw("\x90\5\0\1\0\x87\0"));
   ASSERT_THAT(bench.troubles, SizeIs(2));
   EXPECT_EQ(bench.troubles[0].kind, Trouble::Kind::kFilterRefused);
@@ -316,8 +254,7 @@ TEST(MqttClient, ASessionThatWeDoNotWantMayBeShort) {
 
 TEST(MqttClient, AnIdThatAnotherTookIsWaitedOutForAMinute) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(Raw("\xE0\2\x8E\0"));
   ASSERT_THAT(bench.ends, SizeIs(1));
   EXPECT_EQ(bench.ends[0].reason, EndReason::kIdTaken);
@@ -338,8 +275,7 @@ TEST(MqttClient, AnIdThatAnotherTookIsWaitedOutForAMinute) {
 
 TEST(MqttClient, AnIdIsNoLongerTakenOnceNobodyTakesTheConnection) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   bench.link->Bring(Raw("\xE0\2\x8E\0"));
   ASSERT_EQ(bench.probe.id_taken.value(), 1);
   bench.Advance(60s);
@@ -418,8 +354,7 @@ TEST(MqttClient, ASessionThatGoesOnThoughWeAskedForNoneEndsTheConnection) {
 
 TEST(MqttClient, StopSaysWhatWaitsAndFarewellAndComesBackNoMore) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   const auto link = bench.link;
   bench.link->Bring(bench.MessageBytes("x", 5) + bench.MessageBytes("y", 6));
   bench.client->Release(*bench.messages[0].ack);  // is being written
@@ -434,8 +369,7 @@ TEST(MqttClient, StopSaysWhatWaitsAndFarewellAndComesBackNoMore) {
 TEST(MqttClient, StopWithinTheCallTellsNoFurtherMessage) {
   ClientBench bench;
   bench.on_message = [&] { bench.client->Stop(); };
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   const auto link = bench.link;
   bench.link->Bring(bench.MessageBytes("1") + bench.MessageBytes("2"));
   EXPECT_THAT(bench.Payloads(), ElementsAre("1"));
@@ -466,8 +400,7 @@ TEST(MqttClient, APasswordThatCannotBeReadIsTriedAgainLater) {
 
 TEST(MqttClient, FiltersThatChangeAreAskedForAtOnce) {
   ClientBench bench;
-  bench.client->Start();
-  bench.Connect();
+  bench.Begin();
   EXPECT_EQ(bench.subscribed, 1);
   ASSERT_TRUE(bench.client->SetFilters({{"a"}}, {"old"}).ok());
   const std::vector<std::string> old = {"old"};
