@@ -9,10 +9,9 @@
 #include <signal.h>
 
 #include "tests/component/uplinkd/forwarding.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/postgres_database.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
 namespace {
@@ -58,9 +57,7 @@ class TwoServersTest : public ::testing::Test {
         session);
   }
   double Sample(std::size_t server, const std::string& name) const {
-    const std::string text = HttpGet(servers_[server].http, "/metrics").body;
-    const std::size_t at = text.find("\n" + name + " ");
-    return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+    return SampleIn(HttpGet(servers_[server].http, "/metrics").body, name);
   }
 
   PostgresDatabase database_;

@@ -9,31 +9,20 @@
 #include <signal.h>
 
 #include "tests/component/uplinkd/forwarding.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/support/eventually.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 std::string Shared(const std::string& id, const std::string& robot) {
   return id + "@" + SharingRuri(robot);
 }
 
-class ForwardingTest : public ::testing::Test {
+class ForwardingTest : public UplinkdTest {
  protected:
-  void Serve(const std::vector<std::string>& environment = {}) {
-    process_ = folder_.Start({}, environment);
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    http_ = ports->http;
-    relay_ = ports->relay;
-  }
   void Kill() {
     process_->Signal(SIGKILL);
     ASSERT_TRUE(process_->WaitForExit());
@@ -43,35 +32,17 @@ class ForwardingTest : public ::testing::Test {
                                         std::uint8_t session = 1, bool declines = false) {
     CertificateSpec spec = RobotSpec(SharingRuri(robot));
     spec.organizations = {fleet};
-    return std::make_unique<SharingRobot>(
-        MakeChannel({.port = relay_,
-                     .server_ca = folder_.authority().certificate(),
-                     .identity = folder_.authority().Issue(spec)}),
-        session, declines);
-  }
-  /// The sample's value; -1 if it is not there.
-  double Sample(const std::string& name) const {
-    const std::string text = HttpGet(http_, "/metrics").body;
-    const std::size_t at = text.find("\n" + name + " ");
-    return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+    return std::make_unique<SharingRobot>(Channel(spec), session, declines);
   }
   void ExpectTheLaw() const {
     const std::string text = HttpGet(http_, "/metrics").body;
-    const auto value = [&](const std::string& name) {
-      const std::size_t at = text.find("\n" + name + " ");
-      return at == std::string::npos ? -1e9 : std::stod(text.substr(at + name.size() + 2));
-    };
-    double settled = value("uplinkd_forwards_waiting");
+    double settled = SampleIn(text, "uplinkd_forwards_waiting");
     for (const char* outcome : {"written", "coalesced", "snapshot", "dropped"}) {
-      settled += value("uplinkd_forwards_settled_total{outcome=\"" + std::string(outcome) + "\"}");
+      settled += SampleIn(
+          text, "uplinkd_forwards_settled_total{outcome=\"" + std::string(outcome) + "\"}");
     }
-    EXPECT_EQ(value("uplinkd_forwards_due_total"), settled) << text;
+    EXPECT_EQ(SampleIn(text, "uplinkd_forwards_due_total"), settled) << text;
   }
-
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  std::uint16_t http_ = 0;
-  std::uint16_t relay_ = 0;
 };
 
 TEST_F(ForwardingTest, AHazardReachesTheOthersWhole) {

@@ -10,9 +10,7 @@
 #include <signal.h>
 
 #include "schema/encode.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/test_agent.h"
-#include "tests/support/uplinkd_folder.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/unit/schema/samples.h"
 
 namespace uplink::testing {
@@ -23,14 +21,8 @@ using ::testing::HasSubstr;
 
 constexpr const char* kRuri = "rcan://test/1";
 
-class LostStoreTest : public ::testing::Test {
+class LostStoreTest : public UplinkdTest {
  protected:
-  void Start() {
-    process_ = folder_.Start();
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    ports_ = *ports;
-  }
   void Stop() {
     process_->Signal(SIGTERM);
     ASSERT_EQ(process_->WaitForExit(), 0);
@@ -44,18 +36,10 @@ class LostStoreTest : public ::testing::Test {
     for (const std::filesystem::path& path : lost) std::filesystem::remove(path);
   }
   std::unique_ptr<TestAgent> Connect(model::Seq settled) {
-    auto agent = std::make_unique<TestAgent>(
-        MakeChannel({.port = ports_.relay,
-                     .server_ca = folder_.authority().certificate(),
-                     .identity = folder_.authority().Issue(RobotSpec(kRuri))}));
+    auto agent = std::make_unique<TestAgent>(Channel(RobotSpec(kRuri)));
     EXPECT_TRUE(agent->Connect(SessionOf(1), settled, settled));
     return agent;
   }
-  std::string Metrics() { return HttpGet(ports_.http, "/metrics").body; }
-
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  Ports ports_;
 };
 
 std::vector<int> NextRequest(TestAgent& agent) {
@@ -69,7 +53,7 @@ std::vector<int> NextRequest(TestAgent& agent) {
 
 TEST_F(LostStoreTest, AsksARobotThatGoesOnWithItsSession) {
   const std::string settings = schema::Encode(test::SampleSettings());
-  Start();
+  Serve();
   {
     const auto agent = Connect(0);
     agent->Send(BatchFrame({{1, schema::Encode(test::SampleAgentInfo())},
@@ -81,19 +65,17 @@ TEST_F(LostStoreTest, AsksARobotThatGoesOnWithItsSession) {
   }
   Stop();
   LoseStore();
-  Start();
+  Serve();
   const auto agent = Connect(3);
   EXPECT_THAT(NextRequest(*agent),
               ElementsAre(v1::RESEND_KIND_AGENT_INFO, v1::RESEND_KIND_CURRENT_SETTINGS,
                           v1::RESEND_KIND_UI_CAPABILITIES));
   agent->Send(BatchFrame({{4, settings}}));
   ASSERT_TRUE(agent->ReadThrough(4));
-  EXPECT_THAT(HttpGet(ports_.http, "/api/v1/robots?parts=settings").body,
-              HasSubstr(R"("settings":{)"));
-  const std::string metrics = Metrics();
-  EXPECT_THAT(metrics, HasSubstr("uplinkd_resend_requests_total{kind=\"currentSettings\"} 1"));
-  EXPECT_THAT(metrics, HasSubstr("uplinkd_resend_unanswered{kind=\"currentSettings\"} 0"));
-  EXPECT_THAT(metrics, HasSubstr("uplinkd_resend_unanswered{kind=\"agentInfo\"} 1"));
+  EXPECT_THAT(HttpGet(http_, "/api/v1/robots?parts=settings").body, HasSubstr(R"("settings":{)"));
+  EXPECT_EQ(Sample("uplinkd_resend_requests_total{kind=\"currentSettings\"}"), 1);
+  EXPECT_EQ(Sample("uplinkd_resend_unanswered{kind=\"currentSettings\"}"), 0);
+  EXPECT_EQ(Sample("uplinkd_resend_unanswered{kind=\"agentInfo\"}"), 1);
 }
 
 }  // namespace

@@ -9,12 +9,10 @@
 #include <signal.h>
 
 #include "schema/encode.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/postgres_database.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/test_agent.h"
-#include "tests/support/uplinkd_folder.h"
 
 /// The real program on a real PostgreSQL server, through a proxy that makes trouble.
 namespace uplink::testing {
@@ -40,7 +38,7 @@ std::string Motion() {
   return schema::Encode(motion);
 }
 
-class PostgresServing : public ::testing::Test {
+class PostgresServing : public UplinkdTest {
  protected:
   PostgresServing() : proxy_(static_cast<std::uint16_t>(std::stoul(database_.cluster().port))) {
     folder_.Write("password", "uplinkd\n");
@@ -48,11 +46,13 @@ class PostgresServing : public ::testing::Test {
 
   /// Where a test fails its server's log says what it knew of it, and whether it still ran.
   void TearDown() override {
-    if (!HasFailure() || process_ == nullptr) return;
-    process_->Signal(SIGTERM);
-    const std::optional<int> code = process_->WaitForExit();
-    ADD_FAILURE() << "the server ended with " << code.value_or(-1) << " after\n"
-                  << process_->text();
+    if (HasFailure() && process_ != nullptr) {
+      process_->Signal(SIGTERM);
+      const std::optional<int> code = process_->WaitForExit();
+      ADD_FAILURE() << "the server ended with " << code.value_or(-1) << " after\n"
+                    << process_->text();
+    }
+    process_.reset();  // before its database
   }
 
   std::vector<std::string> Environment() const {
@@ -63,17 +63,10 @@ class PostgresServing : public ::testing::Test {
   void Serve(const std::vector<std::string>& more = {}) {
     std::vector<std::string> environment = Environment();
     environment.insert(environment.end(), more.begin(), more.end());
-    process_ = folder_.Start({}, environment);
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    http_ = ports->http;
-    relay_ = ports->relay;
+    UplinkdTest::Serve(environment);
   }
   std::unique_ptr<TestAgent> Agent() const {
-    return std::make_unique<TestAgent>(
-        MakeChannel({.port = relay_,
-                     .server_ca = folder_.authority().certificate(),
-                     .identity = folder_.authority().Issue(RobotSpec(kRuri))}));
+    return std::make_unique<TestAgent>(Channel(RobotSpec(kRuri)));
   }
   void SendNotes(TestAgent& agent, model::Seq first, model::Seq last) {
     std::vector<Sent> messages;
@@ -99,10 +92,6 @@ class PostgresServing : public ::testing::Test {
   const model::SessionId session_{{1, 2, 3}};
   PostgresDatabase database_;
   FaultProxy proxy_;
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  std::uint16_t http_ = 0;
-  std::uint16_t relay_ = 0;
 };
 
 TEST_F(PostgresServing, AnAckIsARowAndAKillLosesNone) {
@@ -208,30 +197,21 @@ INSTANTIATE_TEST_SUITE_P(Modes, PostgresTrouble,
                                            Trouble{"Trickle", ProxyMode::kTrickle, false}),
                          [](const auto& trouble) { return trouble.param.name; });
 
-TEST_F(PostgresServing, ACutInTheMiddleOfAReplyDoublesNothing) {
+TEST_F(PostgresServing, CutsWithinRepliesAndBehindCommitsDoubleNothing) {
   Serve();
   const auto agent = Agent();
   ASSERT_TRUE(agent->Connect(session_));
-  for (model::Seq seq = 1; seq <= 5; ++seq) {
-    proxy_.CutNextReply();
+  for (model::Seq seq = 1; seq <= 10; ++seq) {
+    if (seq <= 5) {
+      proxy_.CutNextReply();
+    } else {
+      proxy_.CutNextCommit();
+    }
     SendNotes(*agent, seq, seq);
     ASSERT_TRUE(agent->ReadThrough(seq));
   }
-  EXPECT_GE(proxy_.cuts(), 5);
-  EXPECT_EQ(Notes(), Numbers(5));
-}
-
-TEST_F(PostgresServing, ACommitWhoseAnswerIsLostIsNotWrittenAgain) {
-  Serve();
-  const auto agent = Agent();
-  ASSERT_TRUE(agent->Connect(session_));
-  for (model::Seq seq = 1; seq <= 5; ++seq) {
-    proxy_.CutNextCommit();
-    SendNotes(*agent, seq, seq);
-    ASSERT_TRUE(agent->ReadThrough(seq));
-  }
-  EXPECT_GE(proxy_.cuts(), 5);
-  EXPECT_EQ(Notes(), Numbers(5));
+  EXPECT_GE(proxy_.cuts(), 10);
+  EXPECT_EQ(Notes(), Numbers(10));
 }
 
 TEST_F(PostgresServing, AtTheLimitsStreamsAreHeldBackAndTheirRobotsUnknown) {
@@ -244,19 +224,14 @@ TEST_F(PostgresServing, AtTheLimitsStreamsAreHeldBackAndTheirRobotsUnknown) {
   proxy_.Set(ProxyMode::kRefuse);
   constexpr model::Seq kLast = 60;
   SendNotes(*agent, 2, kLast);
-  const auto figure = [this](const std::string& name) {
-    const std::string page = HttpGet(http_, "/metrics").body;
-    const std::size_t at = page.find("\n" + name + " ");
-    return at == std::string::npos ? -1.0 : std::stod(page.substr(at + name.size() + 2));
-  };
   const auto held_back_by = [&](const std::string& reason) {
-    return figure("uplinkd_streams_held_back{reason=\"" + reason + "\"}");
+    return Sample("uplinkd_streams_held_back{reason=\"" + reason + "\"}");
   };
   ASSERT_TRUE(
       Eventually([&] { return held_back_by("journal") + held_back_by("journal_share") == 1; }));
   EXPECT_EQ(held_back_by("ending"), 0);
   // One record may go over the bound, since it is looked at before each.
-  EXPECT_LE(figure("uplinkd_journal_bytes"), 8 * 1024 + 2048);
+  EXPECT_LE(Sample("uplinkd_journal_bytes"), 8 * 1024 + 2048);
   ASSERT_TRUE(Eventually([this] {
     const std::string body = HttpGet(http_, kRobotPath).body;
     EXPECT_THAT(body, Not(HasSubstr("PRESENCE_OFFLINE")));

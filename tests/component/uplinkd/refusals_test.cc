@@ -7,11 +7,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/pem_texts.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/test_agent.h"
-#include "tests/support/uplinkd_folder.h"
 
 // What the real program says of streams that it refuses, in its log and in its metrics, and of a
 // certificate that does not fit its key.
@@ -21,34 +19,19 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class Refusals : public ::testing::Test {
+class Refusals : public UplinkdTest {
  protected:
-  void Serve(const std::string& settings = "") {
-    folder_.WriteConfig(settings);
-    process_ = folder_.Start();
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    http_ = ports->http;
-    relay_ = ports->relay;
-  }
-
-  std::shared_ptr<grpc::Channel> Channel(const CertificateSpec& spec) const {
-    return MakeChannel({.port = relay_,
-                        .server_ca = folder_.authority().certificate(),
-                        .identity = folder_.authority().Issue(spec)});
-  }
-
   /// What the metrics page says behind a name; the page is published a moment after the event.
   void ExpectMetric(const std::string& line) const {
     EXPECT_TRUE(Eventually([&] {
       return HttpGet(http_, "/metrics").body.find("\n" + line + "\n") != std::string::npos;
     })) << line;
   }
-
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  std::uint16_t http_ = 0;
-  std::uint16_t relay_ = 0;
+  /// Whether a robot is welcomed.
+  [[nodiscard]] bool Connects() const {
+    TestAgent agent(Channel(RobotSpec("rcan://a")));
+    return agent.Connect(model::SessionId()).has_value();
+  }
 };
 
 TEST_F(Refusals, ABrokenRuleIsAProtocolErrorWithALine) {
@@ -105,7 +88,8 @@ TEST_F(Refusals, AGatewayIsNamedByItsRobotsAndByWhatItIsRefused) {
 }
 
 TEST_F(Refusals, OneRobotTooManyIsRefusedForWantOfRoom) {
-  Serve("[limits]\nrobots_max = 1\n");
+  folder_.WriteConfig("[limits]\nrobots_max = 1\n");
+  Serve();
   TestAgent first(Channel(RobotSpec("rcan://a")));
   ASSERT_TRUE(first.Connect(model::SessionId()));
   TestAgent second(Channel(RobotSpec("rcan://b")));
@@ -121,10 +105,6 @@ TEST_F(Refusals, OneRobotTooManyIsRefusedForWantOfRoom) {
 TEST_F(Refusals, FilesThatDoNotFitAreSaidAndTheLastGoodOnesServed) {
   Serve();
   const KeyPair renewed = folder_.authority().Issue(ServerSpec());
-  const auto connects = [this] {
-    TestAgent agent(Channel(RobotSpec("rcan://a")));
-    return agent.Connect(model::SessionId()).has_value();
-  };
   // What a copy in place leaves for a moment, half a copy, and the first of two steps.
   for (const std::string& text : {std::string(), renewed.key.substr(0, 60), renewed.key}) {
     std::filesystem::remove(folder_.Path("server.key"));
@@ -132,21 +112,17 @@ TEST_F(Refusals, FilesThatDoNotFitAreSaidAndTheLastGoodOnesServed) {
     ASSERT_TRUE(process_->WaitFor("certificate_mismatch")) << process_->text();
     EXPECT_THAT(HttpGet(http_, "/readyz").body, HasSubstr("certificate_mismatch"));
     EXPECT_EQ(HttpGet(http_, "/readyz").status, 200);
-    EXPECT_TRUE(connects()) << process_->text();
+    EXPECT_TRUE(Connects()) << process_->text();
   }
   folder_.Write("server.crt", renewed.certificate);
   ASSERT_TRUE(process_->WaitFor("certificate_fits_again")) << process_->text();
   EXPECT_THAT(HttpGet(http_, "/readyz").body, Not(HasSubstr("certificate_mismatch")));
-  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
 }
 
 TEST_F(Refusals, AKeyBehindItsParametersIsServedAfterARenewalAndAfterARestart) {
   Serve();
   const KeyPair renewed = folder_.authority().Issue(ServerSpec());
-  const auto connects = [this] {
-    TestAgent agent(Channel(RobotSpec("rcan://a")));
-    return agent.Connect(model::SessionId()).has_value();
-  };
   const auto renew = [&](const std::string& key) {
     std::filesystem::remove(folder_.Path("server.key"));
     folder_.Write("server.key", key);
@@ -156,19 +132,19 @@ TEST_F(Refusals, AKeyBehindItsParametersIsServedAfterARenewalAndAfterARestart) {
   renew(LockedKey(renewed.key));
   ASSERT_TRUE(process_->WaitFor("server.key: PEM block 1, from line 1, is a private key behind a"))
       << process_->text();
-  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
   EXPECT_EQ(folder_.Start({"--check-config"})->WaitForExit(), 2);
 
   const std::size_t before = process_->text().size();
   renew(EcparamKey(renewed.key));
   ASSERT_TRUE(process_->WaitFor("certificates_served", std::chrono::seconds(30), before))
       << process_->text();
-  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
   EXPECT_EQ(folder_.Start({"--check-config"})->WaitForExit(), 0);
   process_->Signal(SIGTERM);
   ASSERT_EQ(process_->WaitForExit(), 0) << process_->text();
   Serve();
-  EXPECT_TRUE(connects()) << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
 }
 
 TEST_F(Refusals, ABrokenAuthorityIsSaidAndTheLastGoodOnesServed) {
@@ -182,8 +158,7 @@ TEST_F(Refusals, ABrokenAuthorityIsSaidAndTheLastGoodOnesServed) {
   EXPECT_THAT(process_->text(), HasSubstr("ca.crt: PEM block 2"));
   process_->Signal(SIGHUP);
   ASSERT_TRUE(process_->WaitFor("reload_refused")) << process_->text();
-  TestAgent agent(Channel(RobotSpec("rcan://a")));
-  EXPECT_TRUE(agent.Connect(model::SessionId()).has_value()) << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
   const auto second = folder_.Start();
   EXPECT_EQ(second->WaitForExit(), 2) << second->text();
   EXPECT_THAT(second->text(), HasSubstr("tls.client_ca_file"));
@@ -195,19 +170,15 @@ TEST_F(Refusals, AnAuthorityThatEverybodyMayWriteIsNotTakenOver) {
   using std::filesystem::perms;
   Serve();
   const TestAuthority other("other");
-  const auto channel = [&](const TestAuthority& issuer) {
-    return MakeChannel({.port = relay_,
-                        .server_ca = folder_.authority().certificate(),
-                        .identity = issuer.Issue(RobotSpec("rcan://a"))});
-  };
   std::filesystem::permissions(folder_.Path("ca.crt"), perms{0666});
   folder_.Write("ca.crt", folder_.authority().certificate() + other.certificate());
   ASSERT_TRUE(process_->WaitFor("certificate_mismatch")) << process_->text();
   EXPECT_THAT(process_->text(), HasSubstr("may write " + folder_.Path("ca.crt")));
   EXPECT_THAT(HttpGet(http_, "/readyz").body, HasSubstr("certificate_mismatch"));
-  TestAgent known(channel(folder_.authority()));
-  EXPECT_TRUE(known.Connect(model::SessionId())) << process_->text();
-  TestAgent stranger(channel(other));
+  EXPECT_TRUE(Connects()) << process_->text();
+  TestAgent stranger(MakeChannel({.port = relay_,
+                                  .server_ca = folder_.authority().certificate(),
+                                  .identity = other.Issue(RobotSpec("rcan://a"))}));
   EXPECT_FALSE(stranger.Connect(model::SessionId())) << process_->text();
   EXPECT_EQ(stranger.End().error_code(), grpc::StatusCode::UNAVAILABLE);
   const auto second = folder_.Start();

@@ -13,9 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/raw_http.h"
-#include "tests/support/test_agent.h"
-#include "tests/support/uplinkd_folder.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 
 namespace uplink::testing {
 namespace {
@@ -47,22 +45,12 @@ std::optional<int> Promtool(const std::string& path) {
   return checker.WaitForExit();
 }
 
-class RobotSeries : public ::testing::Test {
+class RobotSeries : public UplinkdTest {
  protected:
-  void SetUp() override { Start(); }
-  void Start() {
-    process_ = folder_.Start();
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    http_ = ports->http;
-    relay_ = ports->relay;
-  }
+  void SetUp() override { Serve(); }
   std::unique_ptr<TestAgent> Agent(const std::string& ruri, const std::string& fleet = "") {
-    auto agent = std::make_unique<TestAgent>(
-        MakeChannel({.port = relay_,
-                     .server_ca = folder_.authority().certificate(),
-                     .identity = folder_.authority().Issue(RobotSpec(ruri, fleet))}),
-        TestAgent::Options{.patience = 3 * kPatience});
+    auto agent = std::make_unique<TestAgent>(Channel(RobotSpec(ruri, fleet)),
+                                             TestAgent::Options{.patience = 3 * kPatience});
     EXPECT_TRUE(agent->Connect(model::SessionId()));
     return agent;
   }
@@ -83,9 +71,7 @@ class RobotSeries : public ::testing::Test {
     spec.common_names = {name};
     spec.organizations = {"default"};
     spec.units = {"gateway"};
-    return MakeChannel({.port = relay_,
-                        .server_ca = folder_.authority().certificate(),
-                        .identity = folder_.authority().Issue(spec)});
+    return Channel(spec);
   }
   static void Send(TestAgent& agent, std::uint64_t seq, const std::string& state) {
     v1::RelayRequest frame;
@@ -114,10 +100,6 @@ class RobotSeries : public ::testing::Test {
     return names;
   }
 
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  std::uint16_t http_ = 0;
-  std::uint16_t relay_ = 0;
   std::string text_;
 };
 
@@ -162,7 +144,7 @@ TEST_F(RobotSeries, RobotsThatAGatewayInventsHideNoOtherRobots) {
   constexpr const char* kRelayed = "rcan://z/relayed";
   process_.reset();
   folder_.WriteConfig(fmt::format("[rcan]\nseries_max = {}\n", kSeriesMax));
-  Start();
+  Serve();
   const auto hostile = Gateway("hostile");
   const auto honest_gateway = Gateway("honest");
   std::vector<std::unique_ptr<TestAgent>> streams;

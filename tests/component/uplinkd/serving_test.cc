@@ -21,10 +21,9 @@
 #include "server/loop/event_loop.h"
 #include "server/loop/handshake_probe.h"
 #include "storage/sqlite/store.h"
+#include "tests/component/uplinkd/uplinkd_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/kept_lines.h"
-#include "tests/support/raw_http.h"
-#include "tests/support/uplinkd_folder.h"
 
 namespace uplink::testing {
 namespace {
@@ -32,21 +31,9 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class ServingTest : public ::testing::Test {
+class ServingTest : public UplinkdTest {
  protected:
-  void Serve(const std::vector<std::string>& environment = {}) {
-    process_ = folder_.Start({}, environment);
-    const auto ports = WaitForPorts(*process_);
-    ASSERT_TRUE(ports) << process_->text();
-    http_ = ports->http;
-    relay_ = ports->relay;
-  }
-
   using seconds = std::chrono::seconds;
-  UplinkdFolder folder_;
-  std::unique_ptr<ServerProcess> process_;
-  std::uint16_t http_ = 0;
-  std::uint16_t relay_ = 0;
 };
 
 TEST_F(ServingTest, AnswersProbesAndStopsCleanly) {
