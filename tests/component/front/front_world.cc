@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include "schema/base/check.h"
+#include "server/config/tls_groups.h"
 
 namespace uplink::testing {
 namespace {
@@ -24,6 +25,14 @@ void SetDescriptors(std::uint64_t count) {
 }
 
 }  // namespace
+
+RelayWorld::Options With12() {
+  config::TlsConfig tls;
+  tls.min_version = config::TlsVersion::k12;
+  return {.session = {},
+          .journal = {},
+          .tls = {.minimum = tls.min_version, .groups = config::ServedGroups(tls)}};
+}
 
 bool ServesNewRobot(const RelayWorld& world, int number, std::chrono::milliseconds patience) {
   TestAgent agent(world.Channel(RuriOf(number)), {.patience = patience});

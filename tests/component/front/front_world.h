@@ -8,6 +8,9 @@
 
 namespace uplink::testing {
 
+/// A world that takes TLS 1.2 too.
+[[nodiscard]] RelayWorld::Options With12();
+
 /// A robot of this number connects and has one message stored, within `patience`.
 [[nodiscard]] bool ServesNewRobot(const RelayWorld& world, int number,
                                   std::chrono::milliseconds patience = kPatience);

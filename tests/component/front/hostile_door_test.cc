@@ -18,7 +18,6 @@ constexpr std::size_t kDescriptors = 1024;
 constexpr std::size_t kCrowd = 300;
 /// How long an honest robot may have to wait before the door.
 constexpr std::chrono::milliseconds kGetsInWithin{10'000};
-constexpr std::size_t kSources = 50;
 constexpr std::size_t kHandshakes = 200;
 
 /// A world that believes it has few descriptors.
@@ -59,33 +58,34 @@ class HostileDoor : public ::testing::Test {
   Victim victim_{*world_, 1};
 };
 
-TEST_F(HostileDoor, HalfOpenHandshakesOfOneAddressKeepNobodyOut) {
-  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.66"}, TlsClientHello());
+struct Crowd {
+  const char* name;
+  std::vector<std::string> sources;
+  std::string word;
+};
+
+class HostileCrowd : public HostileDoor, public ::testing::WithParamInterface<Crowd> {};
+
+TEST_P(HostileCrowd, KeepsNobodyOut) {
+  const TcpCrowd crowd = Gather(kCrowd, GetParam().sources, GetParam().word);
   EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
   EXPECT_TRUE(victim_.GoesOn());
   ExpectStrangerGetsIn(20);
   EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
 }
 
-TEST_F(HostileDoor, HalfOpenHandshakesOfFiftyAddressesKeepNobodyOut) {
-  const TcpCrowd crowd = Gather(kCrowd, LoopbackSources(2, kSources), TlsClientHello());
-  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
-  EXPECT_TRUE(victim_.GoesOn());
-  ExpectStrangerGetsIn(20);
-  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
-}
+INSTANTIATE_TEST_SUITE_P(
+    All, HostileCrowd,
+    ::testing::Values(Crowd{"HalfOpenHandshakesOfOneAddress", {"127.0.0.66"}, TlsClientHello()},
+                      Crowd{"HalfOpenHandshakesOfFiftyAddresses", LoopbackSources(2, 50),
+                            TlsClientHello()},
+                      Crowd{"SilentConnections", {"127.0.0.66"}, ""}),
+    [](const auto& instance) { return instance.param.name; });
 
 TEST_F(HostileDoor, HalfOpenHandshakesFromTheVictimsAddressKeepNobodyOut) {
   const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.1"}, TlsClientHello());
   EXPECT_TRUE(victim_.GoesOn());
   ExpectStrangerGetsIn(20);
-}
-
-TEST_F(HostileDoor, SilentConnectionsKeepNobodyOut) {
-  const TcpCrowd crowd = Gather(kCrowd, {"127.0.0.66"}, "");
-  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kCrowded) > 0; }));
-  ExpectStrangerGetsIn(20);
-  EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));
 }
 
 TEST_F(HostileDoor, GarbageInPlaceOfAHandshakeIsTurnedAway) {
@@ -164,40 +164,20 @@ TEST_F(HostileDoor, TheFifthConnectionOfACertificateEvictsTheOldestWithoutAStrea
   EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
 }
 
-TEST_F(HostileDoor, WhereAllHaveStreamsTheOldestOfThoseHeardAtOnceIsEvicted) {
-  const KeyPair keys = RobotKeys(*world_, 666);
-  std::vector<std::unique_ptr<RawHttp2>> clients;
-  for (int i = 0; i < 4; ++i) {
-    clients.push_back(Begun(*world_, keys));
-    clients.back()->Send(OpenRelay(1));
-    ASSERT_TRUE(clients.back()->Sync());
-  }
-  const auto fifth = Begun(*world_, keys);
-  EXPECT_TRUE(clients[0]->ReadUntilEnd());
-  EXPECT_EQ(TurnedAwayFor(*world_, TurnedAway::kKey), 1);
-  EXPECT_TRUE(clients[3]->Sync());
-}
-
-TEST_F(HostileDoor, EvictedConnectionsKeepNoPlace) {
-  const KeyPair keys = RobotKeys(*world_, 666);
+TEST_F(HostileDoor, ManyConnectionsOfOneCertificateEvictNobodyElsesAndKeepNoPlace) {
+  constexpr int kMany = 100;
   // The victim's and four; those that are on their way out come on top.
   constexpr std::int64_t kPlaces = 1 + 4 + 8;
+  const KeyPair keys = RobotKeys(*world_, 666);
   std::int64_t most = 0;
   std::vector<std::unique_ptr<RawHttp2>> clients;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < kMany; ++i) {
     clients.push_back(Begun(*world_, keys));
     most = std::max(most, world_->relay_probe.connections.value());
   }
   EXPECT_LE(most, kPlaces);
+  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kKey) == kMany - 4; }));
   EXPECT_TRUE(Eventually([&] { return world_->relay_probe.connections.value() == 5; }));
-}
-
-TEST_F(HostileDoor, ManyConnectionsOfOneCertificateEvictNobodyElses) {
-  const KeyPair keys = RobotKeys(*world_, 666);
-  std::vector<std::unique_ptr<RawHttp2>> clients;
-  clients.reserve(60);
-  for (int i = 0; i < 60; ++i) clients.push_back(Begun(*world_, keys));
-  EXPECT_TRUE(Eventually([&] { return TurnedAwayFor(*world_, TurnedAway::kKey) == 56; }));
   EXPECT_TRUE(victim_.GoesOn());
   EXPECT_TRUE(clients.back()->Sync());
   EXPECT_TRUE(ServesNewRobot(*world_, 21, kGetsInWithin));

@@ -38,19 +38,80 @@ class HostileFrames : public Hostile {
   RawHttp2 attacker_{Attacker()};
 };
 
-TEST_F(HostileFrames, Settings) {
-  ExpectCalmed(http2::Times(kFrames, http2::Settings({{http2::kMaxConcurrentStreams, 1}})),
-               TurnedAway::kSettings);
+/// DATA with this content, and so many bytes of padding.
+std::string PaddedData(std::uint32_t stream, std::string_view content, std::uint8_t padding) {
+  std::string payload(1, static_cast<char>(padding));
+  payload.append(content);
+  payload.append(padding, '\0');
+  return http2::Frame(http2::kData, http2::kPadded, stream, payload);
+}
+
+struct Flood {
+  const char* name;
+  /// What comes once, and what comes again and again.
+  std::string first;
+  std::string again;
+  TurnedAway cause;
+  std::uint32_t code = http2::kEnhanceYourCalm;
+};
+
+class HostileFlood : public HostileFrames, public ::testing::WithParamInterface<Flood> {};
+
+TEST_P(HostileFlood, EndsItsConnection) {
+  const auto& [name, first, again, cause, code] = GetParam();
+  ExpectEnded(first + http2::Times(kFrames, again), cause, code);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cheap, HostileFlood,
+    ::testing::Values(
+        Flood{"Settings", "", http2::Settings({{http2::kMaxConcurrentStreams, 1}}),
+              TurnedAway::kSettings},
+        Flood{"AnswersToPingsThatNobodySent", "",
+              http2::Frame(http2::kPing, http2::kAck, 0, "pingping"), TurnedAway::kPongs},
+        Flood{"EmptyData", OpenRelay(1), http2::Data(1, ""), TurnedAway::kEmptyData},
+        Flood{"DataOfALengthByteAlone", OpenRelay(1), PaddedData(1, "", 0), TurnedAway::kEmptyData},
+        Flood{"DataOfPaddingAlone", OpenRelay(1), PaddedData(1, "", 255), TurnedAway::kEmptyData},
+        Flood{"Priorities", "", http2::Priority(1), TurnedAway::kPriorities},
+        Flood{"WindowUpdates", OpenRelay(1), http2::WindowUpdate(1, 1), TurnedAway::kWindowUpdates},
+        Flood{"UnknownTypes", "", http2::Frame(http2::kUnknown, 0, 0, "x"),
+              TurnedAway::kUnknownFrames},
+        Flood{"EmptyContinuations", attack::HeadersWithoutEnd(1),
+              http2::Frame(http2::kContinuation, 0, 1), TurnedAway::kContinuations}),
+    [](const auto& instance) { return instance.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Wrong, HostileFlood,
+    ::testing::Values(Flood{"Garbage", std::string(100'000, '\xFF'), "", TurnedAway::kProtocol,
+                            http2::kFrameSizeError},
+                      Flood{"AWindowUpdateOfNothing", http2::WindowUpdate(0, 0), "",
+                            TurnedAway::kProtocol, http2::kProtocolError},
+                      Flood{"AWindowThatOverflows", http2::WindowUpdate(0, 0x7FFFFFFF), "",
+                            TurnedAway::kProtocol, http2::kFlowControlError},
+                      Flood{"AFrameOverItsLimit",
+                            http2::Frame(http2::kData, 0, 1, std::string(16'385, 'x')), "",
+                            TurnedAway::kProtocol, http2::kFrameSizeError}),
+    [](const auto& instance) { return instance.param.name; });
+
+TEST_F(HostileFrames, PrioritiesOfManyIdleStreams) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < kFrames; ++i) flood += http2::Priority(2 * i + 1);
+  ExpectCalmed(flood, TurnedAway::kPriorities);
+}
+
+TEST_F(HostileFrames, ContinuationsOfManyRequests) {
+  std::string flood;
+  for (std::uint32_t i = 0; i < kFrames; ++i) {
+    flood += attack::HeadersWithoutEnd(2 * i + 1) +
+             http2::Frame(http2::kContinuation, http2::kEndHeaders, 2 * i + 1) +
+             http2::RstStream(2 * i + 1, http2::kCancel);
+  }
+  ExpectCalmed(flood, TurnedAway::kContinuations);
 }
 
 TEST_F(HostileFrames, Pings) {
   ExpectCalmed(http2::Times(kFrames, http2::Ping()), TurnedAway::kPings);
   EXPECT_EQ(attacker_.goaway_text(), "too_many_pings");
-}
-
-TEST_F(HostileFrames, AnswersToPingsThatNobodySent) {
-  ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kPing, http2::kAck, 0, "pingping")),
-               TurnedAway::kPongs);
 }
 
 TEST_F(HostileFrames, DataOfAStreamThatThePeerResetEndsTheConnection) {
@@ -77,27 +138,6 @@ TEST_F(HostileFrames, RequestsThatBreakTheRules) {
   EXPECT_GT(world_.relay_probe.refused_request_total.value(), 0);
 }
 
-TEST_F(HostileFrames, EmptyData) {
-  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::Data(1, "")), TurnedAway::kEmptyData);
-}
-
-/// DATA with this content, and so many bytes of padding.
-std::string PaddedData(std::uint32_t stream, std::string_view content, std::uint8_t padding) {
-  std::string payload(1, static_cast<char>(padding));
-  payload.append(content);
-  payload.append(padding, '\0');
-  return http2::Frame(http2::kData, http2::kPadded, stream, payload);
-}
-
-TEST_F(HostileFrames, DataOfALengthByteAlone) {
-  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, PaddedData(1, "", 0)), TurnedAway::kEmptyData);
-}
-
-TEST_F(HostileFrames, DataOfPaddingAlone) {
-  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, PaddedData(1, "", 255)),
-               TurnedAway::kEmptyData);
-}
-
 TEST_F(HostileFrames, PaddedDataWithContentIsNoFlood) {
   const std::string hello = HelloMessage(1);
   std::string bytes = OpenRelay(1);
@@ -110,21 +150,6 @@ TEST_F(HostileFrames, PaddedDataWithContentIsNoFlood) {
   EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kEmptyData), 0);
 }
 
-TEST_F(HostileFrames, Priorities) {
-  ExpectCalmed(http2::Times(kFrames, http2::Priority(1)), TurnedAway::kPriorities);
-}
-
-TEST_F(HostileFrames, PrioritiesOfManyIdleStreams) {
-  std::string flood;
-  for (std::uint32_t i = 0; i < kFrames; ++i) flood += http2::Priority(2 * i + 1);
-  ExpectCalmed(flood, TurnedAway::kPriorities);
-}
-
-TEST_F(HostileFrames, WindowUpdates) {
-  ExpectCalmed(OpenRelay(1) + http2::Times(kFrames, http2::WindowUpdate(1, 1)),
-               TurnedAway::kWindowUpdates);
-}
-
 TEST_F(HostileFrames, NewKeysOfTls) {
   EXPECT_TRUE(attacker_.UpdateKeys(10));
   EXPECT_TRUE(attacker_.Sync()) << "some are within the bound";
@@ -135,42 +160,9 @@ TEST_F(HostileFrames, NewKeysOfTls) {
   EXPECT_EQ(TurnedAwayFor(world_, TurnedAway::kKeyUpdates), 1);
 }
 
-TEST_F(HostileFrames, UnknownTypes) {
-  ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kUnknown, 0, 0, "x")),
-               TurnedAway::kUnknownFrames);
-}
-
 TEST_F(HostileFrames, RapidResets) {
   ExpectCalmed(attack::RapidResets(1, kFrames / 2), TurnedAway::kResets);
   EXPECT_LT(world_.session_probe.streams_total.value(), 2000) << "most were never begun";
-}
-
-TEST_F(HostileFrames, EmptyContinuations) {
-  ASSERT_TRUE(attacker_.Send(attack::HeadersWithoutEnd(1)));
-  ExpectCalmed(http2::Times(kFrames, http2::Frame(http2::kContinuation, 0, 1)),
-               TurnedAway::kContinuations);
-}
-
-TEST_F(HostileFrames, ContinuationsOfManyRequests) {
-  std::string flood;
-  for (std::uint32_t i = 0; i < kFrames; ++i) {
-    flood += attack::HeadersWithoutEnd(2 * i + 1) +
-             http2::Frame(http2::kContinuation, http2::kEndHeaders, 2 * i + 1) +
-             http2::RstStream(2 * i + 1, http2::kCancel);
-  }
-  ExpectCalmed(flood, TurnedAway::kContinuations);
-}
-
-TEST_F(HostileFrames, Garbage) {
-  ExpectEnded(std::string(100'000, '\xFF'), TurnedAway::kProtocol, http2::kFrameSizeError);
-}
-
-TEST_F(HostileFrames, AWindowUpdateOfNothing) {
-  ExpectEnded(http2::WindowUpdate(0, 0), TurnedAway::kProtocol, http2::kProtocolError);
-}
-
-TEST_F(HostileFrames, AWindowThatOverflows) {
-  ExpectEnded(http2::WindowUpdate(0, 0x7FFFFFFF), TurnedAway::kProtocol, http2::kFlowControlError);
 }
 
 TEST_F(HostileFrames, AWindowOfAStreamThatOverflowsEndsTheStreamAlone) {
@@ -223,11 +215,6 @@ TEST_F(HostileRecords, ARecordThatIsNoneDisturbsNobodyElse) {
     EXPECT_TRUE(attacker.ReadUntilEnd());
     ExpectVictimGoesOn();
   }
-}
-
-TEST_F(HostileFrames, AFrameOverItsLimit) {
-  ExpectEnded(http2::Frame(http2::kData, 0, 1, std::string(16'385, 'x')), TurnedAway::kProtocol,
-              http2::kFrameSizeError);
 }
 
 TEST_F(HostileFrames, AGoawayOfTheClientEndsNothingByForce) {

@@ -17,15 +17,6 @@ class Messages : public ::testing::Test {
   RawHttp2 client_{ClientOf(world_, RobotKeys(world_, 1))};
 };
 
-TEST_F(Messages, MayComeByteByByte) {
-  ASSERT_TRUE(client_.Begin());
-  client_.Send(OpenRelay(1));
-  for (const char byte : HelloMessage(1) + FaultsMessage(1, 1)) {
-    ASSERT_TRUE(client_.Send(http2::Data(1, std::string(1, byte))));
-  }
-  EXPECT_TRUE(client_.ReadUntil([&] { return LastAck(client_.At(1)).through_seq() == 1; }));
-}
-
 TEST_F(Messages, MayBeCutAnywhere) {
   const std::string both = HelloMessage(1) + FaultsMessage(1, 1);
   for (std::size_t cut = 1; cut < both.size(); ++cut) {
@@ -40,51 +31,22 @@ TEST_F(Messages, MayBeCutAnywhere) {
   }
 }
 
-TEST_F(Messages, ManyMayComeInOneFrame) {
-  ASSERT_TRUE(client_.Begin());
-  std::string all = HelloMessage(1);
-  for (model::Seq seq = 1; seq <= 50; ++seq) all += FaultsMessage(seq, 1);
-  client_.Send(OpenRelay(1) + http2::Data(1, all, http2::kEndStream));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_EQ(LastAck(client_.At(1)).through_seq(), 50U);
-}
-
-TEST_F(Messages, TheEndWithinOneIsInternal) {
-  ASSERT_TRUE(client_.Begin());
+TEST_F(Messages, ThoseThatBreakTheRulesOfGrpcAreInternal) {
   const std::string hello = HelloMessage(1);
-  client_.Send(OpenRelay(1) + http2::Data(1, hello.substr(0, hello.size() - 1), http2::kEndStream));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(client_.At(1)), "13");
-  EXPECT_THAT(client_.At(1).Trailer("grpc-message"), HasSubstr("within a message"));
-}
-
-TEST_F(Messages, TheEndWithinAPrefixIsInternal) {
-  ASSERT_TRUE(client_.Begin());
-  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(7).substr(0, 4)) +
-               http2::Data(1, "", http2::kEndStream));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(client_.At(1)), "13");
-}
-
-TEST_F(Messages, ACompressedFlagIsInternal) {
-  ASSERT_TRUE(client_.Begin());
-  client_.Send(OpenRelay(1) + http2::Data(1, HelloMessage(1) + Prefix(3, '\1') + "abc"));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(client_.At(1)), "13");
-}
-
-TEST_F(Messages, AFlagThatMeansNothingIsInternal) {
-  ASSERT_TRUE(client_.Begin());
-  client_.Send(OpenRelay(1) + http2::Data(1, Prefix(3, '\xFF') + "abc"));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_EQ(StatusOf(client_.At(1)), "13");
-}
-
-TEST_F(Messages, AnEmptyOneIsNoHello) {
-  ASSERT_TRUE(client_.Begin());
-  client_.Send(OpenRelay(1) + http2::Data(1, Prefix(0)));
-  ASSERT_TRUE(client_.ReadUntilOver(1));
-  EXPECT_NE(StatusOf(client_.At(1)), "0");
+  const std::string last = http2::Data(1, "", http2::kEndStream);
+  int robot = 10;
+  for (const auto& [bytes, words] :
+       {std::pair{http2::Data(1, hello.substr(0, hello.size() - 1)) + last, "within a message"},
+        std::pair{http2::Data(1, hello + Prefix(7).substr(0, 4)) + last, "within a message"},
+        std::pair{http2::Data(1, hello + Prefix(3, '\1') + "abc"), "flagged as compressed"},
+        std::pair{http2::Data(1, Prefix(3, '\xFF') + "abc"), ""}}) {
+    RawHttp2 client(ClientOf(world_, RobotKeys(world_, ++robot)));
+    ASSERT_TRUE(client.Begin());
+    client.Send(OpenRelay(1) + bytes);
+    ASSERT_TRUE(client.ReadUntilOver(1)) << words;
+    EXPECT_EQ(StatusOf(client.At(1)), "13") << words;
+    EXPECT_THAT(client.At(1).Trailer("grpc-message"), HasSubstr(words));
+  }
 }
 
 TEST_F(Messages, PaddingIsGivenBackToTheWindow) {
