@@ -1,8 +1,6 @@
 // Gateways: one connection, a stream for each robot, over real TLS.
-#include <algorithm>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -215,37 +213,6 @@ TEST(Gateway, ABrokenConnectionEndsItsStreamsAndNothingElse) {
   }
 }
 
-TEST(Gateway, ARobotThatIsHeldBackDoesNotHoldItsNeighbours) {
-  RelayWorld world({.session = {.in_flight_uplinks_max = 16}});
-  const auto channel = world.Channel(world.authority.Issue(GatewaySpec()));
-  Relayed slow(channel, 1);
-  Relayed neighbour(channel, 2);
-  ASSERT_NE(slow.Welcomed(), "");
-  ASSERT_NE(neighbour.Welcomed(), "");
-  world.store.Block();
-  // Several windows of a stream: its agent waits in the middle of it.
-  constexpr model::Seq kFaults = 4'000;
-  std::jthread flood([&slow] {
-    for (model::Seq seq = 1; seq <= kFaults; seq += 4) {
-      std::vector<Sent> faults;
-      for (model::Seq i = seq; i < seq + 4; ++i) {
-        faults.push_back({i, FaultPayload(std::string(200, 'f'))});
-      }
-      slow.agent().Send(BatchFrame(faults));
-    }
-  });
-  const robot::RobotSessions& sessions = world.fleet.Find(RuriOf(1))->sessions;
-  ASSERT_TRUE(Eventually([&] { return sessions.View().held_back == robot::HeldBack::kInFlight; }));
-  for (model::Seq seq = 1; seq <= 200; ++seq) {
-    neighbour.agent().Send(BatchFrame({{seq, MotionPayload()}}));
-  }
-  EXPECT_TRUE(neighbour.agent().ReadJudged(200));
-  EXPECT_EQ(sessions.View().held_back, robot::HeldBack::kInFlight);
-  world.store.Release();
-  EXPECT_TRUE(slow.agent().ReadThrough(kFaults));
-  flood.join();
-}
-
 TEST(Gateway, HasNoMoreThanItsShareOfTheStreams) {
   RelayWorld world({.session = {}, .journal = {}, .streams_max = 4});
   const KeyPair keys = world.authority.Issue(GatewaySpec());
@@ -281,22 +248,6 @@ TEST(Gateway, BringsInNoMoreThanItsShareOfTheRobots) {
   EXPECT_EQ(world.session_probe.refused_gateway_total.value(), 1);
   TestAgent own(world.Channel(RuriOf(5)));
   EXPECT_TRUE(own.Connect(SessionOf(1)));
-}
-
-TEST(Gateway, ALineAboutARefusalNamesIt) {
-  SharedLines::Lines lines;
-  SystemClock clock;
-  const log::Logger logger{std::make_unique<SharedLines>(lines), clock, log::Format::kText,
-                           log::Level::kDebug};
-  RelayWorld world({.logger = &logger});
-  Relayed denied(world.Channel(world.authority.Issue(GatewaySpec({RuriOf(1)}))), 2);
-  EXPECT_EQ(denied.agent().End().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  EXPECT_TRUE(Eventually([&] {
-    return std::ranges::any_of(lines.All(), [](const std::string& line) {
-      return line.find("stream_refused") != std::string::npos &&
-             line.find(kSubject) != std::string::npos && line.find(RuriOf(2)) != std::string::npos;
-    });
-  }));
 }
 
 /// Ten readings with texts of control characters, each of which is kept as three bytes.

@@ -1,8 +1,6 @@
 // Start, drain and stop of the listener.
-#include <memory>
+#include <optional>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,17 +13,6 @@ namespace {
 using ::testing::HasSubstr;
 
 const config::ListenAddress kAnyPort{"127.0.0.1", 0};
-
-TEST(Lifecycle, APortInUseIsNamed) {
-  RelayWorld world;
-  const auto started =
-      world.StartAnother({"127.0.0.1", world.server().port()}, world.ServerTexts());
-  ASSERT_FALSE(started.ok());
-  EXPECT_EQ(started.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(std::string(started.status().message()),
-            "cannot listen on 127.0.0.1:" + std::to_string(world.server().port()) +
-                ": Address already in use");
-}
 
 TEST(Lifecycle, AnAddressThatIsNotOursIsNamed) {
   RelayWorld world;
@@ -139,63 +126,6 @@ TEST(Lifecycle, DrainEndsAStreamThatCannotSettle) {
   world.server().Drain(milliseconds(100));
   EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_TRUE(world.server().WaitForStreams(kPatience));
-}
-
-TEST(Lifecycle, DrainOfManyStreams) {
-  constexpr int kRobots = 40;
-  RelayWorld world;
-  std::vector<std::unique_ptr<TestAgent>> agents;
-  for (int i = 0; i < kRobots; ++i) {
-    agents.push_back(std::make_unique<TestAgent>(world.Channel(RuriOf(i))));
-    ASSERT_TRUE(agents.back()->Connect(SessionOf(1)));
-    agents.back()->Send(BatchFrame({{1, FaultPayload("a")}}));
-    ASSERT_TRUE(agents.back()->ReadThrough(1));
-  }
-  world.server().Drain(std::chrono::seconds(10));
-  for (const auto& agent : agents) {
-    EXPECT_EQ(agent->End().error_code(), grpc::StatusCode::UNAVAILABLE);
-    EXPECT_TRUE(agent->frames().back().has_ack());
-  }
-  EXPECT_TRUE(world.server().WaitForStreams(kPatience));
-  world.server().Shutdown();
-}
-
-TEST(Lifecycle, ShutdownUnderLoadLosesNothingThatWasAcked) {
-  RelayWorld world;
-  constexpr int kRobots = 8;
-  std::vector<model::Seq> acked(kRobots, 0);
-  std::vector<std::jthread> threads;
-  threads.reserve(kRobots);
-  for (int i = 0; i < kRobots; ++i) {
-    threads.emplace_back([&world, &acked, i] {
-      TestAgent agent(world.Channel(RuriOf(i)));
-      if (!agent.Connect(SessionOf(1))) return;
-      for (model::Seq seq = 1; agent.Send(BatchFrame({{seq, FaultPayload("a")}})); ++seq) {
-        const auto ack = agent.ReadThrough(seq);
-        if (!ack) return;
-        acked[static_cast<std::size_t>(i)] = ack->through_seq();
-      }
-    });
-  }
-  ASSERT_TRUE(Eventually([&] { return world.Counts().stored >= 200; }));
-  world.StopServer();
-  threads.clear();
-  EXPECT_TRUE(world.Settles());
-  for (int i = 0; i < kRobots; ++i) {
-    EXPECT_GE(world.database.Log(RuriOf(i), SessionOf(1)).stored.size(),
-              acked[static_cast<std::size_t>(i)]);
-  }
-}
-
-TEST(Lifecycle, AConnectionIsEndedForItsAge) {
-  RelayWorld world({.session = {}, .journal = {}, .connection_age_max = milliseconds(100)});
-  const auto channel = world.Channel(RuriOf(1));
-  TestAgent agent(channel);
-  ASSERT_TRUE(agent.Connect(SessionOf(1)));
-  // The server tells the agent to go elsewhere, and cuts what is left after its grace.
-  EXPECT_EQ(agent.End().error_code(), grpc::StatusCode::UNAVAILABLE);
-  TestAgent again(channel);
-  EXPECT_TRUE(again.Connect(SessionOf(1)));
 }
 
 }  // namespace

@@ -5,16 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/relay_world.h"
 
 namespace uplink::testing {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 std::vector<Sent> FaultsFrom(model::Seq first, std::size_t count) {
   std::vector<Sent> messages;
@@ -139,25 +135,6 @@ TEST(Streams, WelcomeDoesNotWaitForTheStore) {
   agent.Send(BatchFrame({{1, FaultPayload("a")}}));
   world.store.Release();
   EXPECT_TRUE(agent.ReadThrough(1));
-}
-
-TEST(Streams, ABlockedStoreHoldsTheStreamBackAndLosesNothing) {
-  constexpr std::size_t kInFlightMax = 16;
-  constexpr model::Seq kMessages = 400;
-  RelayWorld world({.session = {.in_flight_uplinks_max = kInFlightMax}});
-  TestAgent agent(world.Channel(RuriOf(1)));
-  ASSERT_TRUE(agent.Connect(SessionOf(1)));
-  world.store.Block();
-  for (model::Seq seq = 1; seq <= kMessages; seq += 8) {
-    ASSERT_TRUE(agent.Send(BatchFrame(FaultsFrom(seq, 8))));
-  }
-  ASSERT_TRUE(Eventually([&] { return world.session_probe.held_back.value() == 1; }));
-  EXPECT_EQ(world.Counts().in_flight, static_cast<std::int64_t>(kInFlightMax));
-  EXPECT_EQ(world.Counts().received, kInFlightMax);
-  world.store.Release();
-  ASSERT_TRUE(agent.ReadThrough(kMessages));
-  EXPECT_EQ(world.database.Log(RuriOf(1), SessionOf(1)).stored, UpTo(kMessages));
-  EXPECT_TRUE(Eventually([&] { return world.session_probe.held_back.value() == 0; }));
 }
 
 TEST(Streams, AFullJournalHoldsEveryStreamBack) {
