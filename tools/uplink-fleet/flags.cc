@@ -12,7 +12,6 @@
 #include "server/config/units.h"
 #include "tools/uplink-fleet/clients.h"
 #include "tools/uplink-fleet/robot/gateway.h"
-#include "tools/uplink-fleet/run/exit_code.h"
 #include "tools/uplink-fleet/twin_flags.h"
 
 namespace uplink::synthetic {

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include "tools/uplink-fleet/flags.h"
-#include "tools/uplink-fleet/run/exit_code.h"
 #include "tools/uplink-fleet/run/run.h"
 #include "tools/uplink-fleet/run/twin_run.h"
 

@@ -9,10 +9,26 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
-#include "tools/uplink-fleet/broker/settings.h"
-#include "tools/uplink-fleet/twin/publication.h"
+#include "server/config/broker_url.h"
+#include "tools/uplink-fleet/twin/voice.h"
 
 namespace uplink::synthetic {
+
+/// The versions of the protocol, by the numbers that CONNECT has for them.
+enum class MqttVersion : std::uint8_t { k311 = 4, k5 = 5 };
+
+/// How one connection is made. A value.
+struct BrokerSettings {
+  config::BrokerUrl url;
+  /// Empty: the broker takes anybody.
+  std::string username;
+  std::string password;
+  /// PEM of who vouches for the broker, with `url.tls`.
+  std::string ca_file;
+  MqttVersion version = MqttVersion::k5;
+  /// Empty: the library makes one up.
+  std::string client_id;
+};
 
 /// Publications at QoS 1 that the library has under way at most; the broker may say less.
 inline constexpr int kBrokerWindow = 64;

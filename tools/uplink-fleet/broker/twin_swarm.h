@@ -11,7 +11,6 @@
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/broker/link.h"
 #include "tools/uplink-fleet/broker/twin_group.h"
-#include "tools/uplink-fleet/broker/twins_shared.h"
 
 namespace uplink::synthetic {
 

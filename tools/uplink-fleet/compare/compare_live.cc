@@ -1,9 +1,8 @@
 #include "tools/uplink-fleet/compare/compare_live.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
-#include <string>
+#include <string_view>
 
 #include <fmt/core.h>
 #include <google/protobuf/descriptor.h>
@@ -19,23 +18,19 @@ using google::protobuf::Struct;
 
 void ComparePart(Thing thing, const RobotOutcome& robot, const Struct& expected,
                  const Struct& found, Findings& findings) {
-  findings.Expect(thing);
   if (Canonical(expected) == Canonical(found)) {
-    findings.Find(thing);
-    return;
+    return findings.Check(thing, robot.ruri, true, "", "");
   }
   // The field that differs rather than the whole part, where there is one.
   for (const auto& [name, value] : expected.fields()) {
     const auto other = found.fields().find(name);
-    if (other == found.fields().end()) {
-      return findings.Differ(thing, robot.ruri, fmt::format("{}: {}", name, Shown(value)),
-                             fmt::format("{}: nothing", name));
-    }
-    if (Canonical(value) == Canonical(other->second)) continue;
-    return findings.Differ(thing, robot.ruri, fmt::format("{}: {}", name, Shown(value)),
-                           fmt::format("{}: {}", name, Shown(other->second)));
+    const bool missing = other == found.fields().end();
+    if (!missing && Canonical(value) == Canonical(other->second)) continue;
+    return findings.Check(
+        thing, robot.ruri, false, fmt::format("{}: {}", name, Shown(value)),
+        fmt::format("{}: {}", name, missing ? std::string("nothing") : Shown(other->second)));
   }
-  findings.Differ(thing, robot.ruri, Shown(expected), Shown(found));
+  findings.Check(thing, robot.ruri, false, Shown(expected), Shown(found));
 }
 
 template <typename Body>
@@ -43,7 +38,6 @@ void CompareLast(Thing thing, const RobotOutcome& robot, const std::optional<Bod
                  const Struct& found, Findings& findings) {
   if (sent) ComparePart(thing, robot, PartOf(*sent), found, findings);
 }
-
 void CompareLast(Thing thing, const RobotOutcome& robot,
                  const std::optional<model::RcanState>& sent, Struct found, Findings& findings) {
   if (!sent) return;
@@ -51,7 +45,6 @@ void CompareLast(Thing thing, const RobotOutcome& robot,
   found.mutable_fields()->erase("seq_missing");
   ComparePart(thing, robot, PartOf(*sent, robot.ruri), found, findings);
 }
-
 template <typename Body>
 void CompareLast(Thing thing, const RobotOutcome& robot, const std::map<std::string, Body>& sent,
                  const Struct& found, Findings& findings) {
@@ -79,17 +72,12 @@ bool AllThere(const std::map<std::string, v1::Robot>& live, std::size_t robots) 
 }
 
 void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& findings) {
-  findings.Expect(Thing::kOnline);
   if (live == nullptr) {
-    return findings.Differ(Thing::kOnline, robot.ruri, "a robot", "not listed");
+    return findings.Check(Thing::kOnline, robot.ruri, false, "a robot", "not listed");
   }
-  if (IsThere(*live)) {
-    findings.Find(Thing::kOnline);
-  } else {
-    findings.Differ(Thing::kOnline, robot.ruri, "online and connected",
-                    fmt::format("{}, {}", v1::Presence_Name(live->presence()),
-                                live->connected() ? "connected" : "not connected"));
-  }
+  findings.Check(Thing::kOnline, robot.ruri, IsThere(*live), "online and connected",
+                 fmt::format("{}, {}", v1::Presence_Name(live->presence()),
+                             live->connected() ? "connected" : "not connected"));
   if (live->uplinks_missing() != 0) {
     findings.Find(Thing::kNumbersMissing, static_cast<std::uint64_t>(live->uplinks_missing()));
     findings.Differ(Thing::kNumbersMissing, robot.ruri, "0",
@@ -104,6 +92,30 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
   CompareLast(Thing::kSettings, robot, robot.account.settings(), live->settings(), findings);
   CompareLast(Thing::kUiCapabilities, robot, robot.account.ui_capabilities(),
               live->ui_capabilities(), findings);
+}
+
+void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
+                     Findings& findings) {
+  const std::string wrong = WrongPresence(stored.presence, run, robot.silences);
+  findings.Check(Thing::kPresenceHistory, robot.ruri, wrong.empty(),
+                 fmt::format("online at last, offline {} times at most", robot.silences), wrong);
+}
+
+std::string WrongPresence(const std::vector<v1::PresenceChange>& newest_first, const Span& run,
+                          std::uint64_t offline_max) {
+  const v1::PresenceChange* latest = nullptr;
+  std::uint64_t offline = 0;
+  for (const v1::PresenceChange& change : newest_first) {
+    if (change.at_ms() > run.to_ms) continue;
+    if (latest == nullptr) latest = &change;
+    const bool within = change.at_ms() >= run.from_ms;
+    if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
+  }
+  const bool online = latest != nullptr && latest->presence() == v1::PRESENCE_ONLINE;
+  if (online && offline <= offline_max) return {};
+  return fmt::format("{} at last, offline {} times",
+                     latest == nullptr ? "no change" : v1::Presence_Name(latest->presence()),
+                     offline);
 }
 
 }  // namespace uplink::synthetic

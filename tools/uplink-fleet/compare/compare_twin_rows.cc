@@ -1,8 +1,11 @@
 #include "tools/uplink-fleet/compare/compare_twin_rows.h"
 
-#include <cstddef>
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <boost/json.hpp>
@@ -10,152 +13,283 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/json/exact.h"
-#include "tools/uplink-fleet/twin/canonical.h"
+#include "schema/model/rejection.h"
+#include "tools/uplink-fleet/robot/rows.h"
 
 namespace uplink::synthetic {
 namespace {
 
 namespace js = boost::json;
+using google::protobuf::Struct;
 
-js::object ObjectOf(const google::protobuf::Struct& detail) {
+constexpr const char* kSource = "cyberwave";
+constexpr const char* kFaultSource = "cyberwave/metrics";
+constexpr const char* kOnlyWrong = "only what is wrong on purpose";
+
+js::object ObjectOf(const Struct& detail) {
   std::string text;
   if (!google::protobuf::util::MessageToJsonString(detail, &text).ok()) return {};
   std::optional<js::value> value = json::ParseExact(text);
   return value && value->is_object() ? value->get_object() : js::object();
 }
 
-/// Rows of this run by their number, and what is found out about each at once.
-class FoundRows final {
- public:
-  FoundRows(const TwinScript& twin, Findings& findings) : twin_(twin), findings_(findings) {}
+std::string ContentOf(const v1::Event& row) {
+  return EventContent(row.kind(), ObjectOf(row.detail()), row.sampled_at_ms());
+}
+std::string ContentOf(const v1::RobotMessage& row) {
+  return MessageContent(row.level(), row.message(), ObjectOf(row.detail()), row.sampled_at_ms());
+}
+std::string ContentOf(const v1::ScopeUpdate& row) {
+  return ScopeContent(row.scope(), row.id(), row.type(), ObjectOf(row.detail()),
+                      row.sampled_at_ms());
+}
 
-  void Add(Side side, RowKind kind, const std::string& text, const std::string& content) {
-    const std::optional<std::uint64_t> number = MarkIn(twin_.options(), text);
-    if (!number) return;
-    findings_.Find(ThingOf(kind));
-    const auto& rows = twin_.account().rows();
-    const auto sent = rows.find(*number);
-    if (sent == rows.end() || sent->second.kind != kind || sent->second.side != side) {
-      findings_.Differ(ThingOf(kind), RuriOf(twin_, side),
-                       fmt::format("number {} is no such row", *number), Shown(content));
-      return;
+std::string RunText(std::string_view status, std::string_view message,
+                    std::optional<double> progress_x100, std::optional<double> step) {
+  constexpr double kNone = -1;
+  return fmt::format("{} \"{}\", progress {}, step {}", status, message,
+                     progress_x100.value_or(kNone), step.value_or(kNone));
+}
+std::string TextOf(const SentRun& run) {
+  return RunText(run.status, run.message, run.progress_x100, run.current_step);
+}
+std::string TextOf(const v1::MissionRun& row) {
+  const auto& fields = row.latest().fields();
+  const auto number = [&fields](const char* name) {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::nullopt : std::optional(found->second.number_value());
+  };
+  const auto said = fields.find("statusMessage");
+  return RunText(row.status(), said == fields.end() ? "" : said->second.string_value(),
+                 number("progressX100"), number("currentStep"));
+}
+
+std::string TextOf(const v1::Quarantined& row, bool of_no_robot) {
+  return fmt::format("{} on {}, {} bytes, source {}{}", row.reason(), row.topic(),
+                     row.payload_bytes(), row.source(), of_no_robot ? ", of no robot" : "");
+}
+std::string TextOf(const SentWrong& wrong) {
+  v1::Quarantined row;
+  row.set_reason(std::string(model::ToText(wrong.reason)));
+  row.set_topic(wrong.topic);
+  row.set_payload_bytes(static_cast<std::int64_t>(wrong.bytes));
+  row.set_source(kSource);
+  return TextOf(row, wrong.of_no_robot);
+}
+
+/// The server keeps the payload of one rejection per second and reason.
+bool IsThinned(const v1::Quarantined& row) {
+  return row.payload().empty() && row.payload_bytes() > 0;
+}
+
+/// One twin's account against its rows. Confined to one comparison.
+class TwinRows final {
+ public:
+  TwinRows(const TwinScript& twin, const StoredTwin& stored, Findings& findings)
+      : twin_(twin), real_(stored.Of(Side::kReal)), findings_(findings) {}
+
+  template <typename Row>
+  void Contents(Thing thing, RowKind kind, Side side, const std::vector<Row>& rows) {
+    RowSet set(thing, twin_.ids().RuriOf(side), findings_);
+    for (const auto& [number, row] : twin_.account().rows()) {
+      if (row.kind != kind || row.side != side) continue;
+      set.Expect(std::to_string(number), {.content = row.content,
+                                          .shown = fmt::format("number {}, {}", number, row.type),
+                                          .times = TimesOf(number)});
     }
-    ++counts_[*number];
-    if (sent->second.content == FingerprintOf(content)) return;
-    findings_.Differ(ThingOf(kind), RuriOf(twin_, side),
-                     fmt::format("number {}, {}, as it was sent", *number, sent->second.type),
-                     Shown(content));
+    for (const Row& row : rows) {
+      const std::string content = ContentOf(row);
+      const std::optional<std::uint64_t> number = MarkIn(twin_.options(), content);
+      if (!number) continue;
+      set.Find(std::to_string(*number), HashOf(content), [&content] {
+        constexpr std::size_t kShownBytes = 200;
+        return content.substr(0, kShownBytes);
+      });
+    }
+    set.Finish();
   }
 
-  void CheckCounts() {
-    for (const auto& [number, row] : twin_.account().rows()) {
-      const Delivery delivery = twin_.account().DeliveryOf(number);
-      if (MustBeThere(delivery)) findings_.Expect(ThingOf(row.kind));
-      const auto found = counts_.find(number);
-      const std::string wrong = WrongCount(delivery, found == counts_.end() ? 0 : found->second);
-      if (wrong.empty()) continue;
-      findings_.Differ(ThingOf(row.kind), RuriOf(twin_, row.side),
-                       fmt::format("number {}, {}: once", number, row.type), wrong);
+  void Runs() {
+    RowSet set = SetOf(Thing::kTwinRuns);
+    for (const auto& [id, run] : twin_.account().runs()) {
+      const Times updates = UpdatesOf(run);
+      set.Expect(id, {.content = updates.max == kAnyTimes ? 0 : HashOf(TextOf(run)),
+                      .shown = fmt::format("{}: {}", id, TextOf(run)),
+                      .times = {.min = updates.min > 0 ? 1U : 0U, .max = 1}});
+      if (updates.min > 0) findings_.Expect(Thing::kTwinRunUpdates, run.updates.size());
     }
+    for (const v1::MissionRun& row : real_.runs) {
+      if (!MarkIn(twin_.options(), row.run_id())) continue;
+      const auto found = static_cast<std::uint64_t>(row.updates());
+      findings_.Find(Thing::kTwinRunUpdates, found);
+      if (!set.Find(row.run_id(), HashOf(TextOf(row)), [&row] { return TextOf(row); })) continue;
+      const Times updates = UpdatesOf(twin_.account().runs().at(row.run_id()));
+      if (found >= updates.min && found <= updates.max) continue;
+      Differ(Thing::kTwinRunUpdates, fmt::format("{}: {}", row.run_id(), updates.max),
+             fmt::format("{}", found));
+    }
+    set.Finish();
+  }
+
+  /// Raised and cleared once for each error.
+  void Faults() {
+    RowSet set = SetOf(Thing::kTwinFaults);
+    std::map<std::string, bool> active;
+    bool unknown = false;
+    for (const auto& [number, changes] : twin_.account().fault_changes()) {
+      unknown = unknown || twin_.account().DeliveryOf(number) != Delivery::kOnce;
+      for (const SentFaultChange& change : changes) {
+        active[change.fault_id] = change.active;
+        const std::string key = FaultKey(change.fault_id, change.active);
+        const std::string described = change.active ? change.fault_id : "";
+        set.Expect(key, {.content = HashOf(kFaultSource + described),
+                         .shown = fmt::format("{} of {}", key, kFaultSource),
+                         .times = TimesOf(number)});
+      }
+    }
+    for (const v1::Fault& row : real_.faults) {
+      if (!MarkIn(twin_.options(), row.fault_id())) continue;
+      const std::string described = row.active() ? row.description() : "";
+      set.Find(FaultKey(row.fault_id(), row.active()), HashOf(row.source() + described),
+               [&row] { return Shown(row); });
+    }
+    set.Finish();
+    if (!unknown) ActiveFaults(active);  // else what was raised last is not known either
+  }
+
+  void Quarantine(std::vector<v1::Quarantined>& nobody) {
+    RowSet set = SetOf(Thing::kTwinQuarantine);
+    for (const auto& [number, wrong] : twin_.account().wrongs()) {
+      set.Expect(std::to_string(number),
+                 {.content = HashOf(TextOf(wrong)),
+                  .shown = fmt::format("number {}: {}", number, TextOf(wrong)),
+                  .times = TimesOf(number)});
+    }
+    for (const v1::Quarantined& row : real_.quarantine) FindWrong(row, false, set);
+    for (const v1::Quarantined& row : nobody) FindWrong(row, true, set);
+    FindThinned(nobody, set);
+    set.Finish(static_cast<std::uint64_t>(real_.quarantine_dropped));
   }
 
  private:
-  static Thing ThingOf(RowKind kind) {
-    switch (kind) {
-      case RowKind::kEvent:
-        return Thing::kTwinEvents;
-      case RowKind::kMessage:
-        return Thing::kTwinMessages;
-      case RowKind::kScope:
-        return Thing::kTwinScopes;
-    }
-    return Thing::kTwinEvents;
+  [[nodiscard]] RowSet SetOf(Thing thing) { return {thing, twin_.ids().ruri, findings_}; }
+  void Differ(Thing thing, std::string expected, std::string found) {
+    findings_.Differ(thing, twin_.ids().ruri, std::move(expected), std::move(found));
   }
-  static std::string Shown(const std::string& content) {
-    constexpr std::size_t kShownBytes = 200;
-    return content.substr(0, kShownBytes);
+  [[nodiscard]] Times TimesOf(std::uint64_t number) const {
+    return synthetic::TimesOf(twin_.account().DeliveryOf(number));
+  }
+
+  /// How many updates of a run there must be, and may be.
+  [[nodiscard]] Times UpdatesOf(const SentRun& run) const {
+    Times times{.min = 0, .max = run.updates.size()};
+    for (const std::uint64_t number : run.updates) {
+      times.min += TimesOf(number).min;
+      if (twin_.account().DeliveryOf(number) != Delivery::kOnce) times.max = kAnyTimes;
+    }
+    return times;
+  }
+
+  static std::string FaultKey(const std::string& id, bool active) {
+    return id + (active ? " raised" : " cleared");
+  }
+
+  void ActiveFaults(const std::map<std::string, bool>& active) {
+    RowSet set = SetOf(Thing::kTwinActiveFaults);
+    for (const auto& [id, raised] : active) {
+      if (raised) set.Expect(id, {.shown = id});
+    }
+    for (const v1::Fault& row : real_.active_faults) {
+      if (!MarkIn(twin_.options(), row.fault_id())) continue;
+      set.Find(row.fault_id(), 0, [&row] { return Shown(row); });
+    }
+    set.Finish();
+  }
+
+  /// The number of the twin's empty message, which has no mark, if it may be this one.
+  [[nodiscard]] std::optional<std::uint64_t> EmptyIn(const v1::Quarantined& row) const {
+    if (row.payload_bytes() != 0) return std::nullopt;
+    for (const auto& [number, wrong] : twin_.account().wrongs()) {
+      if (wrong.bytes == 0 && wrong.topic == row.topic()) return number;
+    }
+    return std::nullopt;
+  }
+
+  /// A row of the twin's own robot, or of nobody's.
+  void FindWrong(const v1::Quarantined& row, bool of_no_robot, RowSet& set) {
+    if (IsThinned(row)) return;
+    std::optional<std::uint64_t> number = MarkIn(twin_.options(), row.payload());
+    if (!number && !of_no_robot) number = EmptyIn(row);
+    const std::string text = TextOf(row, of_no_robot);
+    if (number) {
+      set.Find(std::to_string(*number), HashOf(text), [&text] { return text; });
+      return;
+    }
+    // Nobody's rows are of all twins; what has a mark of another run is its own.
+    const bool foreign = of_no_robot || row.payload().find('~') != std::string::npos;
+    if (!foreign) Differ(Thing::kTwinQuarantine, kOnlyWrong, text);
+  }
+
+  /// Rows whose payload the server dropped have no mark: each stands for one message that is still
+  /// missing and that it describes. Those of nobody's are taken out, since another twin may lack
+  /// one like it; one of the robot's own that nothing lacks is told.
+  void FindThinned(std::vector<v1::Quarantined>& nobody, RowSet& set) {
+    std::vector<v1::Quarantined> own = real_.quarantine;
+    std::erase_if(own, [](const v1::Quarantined& row) { return !IsThinned(row); });
+    for (const auto& [number, wrong] : twin_.account().wrongs()) {
+      const std::string key = std::to_string(number);
+      if (set.Found(key)) continue;
+      std::vector<v1::Quarantined>& rows = wrong.of_no_robot ? nobody : own;
+      const std::string text = TextOf(wrong);
+      const auto row =
+          std::ranges::find_if(rows, [&text, &wrong = wrong](const v1::Quarantined& each) {
+            return IsThinned(each) && TextOf(each, wrong.of_no_robot) == text;
+          });
+      if (row == rows.end()) continue;
+      set.Find(key, HashOf(text), [&text] { return text; });
+      rows.erase(row);
+    }
+    for (const v1::Quarantined& row : own) {
+      Differ(Thing::kTwinQuarantine, kOnlyWrong, TextOf(row, false));
+    }
   }
 
   const TwinScript& twin_;
+  /// All that is wrong, run or raised is of the real robot.
+  const StoredRobot& real_;
   Findings& findings_;
-  std::map<std::uint64_t, std::size_t> counts_;
 };
 
 }  // namespace
 
-std::string WrongCount(Delivery delivery, std::size_t found) {
-  const std::string times = fmt::format("{} times", found);
+Times TimesOf(Delivery delivery) {
   switch (delivery) {
     case Delivery::kOnce:
-      return found == 1 ? std::string() : found == 0 ? "no such row" : times;
+      return {.min = 1, .max = 1};
     case Delivery::kOnceOrMore:
-      return found >= 1 ? std::string() : "no such row";
+      return {.min = 1, .max = kAnyTimes};
     case Delivery::kAtMostOnce:
-      return found <= 1 ? std::string() : times;
+      return {.min = 0, .max = 1};
     case Delivery::kUnknown:
-      return {};
+      break;
   }
-  return {};
-}
-
-bool MustBeThere(Delivery delivery) {
-  return delivery == Delivery::kOnce || delivery == Delivery::kOnceOrMore;
-}
-
-const std::string& RuriOf(const TwinScript& twin, Side side) {
-  return side == Side::kReal ? twin.ids().ruri : twin.ids().sim_ruri;
+  return {.min = 0, .max = kAnyTimes};
 }
 
 void CompareTwinRows(const TwinScript& twin, const StoredTwin& stored,
                      std::vector<v1::Quarantined>& nobody, Findings& findings) {
-  FoundRows rows(twin, findings);
+  TwinRows rows(twin, stored, findings);
   for (const Side side : {Side::kReal, Side::kSim}) {
-    for (const v1::Event& event : stored.Of(side).events) {
-      const js::object detail = ObjectOf(event.detail());
-      rows.Add(side, RowKind::kEvent, js::serialize(detail),
-               EventContent(event.kind(), detail, event.sampled_at_ms()));
-    }
-    for (const v1::RobotMessage& message : stored.Of(side).messages) {
-      rows.Add(side, RowKind::kMessage, message.message(),
-               MessageContent(message.level(), message.message(), ObjectOf(message.detail()),
-                              message.sampled_at_ms()));
-    }
+    rows.Contents(Thing::kTwinEvents, RowKind::kEvent, side, stored.Of(side).events);
+    rows.Contents(Thing::kTwinMessages, RowKind::kMessage, side, stored.Of(side).messages);
   }
-  for (const v1::ScopeUpdate& update : stored.scopes) {
-    const js::object detail = ObjectOf(update.detail());
-    rows.Add(
-        Side::kReal, RowKind::kScope, js::serialize(detail),
-        ScopeContent(update.scope(), update.id(), update.type(), detail, update.sampled_at_ms()));
-  }
-  rows.CheckCounts();
-  CompareTwinRuns(twin, stored, findings);
-  CompareTwinFaults(twin, stored, findings);
-  CompareTwinQuarantine(twin, stored, nobody, findings);
-}
-
-void CompareTwinPresence(const TwinScript& twin, const StoredTwin& stored, const Span& run,
-                         Findings& findings) {
-  for (const Side side : {Side::kReal, Side::kSim}) {
-    findings.Expect(Thing::kTwinPresence);
-    const v1::PresenceChange* latest = nullptr;
-    std::size_t offline = 0;
-    for (const v1::PresenceChange& change : stored.Of(side).presence) {
-      if (change.at_ms() > run.to_ms) continue;
-      if (latest == nullptr) latest = &change;  // the newest comes first
-      const bool within = change.at_ms() >= run.from_ms;
-      if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
-    }
-    const std::int64_t silence_us = twin.account().longest_silence_us(side);
-    const bool silent = silence_us > std::chrono::microseconds(kTwinSilence).count();
-    const bool online = latest != nullptr && latest->presence() == v1::PRESENCE_ONLINE;
-    if (online && (offline == 0 || silent)) {
-      findings.Find(Thing::kTwinPresence);
-      continue;
-    }
-    const std::string last =
-        latest == nullptr ? "no change" : v1::Presence_Name(latest->presence());
-    findings.Differ(Thing::kTwinPresence, RuriOf(twin, side), "online at last, never offline",
-                    fmt::format("{} at last, offline {} times", last, offline));
+  rows.Contents(Thing::kTwinScopes, RowKind::kScope, Side::kReal, stored.scopes);
+  rows.Runs();
+  rows.Faults();
+  rows.Quarantine(nobody);
+  for (const v1::Quarantined& row : stored.Of(Side::kSim).quarantine) {
+    findings.Differ(Thing::kTwinQuarantine, twin.ids().sim_ruri, "nothing of it is wrong",
+                    TextOf(row, false));
   }
 }
 

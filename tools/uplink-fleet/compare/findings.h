@@ -9,50 +9,55 @@
 
 #include "storage/live_parts.h"
 
+/// What is compared of each robot, in the order of the table: THING(Name, text, of_store) and a
+/// PART (storage/live_parts.h) for each live part. `of_store`: the store says it, not the server's
+/// state. Those from TwinOnline on are of twins behind a broker.
+#define UPLINK_THINGS(THING, PART)                                     \
+  THING(Online, "robots online", false)                                \
+  THING(PresenceHistory, "presence histories", true)                   \
+  UPLINK_LIVE_PARTS(PART)                                              \
+  THING(AgentInfo, "latest agent info", true)                          \
+  THING(Settings, "latest settings", true)                             \
+  THING(UiCapabilities, "latest UI capabilities", true)                \
+  THING(NumbersMissing, "numbers missing", false)                      \
+  THING(FaultReports, "fault reports", true)                           \
+  THING(ActiveFaults, "active faults", true)                           \
+  THING(Events, "events", true)                                        \
+  THING(Messages, "messages for people", true)                         \
+  THING(MissionRuns, "mission runs", true)                             \
+  THING(MissionUpdates, "mission updates", true)                       \
+  THING(Shapes, "shapes present", true)                                \
+  THING(Objects, "objects present", true)                              \
+  THING(Quarantine, "wrong on purpose, in quarantine", true)           \
+  THING(ToldBeforeAck, "wrong on purpose, told before the ack", false) \
+  THING(Gaps, "gaps", true)                                            \
+  THING(GoodRejected, "good messages rejected", false)                 \
+  THING(ForwardedItems, "forwarded items", false)                      \
+  THING(ForwardViolations, "forward violations", false)                \
+  THING(TwinOnline, "twins' robots online, by source", false)          \
+  THING(TwinPresence, "presence histories", true)                      \
+  THING(TwinLive, "last live values", false)                           \
+  THING(TwinSecrets, "answers without a secret", false)                \
+  THING(TwinSessions, "sessions", false)                               \
+  THING(TwinEvents, "events", true)                                    \
+  THING(TwinMessages, "log lines", true)                               \
+  THING(TwinRuns, "mission runs", true)                                \
+  THING(TwinRunUpdates, "mission updates", true)                       \
+  THING(TwinFaults, "errors raised and cleared", true)                 \
+  THING(TwinActiveFaults, "active errors", true)                       \
+  THING(TwinScopes, "environments and workflow runs", true)            \
+  THING(TwinQuarantine, "wrong on purpose, in quarantine", true)
+
 namespace uplink::synthetic {
 
-/// What is compared robot by robot; the order is that of the table.
 enum class Thing : std::uint8_t {
-  kOnline,
-  kPresenceHistory,
-// clang-format off
+#define UPLINK_THING(Name, text, of_store) k##Name,
 #define UPLINK_PART(Part, column, view, Message, keys_max) k##Part,
-  UPLINK_LIVE_PARTS(UPLINK_PART)
+  UPLINK_THINGS(UPLINK_THING, UPLINK_PART)
 #undef UPLINK_PART
-  // clang-format on
-  kAgentInfo,
-  kSettings,
-  kUiCapabilities,
-  kNumbersMissing,
-  kFaultReports,
-  kActiveFaults,
-  kEvents,
-  kMessages,
-  kMissionRuns,
-  kMissionUpdates,
-  kShapes,
-  kObjects,
-  kQuarantine,
-  kToldBeforeAck,
-  kGaps,
-  kGoodRejected,
-  kForwardedItems,
-  kForwardViolations,
-  // Of twins, behind a broker.
-  kTwinOnline,
-  kTwinPresence,
-  kTwinLive,
-  kTwinSecrets,
-  kTwinSessions,
-  kTwinEvents,
-  kTwinMessages,
-  kTwinRuns,
-  kTwinRunUpdates,
-  kTwinFaults,
-  kTwinActiveFaults,
-  kTwinScopes,
-  kTwinQuarantine,
+#undef UPLINK_THING
 };
+
 inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kTwinQuarantine) + 1;
 /// The first one of twins; those before it are of robots on the relay.
 inline constexpr std::size_t kTwinThings = static_cast<std::size_t>(Thing::kTwinOnline);
@@ -87,6 +92,9 @@ class Findings final {
   void Expect(Thing thing, std::uint64_t count = 1) { At(thing).expected += count; }
   void Find(Thing thing, std::uint64_t count = 1) { At(thing).found += count; }
   void Differ(Thing thing, const std::string& ruri, std::string expected, std::string found);
+  /// One that is expected, and found if it is `right`.
+  void Check(Thing thing, const std::string& ruri, bool right, std::string expected,
+             std::string found);
 
   [[nodiscard]] const Tally& Of(Thing thing) const {
     return tallies_[static_cast<std::size_t>(thing)];

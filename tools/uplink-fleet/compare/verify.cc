@@ -102,19 +102,19 @@ void CheckForwards(const Evidence& evidence, std::vector<CheckRow>& rows) {
     rows.push_back({"forwards due = the rest", "", "", "", false, "/metrics does not say"});
     return;
   }
-  const ForwardCounts& now = *evidence.forwards_after;
-  rows.push_back({"forwards due = the rest", "", fmt::format("{} = {}", now.due, now.sum()), "",
-                  now.due == now.sum(), ""});
+  const Conservation& now = *evidence.forwards_after;
+  rows.push_back({"forwards due = the rest", "", fmt::format("{} = {}", now.received, now.sum()),
+                  "", now.holds(), ""});
   // What was on its way when a stream broke was written and did not come.
   const bool told = evidence.forwards_before && !Restarted(evidence) && !evidence.disturbed;
-  const std::uint64_t written =
-      told ? now.written - std::min(now.written, evidence.forwards_before->written) : now.written;
+  const std::uint64_t before = told ? evidence.forwards_before->Of("written") : 0;
+  const std::uint64_t written = now.Of("written") - std::min(now.Of("written"), before);
   rows.push_back({"forwards written", Text(fleet.forwarded_changes), Text(written), "",
                   !told || fleet.forwarded_changes <= written, ""});
-  rows.push_back({"forwards coalesced", "", Text(now.coalesced), "", true, ""});
-  rows.push_back({"forwards replaced by a snapshot", "", Text(now.snapshot), "", true, ""});
-  rows.push_back({"forwards dropped with their stream", "", Text(now.dropped), "", true, ""});
-  rows.push_back({"forwards waiting", "", Text(now.waiting), "", true, ""});
+  rows.push_back({"forwards coalesced", "", Text(now.Of("coalesced")), "", true, ""});
+  rows.push_back({"forwards replaced by a snapshot", "", Text(now.Of("snapshot")), "", true, ""});
+  rows.push_back({"forwards dropped with their stream", "", Text(now.Of("dropped")), "", true, ""});
+  rows.push_back({"forwards waiting", "", Text(now.in_flight), "", true, ""});
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/uplink-fleet/compare/conservation.h"
 #include "tools/uplink-fleet/compare/findings.h"
-#include "tools/uplink-fleet/compare/forward_counts.h"
 #include "tools/uplink-fleet/robot/account.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -57,8 +57,8 @@ struct Evidence {
   v1::ServerStatus before;
   v1::ServerStatus after;
   /// None: the page of metrics does not have them.
-  std::optional<ForwardCounts> forwards_before;
-  std::optional<ForwardCounts> forwards_after;
+  std::optional<Conservation> forwards_before;
+  std::optional<Conservation> forwards_after;
   /// Receivers that showed what they hold.
   std::uint64_t receivers_read = 0;
   std::uint64_t rules_broken = 0;

@@ -17,12 +17,6 @@ std::uint64_t Moved(std::uint64_t after, std::uint64_t before) {
   return after - std::min(after, before);
 }
 
-std::uint64_t SettledAs(const std::optional<MqttCounts>& counts, const char* outcome) {
-  if (!counts) return 0;
-  const auto found = counts->settled.find(outcome);
-  return found == counts->settled.end() ? 0 : found->second;
-}
-
 void CheckCounts(const TwinEvidence& evidence, std::vector<CheckRow>& rows) {
   const ConservationWatch& watch = evidence.watch;
   rows.push_back({"scrapes in which received = the rest", Text(watch.scrapes()), Text(watch.good()),
@@ -31,20 +25,20 @@ void CheckCounts(const TwinEvidence& evidence, std::vector<CheckRow>& rows) {
     rows.push_back({"received = the rest", "", "", "", false, "/metrics does not say"});
     return;
   }
-  const MqttCounts& after = *evidence.after;
+  const Conservation& after = *evidence.after;
   rows.push_back({"received = the rest", "", fmt::format("{} = {}", after.received, after.sum()),
                   "", after.holds(), ""});
   rows.push_back(
       {"in flight at the end", "0", Text(after.in_flight), "", after.in_flight == 0, ""});
-  const bool began_anew = evidence.restarted || !evidence.before;
-  const std::uint64_t received = Moved(after.received, began_anew ? 0U : evidence.before->received);
+  const Conservation before =
+      evidence.restarted ? Conservation() : evidence.before.value_or(Conservation());
+  const std::uint64_t received = Moved(after.received, before.received);
   // After a restart the counters know a part alone.
   rows.push_back({"received, at least what was acked", Text(evidence.totals.acked), Text(received),
                   "", evidence.restarted || received >= evidence.totals.acked, ""});
   for (const char* outcome : kOutcomes) {
-    const std::uint64_t before = began_anew ? 0U : SettledAs(evidence.before, outcome);
     rows.push_back({fmt::format("settled: {}", outcome), "",
-                    Text(Moved(SettledAs(evidence.after, outcome), before)), "", true, ""});
+                    Text(Moved(after.Of(outcome), before.Of(outcome))), "", true, ""});
   }
 }
 
@@ -57,7 +51,7 @@ void TwinTotals::Add(const TwinAccount& account) {
   refused += account.refused();
 }
 
-void ConservationWatch::See(const std::optional<MqttCounts>& counts) {
+void ConservationWatch::See(const std::optional<Conservation>& counts) {
   ++scrapes_;
   if (counts && counts->holds()) {
     ++good_;

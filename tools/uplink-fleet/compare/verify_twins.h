@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/uplink-fleet/compare/conservation.h"
 #include "tools/uplink-fleet/compare/findings.h"
-#include "tools/uplink-fleet/compare/mqtt_counts.h"
 #include "tools/uplink-fleet/compare/verify.h"
 #include "tools/uplink-fleet/twin/account.h"
 
@@ -29,7 +29,7 @@ struct TwinTotals {
 /// Each scrape of a run against the law of conservation. Confined to one thread.
 class ConservationWatch final {
  public:
-  void See(const std::optional<MqttCounts>& counts);
+  void See(const std::optional<Conservation>& counts);
   [[nodiscard]] std::uint64_t scrapes() const { return scrapes_; }
   [[nodiscard]] std::uint64_t good() const { return good_; }
   /// The first one that did not hold.
@@ -48,8 +48,8 @@ struct TwinEvidence {
   std::uint64_t twins_read = 0;
   ConservationWatch watch;
   /// None: the page of metrics does not have them.
-  std::optional<MqttCounts> before;
-  std::optional<MqttCounts> after;
+  std::optional<Conservation> before;
+  std::optional<Conservation> after;
   /// The server was started anew in between: its counters began anew, too.
   bool restarted = false;
 };

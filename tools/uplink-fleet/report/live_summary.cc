@@ -8,6 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "tools/uplink-fleet/compare/metrics_page.h"
+
 namespace uplink::synthetic {
 namespace {
 
@@ -33,18 +35,11 @@ std::string Milliseconds(const std::optional<double>& seconds) {
 
 Buckets HistogramOf(std::string_view page, std::string_view name) {
   Buckets buckets;
-  const std::string begin = fmt::format("{}_bucket{{le=\"", name);
-  std::size_t at = 0;
-  while ((at = page.find(begin, at)) != std::string_view::npos) {
-    const bool line_begins = at == 0 || page[at - 1] == '\n';
-    at += begin.size();
-    const std::size_t quote = page.find('"', at);
-    const std::size_t end = std::min(page.find('\n', at), page.size());
-    const std::size_t space = page.rfind(' ', end);
-    if (!line_begins || quote == std::string_view::npos || space < quote) continue;
-    const auto bound = NumberOf(page.substr(at, quote - at));
-    const auto count = NumberOf(page.substr(space + 1, end - space - 1));
-    if (bound && count) buckets[*bound] = *count;
+  for (const Sample& sample : SamplesOf(page, fmt::format("{}_bucket", name))) {
+    // Of series without other labels.
+    const std::string_view text = sample.Label("le");
+    const auto bound = NumberOf(text);
+    if (bound && sample.labels == fmt::format("le=\"{}\"", text)) buckets[*bound] = sample.value;
   }
   return buckets;
 }

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "tools/uplink-fleet/compare/verify_twins.h"
 #include "tools/uplink-fleet/report/process_use.h"
+#include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/histogram.h"
 #include "tools/uplink-fleet/robot/shared.h"
 
@@ -53,8 +58,40 @@ struct RunFigures {
   std::string first_error;
 };
 
-/// The Rejects that robots were told, by reason as JSON spells it; `unknown` for reasons that this
-/// program does not know.
-[[nodiscard]] std::map<std::string, std::uint64_t> RejectsByReason(const Shared& shared);
+/// What a run with twins did, beside the table. A value.
+struct TwinFigures {
+  std::uint64_t seed = 0;
+  std::string run;
+  /// For which messages were sent.
+  double seconds = 0;
+  TwinTotals totals;
+  std::uint64_t connections = 0;
+  /// Connections that ended on their own.
+  std::uint64_t breaks = 0;
+  /// Messages that were left out because broker or machine were too slow.
+  std::uint64_t skipped = 0;
+  bool restarted = false;
+  /// From a ping to its pong, through the broker.
+  Histogram pong;
+  /// What the server's process used meanwhile; none if it runs elsewhere.
+  std::optional<ProcessUse> server;
+  ProcessUse own;
+  /// First trouble that was overcome by reconnecting; empty if none.
+  std::string first_error;
+};
+
+/// What the robots counted, each for itself and all together; the rest is not set.
+[[nodiscard]] RunFigures SumUp(const std::vector<RobotOutcome>& robots, const Shared& shared);
+
+/// Streams were broken or refused on the way, so that frames may have been lost and sent again.
+[[nodiscard]] bool WasDisturbed(const RunFigures& figures);
+
+/// The shares of all messages for which both reports say how long they took.
+inline constexpr std::array<std::pair<const char*, double>, 4> kQuantiles = {
+    {{"p50", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"p99.9", 0.999}}};
+
+[[nodiscard]] inline double MillisOf(Histogram::Micros micros) {
+  return static_cast<double>(micros.count()) / 1000;
+}
 
 }  // namespace uplink::synthetic

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include <fmt/core.h>
-
-#include "tools/uplink-fleet/report/quantiles.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -24,13 +23,20 @@ std::string LatencyLine(const char* what, const Histogram& histogram,
                             histogram.count(), each);
 }
 
-std::string UseLine(const char* name, const ProcessUse& use, const RunFigures& figures) {
-  const double sent = static_cast<double>(std::max<std::uint64_t>(figures.sent_while_measured, 1));
-  return fmt::format(
-      "{}: {:.2f} s of CPU, {:.0f} % of a core, {:.1f} us per message; {:.0f} MiB\n", name,
-      use.cpu_seconds, 100 * use.cpu_seconds / std::max(figures.seconds, 0.001),
-      use.cpu_seconds * kMicrosPerSecond / sent, static_cast<double>(use.rss_bytes) / kBytesPerMiB);
+/// What was used for so many messages, and in how many seconds if that is known.
+std::string UseLine(const char* name, const ProcessUse& use, std::uint64_t messages,
+                    std::optional<double> seconds = std::nullopt) {
+  const auto sent = static_cast<double>(std::max<std::uint64_t>(messages, 1));
+  std::string text = fmt::format("{}: {:.2f} s of CPU, ", name, use.cpu_seconds);
+  if (seconds) {
+    text += fmt::format("{:.0f} % of a core, ", 100 * use.cpu_seconds / std::max(*seconds, 0.001));
+  }
+  return text + fmt::format("{:.1f} us per message; {:.0f} MiB\n",
+                            use.cpu_seconds * kMicrosPerSecond / sent,
+                            static_cast<double>(use.rss_bytes) / kBytesPerMiB);
 }
+
+constexpr const char* kRestarted = ", server restarted: its counters are left out";
 
 /// How it went, above the table.
 std::string FiguresText(const RunFigures& figures) {
@@ -41,7 +47,7 @@ std::string FiguresText(const RunFigures& figures) {
       figures.robots, figures.seconds, figures.seed, figures.run, figures.sent, figures.resent,
       figures.judged, figures.latencies.live.count(), figures.acked_durable, figures.rejects,
       figures.connects, figures.welcomes, figures.breaks, figures.takeovers, figures.drains,
-      figures.restarted ? ", server restarted: its counters are left out" : "");
+      figures.restarted ? kRestarted : "");
   text += LatencyLine("durable, due to acked", figures.latencies.durable);
   text += LatencyLine("live, due to acked", figures.latencies.live);
   text += LatencyLine("live that gave way unacked, due to given up", figures.latencies.gave_way);
@@ -52,8 +58,9 @@ std::string FiguresText(const RunFigures& figures) {
   text += LatencyLine("snapshot, Welcome to its end", figures.latencies.snapshot, "streams");
   text +=
       LatencyLine("the same of robots that joined late", figures.latencies.late_snapshot, "robots");
-  if (figures.server) text += UseLine("server", *figures.server, figures);
-  text += UseLine("fleet", figures.own, figures);
+  const std::uint64_t messages = figures.sent_while_measured;
+  if (figures.server) text += UseLine("server", *figures.server, messages, figures.seconds);
+  text += UseLine("fleet", figures.own, messages, figures.seconds);
   if (figures.skipped_ticks > 0) {
     text += fmt::format("the fleet itself was too slow: {} ticks were left out\n",
                         figures.skipped_ticks);
@@ -67,6 +74,25 @@ std::string FiguresText(const RunFigures& figures) {
   }
   for (const auto& [name, count] : figures.ends) {
     text += fmt::format("streams ended {}: {}\n", name, count);
+  }
+  return text;
+}
+
+/// The same of twins.
+std::string FiguresText(const TwinFigures& figures) {
+  const TwinTotals& totals = figures.totals;
+  std::string text = fmt::format(
+      "\n{} twins, {:.0f} s, seed {}, run {}: {} messages published, {} of them at QoS 1, {} "
+      "acked; {} connections, {} breaks{}\n",
+      totals.twins, figures.seconds, figures.seed, figures.run, totals.published,
+      totals.published_qos1, totals.acked, figures.connections, figures.breaks,
+      figures.restarted ? kRestarted : "");
+  text += LatencyLine("ping to pong", figures.pong, "pongs");
+  if (figures.server) text += UseLine("server", *figures.server, totals.published);
+  text += UseLine("fleet", figures.own, totals.published);
+  if (figures.skipped > 0) {
+    text +=
+        fmt::format("broker or fleet were too slow: {} messages were left out\n", figures.skipped);
   }
   return text;
 }
@@ -85,13 +111,7 @@ std::string Differences(const Findings& findings) {
   return text;
 }
 
-}  // namespace
-
-std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
-                       const Findings& findings) {
-  return FiguresText(figures) + TableText(rows, findings, figures.first_error);
-}
-
+/// The table, what differs, and the line; `first_error` is said if something differs.
 std::string TableText(const std::vector<CheckRow>& rows, const Findings& findings,
                       const std::string& first_error) {
   std::string text;
@@ -113,6 +133,18 @@ std::string TableText(const std::vector<CheckRow>& rows, const Findings& finding
     text += fmt::format("first trouble: {}\n", first_error);
   }
   return text;
+}
+
+}  // namespace
+
+std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
+  return FiguresText(figures) + TableText(rows, findings, figures.first_error);
+}
+
+std::string TextReport(const TwinFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
+  return FiguresText(figures) + TableText(rows, findings, figures.first_error);
 }
 
 }  // namespace uplink::synthetic

@@ -18,8 +18,8 @@ inline constexpr std::size_t kDifferencesShown = 20;
 [[nodiscard]] std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& rows,
                                      const Findings& findings);
 
-/// The table alone, what differs, and the line; `first_error` is said if something differs.
-[[nodiscard]] std::string TableText(const std::vector<CheckRow>& rows, const Findings& findings,
-                                    const std::string& first_error);
+/// The same for a run with twins.
+[[nodiscard]] std::string TextReport(const TwinFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
 
 }  // namespace uplink::synthetic

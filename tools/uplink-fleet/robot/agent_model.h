@@ -13,7 +13,6 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
-#include "tools/uplink-fleet/robot/outgoing.h"
 #include "tools/uplink-fleet/robot/send_queue.h"
 #include "uplink/v1/relay.pb.h"
 

@@ -1,14 +1,34 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <random>
 #include <utility>
 
 #include "schema/base/clock.h"
-#include "tools/uplink-fleet/robot/mishap.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 
 namespace uplink::synthetic {
+
+/// What the scenario does to a robot's connection.
+enum class Mishap : std::uint8_t { kNone, kCut, kBreak, kHalfOpen, kTakeover };
+
+/// What happens in one tick of this phase, by chance. Draws one number, whatever it gives: the same
+/// seed gives the same network.
+[[nodiscard]] inline Mishap DrawMishap(const Phase& phase, std::mt19937_64& random) {
+  using Minutes = std::chrono::duration<double, std::chrono::minutes::period>;
+  const double minutes = Minutes(phase.tick()).count();
+  double left = std::uniform_real_distribution<double>(0, 1)(random);
+  for (const auto& [mishap, per_minute] :
+       {std::pair(Mishap::kCut, phase.trouble.cuts_per_minute),
+        std::pair(Mishap::kBreak, phase.trouble.breaks_per_minute),
+        std::pair(Mishap::kHalfOpen, phase.trouble.half_opens_per_minute),
+        std::pair(Mishap::kTakeover, phase.trouble.takeovers_per_minute)}) {
+    left -= per_minute * minutes;
+    if (left < 0) return mishap;
+  }
+  return Mishap::kNone;
+}
 
 /// What one robot's network does to its connection, tick by tick: one draw per tick, so that the
 /// same seed gives the same network however late a tick comes, and storms at their times.

@@ -14,7 +14,6 @@
 #include "tools/uplink-fleet/robot/backoff.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/robot/leftovers.h"
-#include "tools/uplink-fleet/robot/mishap.h"
 #include "tools/uplink-fleet/robot/network_chance.h"
 #include "tools/uplink-fleet/scenario/scenario.h"
 

@@ -152,9 +152,13 @@ std::string Canonical(const google::protobuf::Message& message) {
   return bytes;
 }
 
-std::uint64_t HashOf(const google::protobuf::Message& message) {
-  const std::uint64_t hash = std::hash<std::string>()(Canonical(message));
+std::uint64_t HashOf(std::string_view text) {
+  const std::uint64_t hash = std::hash<std::string_view>()(text);
   return hash == 0 ? 1 : hash;
+}
+
+std::uint64_t HashOf(const google::protobuf::Message& message) {
+  return HashOf(std::string_view(Canonical(message)));
 }
 
 std::string Shown(const google::protobuf::Message& message, std::size_t bytes_max) {

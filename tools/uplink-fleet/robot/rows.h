@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <google/protobuf/message.h>
 #include <google/protobuf/struct.pb.h>
@@ -55,7 +56,9 @@ template <typename Body>
 
 /// The same bytes for equal messages, maps included.
 [[nodiscard]] std::string Canonical(const google::protobuf::Message& message);
-/// Of Canonical; never 0.
+/// Never 0.
+[[nodiscard]] std::uint64_t HashOf(std::string_view text);
+/// Of Canonical.
 [[nodiscard]] std::uint64_t HashOf(const google::protobuf::Message& message);
 /// The message as one line of JSON, cut at `bytes_max`, for people.
 [[nodiscard]] std::string Shown(const google::protobuf::Message& message,

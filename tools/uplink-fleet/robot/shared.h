@@ -5,13 +5,31 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <string>
 
 #include "schema/model/rejection.h"
-#include "tools/uplink-fleet/robot/first_text.h"
 #include "tools/uplink-fleet/robot/forward_board.h"
 
 namespace uplink::synthetic {
+
+/// The first of many texts of one kind, for the report. Thread-safe.
+class FirstText final {
+ public:
+  void Keep(const std::string& text) {
+    const std::scoped_lock lock(mutex_);
+    if (text_.empty()) text_ = text;
+  }
+  /// Empty: there was none.
+  [[nodiscard]] std::string Read() const {
+    const std::scoped_lock lock(mutex_);
+    return text_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string text_;
+};
 
 /// What the robots are to do now; only ever moves forward.
 enum class Stage : std::uint8_t {

@@ -6,7 +6,7 @@
 
 #include "tools/uplink-fleet/robot/behaviour/faults.h"
 #include "tools/uplink-fleet/robot/behaviour/seeded.h"
-#include "tools/uplink-fleet/robot/outgoing.h"
+#include "tools/uplink-fleet/robot/send_queue.h"
 
 namespace uplink::synthetic {
 

@@ -6,9 +6,7 @@
 
 #include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
-#include "tools/uplink-fleet/compare/compare_presence.h"
 #include "tools/uplink-fleet/compare/compare_rows.h"
-#include "tools/uplink-fleet/run/ask_again.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -35,7 +33,7 @@ absl::Status GatherCounters(const RunContext& run, Evidence& evidence) {
 absl::Status GatherForwards(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
   const auto page = AskAgain(run, [&run] { return run.view.Metrics(); });
   if (!page.ok()) return page.status();
-  evidence.forwards_after = ForwardCountsOf(*page);
+  evidence.forwards_after = ForwardsOn(*page);
   const ForwardsLook& look = outcome.look.forwards;
   evidence.receivers_read = look.tables.size();
   CompareForwards(look.shared, look.tables, evidence.findings);

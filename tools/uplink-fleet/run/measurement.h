@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -8,31 +7,34 @@
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/report/process_use.h"
-#include "tools/uplink-fleet/report/run_figures.h"
-#include "tools/uplink-fleet/robot/shared.h"
 
 namespace uplink::synthetic {
 
-/// What server and fleet use while the robots live, from Begin to End.
+/// What was used in a while. A value.
+struct Measured {
+  double seconds = 0;
+  /// None if the server runs elsewhere.
+  std::optional<ProcessUse> server;
+  ProcessUse own;
+};
+
+/// What server and fleet use from Begin on.
 ///
 /// Thread: confined to main's thread.
 class Measurement final {
  public:
-  /// Finds the server's process, if it listens at `target` (HOST:PORT) on this machine. `shared`
-  /// and `clock` must outlive this.
-  Measurement(const std::string& target, const Clock& clock, const Shared& shared);
+  /// Finds the server's process, if it listens at `address` (HOST:PORT) on this machine. `clock`
+  /// must outlive this.
+  Measurement(const std::string& address, const Clock& clock);
 
   void Begin();
-  /// Writes what was used since Begin.
-  void End(RunFigures& figures) const;
+  [[nodiscard]] Measured SinceBegin() const;
 
  private:
   const Clock& clock_;
-  const Shared& shared_;
   const std::optional<pid_t> server_;
   std::optional<ProcessUse> server_before_;
   ProcessUse own_before_;
-  std::uint64_t sent_before_ = 0;
   SteadyTime began_{};
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "schema/base/clock.h"
@@ -20,9 +21,18 @@ class Progress final {
       : view_(view), clock_(clock), shared_(shared) {}
 
   /// Asks the server and shows what it and the robots do, if a line is due.
-  void TellHowItGoes();
+  void TellHowItGoes() {
+    const SteadyTime now = clock_.Steady();
+    if (!line_.Due(now)) return;
+    const auto status = view_.Status();
+    const auto page = view_.Metrics();
+    line_.Show(summary_.Line(shared_, now, status.ok() ? std::optional(*status) : std::nullopt,
+                             page.ok() ? std::optional(*page) : std::nullopt));
+  }
   /// Shows `text`, if a line is due.
-  void Tell(const std::string& text);
+  void Tell(const std::string& text) {
+    if (line_.Due(clock_.Steady())) line_.Show(text);
+  }
   void Clear() const { line_.Clear(); }
 
  private:

@@ -1,34 +1,16 @@
 #include "tools/uplink-fleet/run/run.h"
 
-#include <cstdio>
 #include <memory>
-#include <random>
 #include <string>
+#include <utility>
 #include <vector>
-
-#include <fmt/core.h>
 
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
-#include "tools/uplink-fleet/run/exit_code.h"
 #include "tools/uplink-fleet/run/measurement.h"
 #include "tools/uplink-fleet/run/stages.h"
-#include "tools/uplink-fleet/run/sum_up.h"
 
 namespace uplink::synthetic {
-namespace {
-
-std::string RandomRun() {
-  std::random_device random;
-  return fmt::format("{:08x}", random());
-}
-
-int CannotRun(const absl::Status& status) {
-  fmt::print(stderr, "uplink-fleet: {}\n", std::string(status.message()));
-  return kExitFailed;
-}
-
-}  // namespace
 
 Run::Run(const RunOptions& options)
     : options_(options),
@@ -53,13 +35,13 @@ int Run::Main() {
   evidence_.before = *before;
   const absl::StatusOr<std::string> page = view_.Metrics();
   if (!page.ok()) return CannotRun(page.status());
-  evidence_.forwards_before = ForwardCountsOf(*page);
+  evidence_.forwards_before = ForwardsOn(*page);
   absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(options_.swarm, clock_, shared_);
   if (!swarm.ok()) return CannotRun(swarm.status());
   const bool reached = Live(**swarm);
   outcome_.robots = (*swarm)->Finish();
   outcome_.origins = (*swarm)->Origins();
-  figures_.latencies = (*swarm)->TakeLatencies();
+  latencies_ = (*swarm)->TakeLatencies();
   if (!reached) {
     progress_.Clear();
     return CannotRun(
@@ -72,13 +54,15 @@ int Run::Main() {
 }
 
 bool Run::Live(Swarm& swarm) {
-  Measurement measurement(options_.swarm.target, clock_, shared_);
+  Measurement measurement(options_.swarm.target, clock_);
   swarm.Start();
   const Readiness readiness = AwaitRobots(context_);
   measurement.Begin();
+  const std::uint64_t sent_before = shared_.sent.load();
   const bool reached =
       readiness == Readiness::kToldToStop ? shared_.welcomes.load() > 0 : Send(context_);
-  measurement.End(figures_);
+  measured_ = measurement.SinceBegin();
+  sent_while_measured_ = shared_.sent.load() - sent_before;
   if (reached) outcome_.look = Settle(context_);
   Close(context_, reached);
   return reached;
@@ -87,16 +71,20 @@ bool Run::Live(Swarm& swarm) {
 int Run::Conclude() {
   evidence_.rules_broken = shared_.rules_broken.load();
   evidence_.first_broken_rule = shared_.first_broken_rule.Read();
-  figures_.seed = options_.seed;
-  figures_.run = outcome_.id;
-  figures_.restarted = Restarted(evidence_);
-  SumUp(outcome_.robots, shared_, figures_);
-  evidence_.disturbed = WasDisturbed(figures_);
+  RunFigures figures = SumUp(outcome_.robots, shared_);
+  figures.seed = options_.seed;
+  figures.run = outcome_.id;
+  figures.seconds = measured_.seconds;
+  figures.server = measured_.server;
+  figures.own = measured_.own;
+  figures.sent_while_measured = sent_while_measured_;
+  figures.latencies = std::move(latencies_);
+  figures.restarted = Restarted(evidence_);
+  evidence_.disturbed = WasDisturbed(figures);
   const std::vector<CheckRow> rows = Verify(evidence_);
-  const std::string text = options_.json ? JsonReport(figures_, rows, evidence_.findings)
-                                         : TextReport(figures_, rows, evidence_.findings);
-  std::fputs(text.c_str(), stdout);
-  return AllOk(rows) ? kExitDone : kExitMismatch;
+  return Concluded(options_.json ? JsonReport(figures, rows, evidence_.findings)
+                                 : TextReport(figures, rows, evidence_.findings),
+                   rows);
 }
 
 }  // namespace uplink::synthetic

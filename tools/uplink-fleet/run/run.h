@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
+
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/compare/verify.h"
-#include "tools/uplink-fleet/report/run_figures.h"
+#include "tools/uplink-fleet/robot/histogram.h"
 #include "tools/uplink-fleet/robot/shared.h"
 #include "tools/uplink-fleet/run/gather.h"
+#include "tools/uplink-fleet/run/measurement.h"
 #include "tools/uplink-fleet/run/progress.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "tools/uplink-fleet/run/run_options.h"
@@ -38,7 +41,9 @@ class Run final {
   const RunContext context_;
   RunOutcome outcome_;
   Evidence evidence_;
-  RunFigures figures_;
+  Measured measured_;
+  std::uint64_t sent_while_measured_ = 0;
+  Latencies latencies_;
 };
 
 }  // namespace uplink::synthetic

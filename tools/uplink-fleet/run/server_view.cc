@@ -68,7 +68,7 @@ absl::StatusOr<v1::ServerStatus> ServerView::Status() {
   return status;
 }
 
-ServerView::ServerNow ServerView::Now() const {
+Span ServerView::Now() const {
   const std::int64_t now_ms = UnixMs(clock_.System());
   return {now_ms + ahead_min_ms_, now_ms + ahead_max_ms_};
 }
@@ -108,7 +108,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
   const auto into = [](auto& rows) {
     return [&rows]<typename Row>(Row&& row) { rows.push_back(std::forward<Row>(row)); };
   };
-  stored.read_from_ms = Now().from_ms;
+  stored.read.from_ms = Now().from_ms;
   const absl::Status present[] = {
       FetchPages<v1::ListShapesResponse>(
           http_, list("shapes"), [](auto& page) { return page.mutable_shapes(); },
@@ -116,7 +116,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
       FetchPages<v1::ListObjectsResponse>(
           http_, list("objects"), [](auto& page) { return page.mutable_objects(); },
           into(stored.objects))};
-  stored.read_to_ms = Now().to_ms;
+  stored.read.to_ms = Now().to_ms;
   const auto faults = [](auto& page) { return page.mutable_faults(); };
   const absl::Status rest[] = {
       FetchPages<v1::ListFaultsResponse>(

@@ -8,7 +8,7 @@
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/compare/compare_forwards.h"
-#include "tools/uplink-fleet/compare/stored_robot.h"
+#include "tools/uplink-fleet/compare/stored.h"
 #include "tools/uplink-fleet/run/http_client.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -46,11 +46,7 @@ class ServerView final {
 
  private:
   /// Between which times the server's clock is now.
-  struct ServerNow {
-    std::int64_t from_ms = 0;
-    std::int64_t to_ms = 0;
-  };
-  [[nodiscard]] ServerNow Now() const;
+  [[nodiscard]] Span Now() const;
 
   const Clock& clock_;
   HttpClient http_;

@@ -7,7 +7,6 @@
 #include <absl/status/statusor.h>
 
 #include "tools/uplink-fleet/compare/compare_live.h"
-#include "tools/uplink-fleet/run/ask_again.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -17,6 +16,10 @@ constexpr milliseconds kFirstWelcomeDeadline{15'000};
 
 /// For a robot whose connection ends for its age at the very moment: it comes back after a pause.
 constexpr milliseconds kBackDeadline{10'000};
+/// For how long what receivers hold may differ. A server that was started anew reads all that is
+/// shared before it forwards again, and an item that expires is gone from its lists up to a second
+/// before the robots are told.
+constexpr milliseconds kAgreeDeadline{15'000};
 
 /// Waits until as many robots as there are have been counted, `times` over.
 bool WaitForAll(const RunContext& run, const std::atomic<std::size_t>& counted,
@@ -48,6 +51,40 @@ absl::StatusOr<std::map<std::string, v1::Robot>> LookAtRobots(const RunContext& 
     if (!live.ok() || AllThere(*live, options.swarm.scenario.robots) ||
         run.clock.Steady() - start > kBackDeadline || run.signals.Wait(kLook)) {
       return live;
+    }
+  }
+}
+
+/// The robots that take what others share.
+std::size_t ReceiversOf(const Scenario& scenario) {
+  std::size_t receivers = 0;
+  for (std::size_t i = 0; i < scenario.robots; ++i) {
+    if (!Declines(scenario, i)) ++receivers;
+  }
+  return receivers;
+}
+
+bool Agree(const ForwardsLook& look, std::size_t receivers) {
+  Findings findings;
+  CompareForwards(look.shared, look.tables, findings);
+  return look.tables.size() == receivers && findings.differences_in_all() == 0;
+}
+
+/// Looks, in Stage::kLast, until both sides agree, for some seconds: items expire meanwhile, and
+/// receivers are told of that a moment later. The last look if they never do.
+ForwardsLook LookAtForwards(const RunContext& run) {
+  const std::size_t receivers = ReceiversOf(run.options.swarm.scenario);
+  ForwardsLook look;
+  if (receivers == 0) return look;
+  const SteadyTime start = run.clock.Steady();
+  while (true) {
+    auto shared = AskAgain(run, [&run] { return run.view.Shared(run.options.swarm.fleet); });
+    run.shared.forwards.Ask();
+    const bool shown = WaitFor(run, run.shared.forwards.shown(), receivers);
+    if (shared.ok()) look = {std::move(*shared), run.shared.forwards.Take()};
+    if (!shown || Agree(look, receivers) || run.clock.Steady() - start > kAgreeDeadline ||
+        run.signals.Wait(kLook)) {
+      return look;
     }
   }
 }

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
-#include "tools/uplink-fleet/run/forwards_look.h"
+#include "tools/uplink-fleet/compare/compare_forwards.h"
+#include "tools/uplink-fleet/robot/forward_board.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -19,6 +21,13 @@ namespace uplink::synthetic {
 
 /// Whether to send at all.
 enum class Readiness : std::uint8_t { kReady, kToldToStop };
+
+/// What the fleet shares as the server shows it, and what the receivers held at about that time. A
+/// value.
+struct ForwardsLook {
+  SharedItems shared;
+  std::vector<ReceiverTable> tables;
+};
 
 /// The robots as the server showed them while they still moved.
 struct LastLook {

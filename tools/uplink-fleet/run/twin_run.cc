@@ -1,17 +1,14 @@
 #include "tools/uplink-fleet/run/twin_run.h"
 
-#include <chrono>
-#include <cstdio>
-#include <random>
 #include <string>
 #include <utility>
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include "tools/uplink-fleet/compare/compare_twin_live.h"
-#include "tools/uplink-fleet/run/ask_again.h"
-#include "tools/uplink-fleet/run/exit_code.h"
+#include "tools/uplink-fleet/report/json_report.h"
+#include "tools/uplink-fleet/report/text_report.h"
+#include "tools/uplink-fleet/run/measurement.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -22,26 +19,6 @@ constexpr milliseconds kFirstConnectionDeadline{15'000};
 constexpr milliseconds kQuietDeadline{15'000};
 /// Between two scrapes.
 constexpr milliseconds kScrapeEvery{1'000};
-
-std::string RandomRun() {
-  std::random_device random;
-  return fmt::format("{:08x}", random());
-}
-
-int CannotRun(const absl::Status& status) {
-  fmt::print(stderr, "uplink-fleet: {}\n", std::string(status.message()));
-  return kExitFailed;
-}
-
-/// The server's process, if it listens at `address` (HOST:PORT) on this machine.
-std::optional<ProcessUse> UseOfListener(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  const std::string host = address.substr(0, colon);
-  if (host != "localhost" && host != "[::1]" && !host.starts_with("127.")) return std::nullopt;
-  const std::optional<pid_t> server =
-      ListenerOf(static_cast<std::uint16_t>(std::stoul("0" + address.substr(colon + 1))));
-  return server ? UseOf(*server) : std::nullopt;
-}
 
 /// True if nothing of the twin's live state differs.
 bool Agrees(const TwinScript& twin, const TwinLook& look) {
@@ -67,7 +44,7 @@ absl::Status TwinRun::Begin() {
   span_.from_ms = status->now_ms();
   const absl::StatusOr<std::string> page = view_.Metrics();
   if (!page.ok()) return page.status();
-  evidence_.before = MqttCountsOf(*page);
+  evidence_.before = BrokerMessagesOn(*page);
   return absl::OkStatus();
 }
 
@@ -77,15 +54,14 @@ int TwinRun::Main() {
   swarm_options.seed = options_.seed;
   swarm_options.run = figures_.run;
   TwinSwarm swarm(swarm_options, clock_, shared_);
-  const std::optional<ProcessUse> server_before = UseOfListener(options_.http);
-  const ProcessUse own_before = UseOf(getpid()).value_or(ProcessUse());
-  const SteadyTime began = clock_.Steady();
+  Measurement measurement(options_.http, clock_);
+  measurement.Begin();
   swarm.Start();
   if (absl::Status status = Send(swarm); !status.ok()) {
     line_.Clear();
     return CannotRun(status);
   }
-  figures_.seconds = std::chrono::duration<double>(clock_.Steady() - began).count();
+  figures_.seconds = measurement.SinceBegin().seconds;
   shared_.stage.store(TwinStage::kSettle);
   bool quiet = WaitFor(shared_.settled_groups, swarm.groups());
   if (quiet) {
@@ -98,9 +74,9 @@ int TwinRun::Main() {
     swarm.Finish();
   }
   AwaitServer();
-  const std::optional<ProcessUse> server_after = UseOfListener(options_.http);
-  if (server_before && server_after) figures_.server = server_after->Since(*server_before);
-  figures_.own = UseOf(getpid()).value_or(ProcessUse()).Since(own_before);
+  const Measured measured = measurement.SinceBegin();
+  figures_.server = measured.server;
+  figures_.own = measured.own;
   const absl::Status gathered = Gather(swarm);
   shared_.stage.store(TwinStage::kClose);
   swarm.Finish();
@@ -112,10 +88,10 @@ int TwinRun::Main() {
 void TwinRun::Look() {
   if (!line_.Due(clock_.Steady())) return;
   const absl::StatusOr<std::string> page = view_.Metrics();
-  std::optional<MqttCounts> counts;
+  std::optional<Conservation> counts;
   // A server that does not answer counts nothing either.
   if (page.ok()) {
-    counts = MqttCountsOf(*page);
+    counts = BrokerMessagesOn(*page);
     evidence_.watch.See(counts);
   } else {
     shared_.first_error.Keep(std::string(page.status().message()));
@@ -155,7 +131,7 @@ void TwinRun::AwaitServer() {
   while (clock_.Steady() - start < kQuietDeadline) {
     const absl::StatusOr<std::string> page = AskAgain(context_, [this] { return view_.Metrics(); });
     if (!page.ok()) return;
-    const std::optional<MqttCounts> counts = MqttCountsOf(*page);
+    const std::optional<Conservation> counts = BrokerMessagesOn(*page);
     evidence_.watch.See(counts);
     evidence_.after = counts;
     // Pings go on, so received may move by one or two.
@@ -170,7 +146,7 @@ absl::StatusOr<TwinLook> TwinRun::LookAt(const TwinScript& twin) {
   TwinLook look;
   for (const Side side : {Side::kReal, Side::kSim}) {
     absl::StatusOr<std::string> text =
-        AskAgain(context_, [&] { return view_.RobotText(RuriOf(twin, side)); });
+        AskAgain(context_, [&] { return view_.RobotText(twin.ids().RuriOf(side)); });
     if (!text.ok()) return text.status();
     look.at(static_cast<std::size_t>(side)) = *std::move(text);
   }
@@ -181,7 +157,7 @@ absl::StatusOr<StoredTwin> TwinRun::StoredOf(const TwinScript& twin) {
   StoredTwin stored;
   for (const Side side : {Side::kReal, Side::kSim}) {
     absl::StatusOr<StoredRobot> robot =
-        AskAgain(context_, [&] { return view_.Stored(RuriOf(twin, side), span_.from_ms); });
+        AskAgain(context_, [&] { return view_.Stored(twin.ids().RuriOf(side), span_.from_ms); });
     if (!robot.ok()) return robot.status();
     stored.robots.at(static_cast<std::size_t>(side)) = *std::move(robot);
   }
@@ -259,10 +235,9 @@ int TwinRun::Conclude(const TwinSwarm& swarm) {
   figures_.pong = swarm.Pong();
   figures_.first_error = shared_.first_error.Read();
   const std::vector<CheckRow> rows = VerifyTwins(evidence_);
-  const std::string text = options_.json ? TwinJsonReport(figures_, rows, evidence_.findings)
-                                         : TwinTextReport(figures_, rows, evidence_.findings);
-  std::fputs(text.c_str(), stdout);
-  return AllOk(rows) ? kExitDone : kExitMismatch;
+  return Concluded(options_.json ? JsonReport(figures_, rows, evidence_.findings)
+                                 : TextReport(figures_, rows, evidence_.findings),
+                   rows);
 }
 
 }  // namespace uplink::synthetic

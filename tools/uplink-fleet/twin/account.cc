@@ -6,33 +6,8 @@
 
 namespace uplink::synthetic {
 
-void SentPart::Remember(const std::string& text) {
-  const std::uint64_t value = FingerprintOf(text);
-  if (values_.size() < kTwinValuesMax) {
-    values_.push_back(value);
-    return;
-  }
-  values_[next_] = value;
-  next_ = (next_ + 1) % kTwinValuesMax;
-}
-
-void SentPart::Send(const std::string& text) {
-  last_ = text;
-  Remember(text);
-}
-
-void SentPart::SendLate(const std::string& text) { Remember(text); }
-
-bool SentPart::WasSent(const std::string& text) const {
-  return std::find(values_.begin(), values_.end(), FingerprintOf(text)) != values_.end();
-}
-
 void TwinAccount::Live(Side side, const std::string& path, const boost::json::value& value) {
-  live_.at(static_cast<std::size_t>(side))[path].Send(CanonicalText(value));
-}
-
-void TwinAccount::LateLive(Side side, const std::string& path, const boost::json::value& value) {
-  live_.at(static_cast<std::size_t>(side))[path].SendLate(CanonicalText(value));
+  live_.at(static_cast<std::size_t>(side))[path] = CanonicalText(value);
 }
 
 void TwinAccount::SignOfLife(Side side, std::int64_t now_us) {

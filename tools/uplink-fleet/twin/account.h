@@ -13,12 +13,9 @@
 #include <boost/json.hpp>
 
 #include "schema/model/rejection.h"
+#include "tools/uplink-fleet/twin/ids.h"
 
 namespace uplink::synthetic {
-
-/// Which robot of a twin a message is of.
-enum class Side : std::uint8_t { kReal, kSim };
-inline constexpr std::size_t kSides = 2;
 
 /// How often what one publication makes may be there.
 enum class Delivery : std::uint8_t {
@@ -36,8 +33,6 @@ enum class RowKind : std::uint8_t { kEvent, kMessage, kScope };
 
 /// Rows, and what else must be found again, of one twin; past it only live messages are sent.
 inline constexpr std::size_t kTwinRowsMax = 50'000;
-/// Values of one live part that are remembered; one that is older is as good as one never sent.
-inline constexpr std::size_t kTwinValuesMax = 256;
 
 /// A durable message and the row that it must become. A value.
 struct SentRow {
@@ -45,7 +40,7 @@ struct SentRow {
   RowKind kind = RowKind::kEvent;
   /// What people are shown of it.
   std::string type;
-  /// FingerprintOf everything that the row must say.
+  /// Of everything that the row must say (robot/rows.h: HashOf).
   std::uint64_t content = 0;
 };
 
@@ -84,23 +79,8 @@ struct SentSession {
   std::optional<bool> telemetry;
 };
 
-/// The values of one live part: all that were sent lately, and the last one. A value.
-class SentPart final {
- public:
-  void Send(const std::string& text);
-  /// One that is older than what was sent before it, so that it must not be shown.
-  void SendLate(const std::string& text);
-  [[nodiscard]] const std::string& last() const { return last_; }
-  [[nodiscard]] bool WasSent(const std::string& text) const;
-
- private:
-  void Remember(const std::string& text);
-
-  std::string last_;
-  std::vector<std::uint64_t> values_;
-  std::size_t next_ = 0;
-};
-using SentParts = std::map<std::string, SentPart>;
+/// The last value of each live part, as CanonicalText, by its path.
+using SentParts = std::map<std::string, std::string>;
 
 /// What a twin has published, and what the server must make of it by the rules of
 /// docs/integrate/cyberwave.md; a second reading of them, which shares nothing with the server's.
@@ -116,9 +96,8 @@ class TwinAccount final {
   }
   SentRun& Run(const std::string& run_id) { return runs_[run_id]; }
   SentSession& Session(const std::string& session_id) { return sessions_[session_id]; }
-  /// `path` as `compare/live_parts` makes it of the server's answer.
+  /// `path` as `compare/compare_twin_live` makes it of the server's answer.
   void Live(Side side, const std::string& path, const boost::json::value& value);
-  void LateLive(Side side, const std::string& path, const boost::json::value& value);
   /// A sign of life of that robot left at that time.
   void SignOfLife(Side side, std::int64_t now_us);
 

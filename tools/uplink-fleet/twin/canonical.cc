@@ -1,6 +1,5 @@
 #include "tools/uplink-fleet/twin/canonical.h"
 
-#include <functional>
 #include <map>
 
 #include <fmt/core.h>
@@ -46,7 +45,5 @@ std::string CanonicalText(const js::value& value) {
   Append(value, text);
   return text;
 }
-
-std::uint64_t FingerprintOf(std::string_view text) { return std::hash<std::string_view>()(text); }
 
 }  // namespace uplink::synthetic

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -16,8 +15,5 @@ namespace uplink::synthetic {
 [[nodiscard]] inline boost::json::string JsonText(std::string_view text) {
   return boost::json::string(text.data(), text.size());
 }
-
-/// Of such a text; for telling what was sent from what was not. Pure; any thread.
-[[nodiscard]] std::uint64_t FingerprintOf(std::string_view text);
 
 }  // namespace uplink::synthetic

@@ -8,6 +8,10 @@
 
 namespace uplink::synthetic {
 
+/// Which robot of a twin a message is of.
+enum class Side : std::uint8_t { kReal, kSim };
+inline constexpr std::size_t kSides = 2;
+
 /// Which twin of which run. A value.
 struct TwinOptions {
   /// The same seed and index give the same twin, which says the same; times and `run` apart.
@@ -32,6 +36,10 @@ struct TwinIds {
   std::string viewer_session;
   std::string ruri;
   std::string sim_ruri;
+
+  [[nodiscard]] const std::string& RuriOf(Side side) const {
+    return side == Side::kReal ? ruri : sim_ruri;
+  }
 };
 [[nodiscard]] TwinIds IdsOf(const TwinOptions& options);
 

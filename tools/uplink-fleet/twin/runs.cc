@@ -25,58 +25,58 @@ constexpr std::array<const char*, 3> kEnds = {"completed", "failed", "cancelled"
 
 }  // namespace
 
-std::string Runs::Advance(Going& going, const Draft& draft, const char* name) {
+SentRun& Runs::Advance(Going& going, const char* name, Draft& draft) {
+  Seeded& chance = speech_.voice.chance();
   if (going.step >= going.steps) {
-    going.id = fmt::format("{} {}", name, speech_.voice.MarkOf(draft));
-    going.step = 0;
-    going.steps = 3 + speech_.chance.Below(4);
+    going = {.id = fmt::format("{} {}", name, speech_.voice.MarkOf(draft)),
+             .step = 0,
+             .steps = 3 + chance.Below(4)};
   }
   const std::size_t step = going.step++;
-  if (step == 0) return "queued";
-  if (step == 1) return "starting";
-  if (going.step >= going.steps) return kEnds.at(speech_.chance.Below(kEnds.size()));
-  return kMiddle.at(speech_.chance.Below(kMiddle.size()));
-}
-
-SentRun& Runs::Note(const Going& going, const Draft& draft, const std::string& word,
-                    const std::string& message) {
+  const std::string word = step == 0                   ? "queued"
+                           : step == 1                 ? "starting"
+                           : going.step >= going.steps ? kEnds.at(chance.Below(kEnds.size()))
+                                                       : kMiddle.at(chance.Below(kMiddle.size()));
+  draft.body["status"] = word;
   SentRun& run = speech_.account.Run(going.id);
   run.updates.push_back(draft.number);
   run.status = "unknown";
   // A word that nobody knows stands before the text.
-  run.message = message.empty() ? word : word + ": " + message;
+  run.message = word;
   for (const StatusWord& each : kWords) {
     if (word != each.said) continue;
     run.status = each.shown;
-    run.message = message;
+    run.message.clear();
   }
   speech_.account.SignOfLife(Side::kReal, speech_.voice.now_us());
   return run;
 }
 
 Publication Runs::Navigate() {
-  Draft draft = speech_.voice.Begin(Speaker::kDriver, "edge");
-  const std::string word = Advance(navigate_, draft, "nav");
-  const std::string message = speech_.chance.Chance(0.5) ? "on its way" : "";
-  SentRun& run = Note(navigate_, draft, word, message);
-  const double progress = std::round(speech_.chance.Between(0, 10'000)) / 100;
+  const Words words{.topic = "twin/{twin}/navigate/status"};
+  Draft draft = speech_.voice.Begin(words);
+  SentRun& run = Advance(navigate_, "nav", draft);
+  Seeded& chance = speech_.voice.chance();
+  if (chance.Chance(0.5)) {
+    constexpr const char* kMessage = "on its way";
+    draft.body["message"] = kMessage;
+    run.message += run.message.empty() ? kMessage : fmt::format(": {}", kMessage);
+  }
+  const double progress = std::round(chance.Between(0, 10'000)) / 100;
   run.progress_x100 = std::lround(progress * 100);
   draft.body["action_id"] = navigate_.id;
-  draft.body["status"] = word;
   draft.body["progress"] = progress;
-  if (!message.empty()) draft.body["message"] = message;
-  return speech_.voice.ToTwin(draft, "navigate/status", Qos::k1);
+  return speech_.voice.To(words, draft, Qos::k1);
 }
 
 Publication Runs::Mission() {
-  Draft draft = speech_.voice.Begin(Speaker::kDriver, "");
-  const std::string word = Advance(mission_, draft, "mission");
-  SentRun& run = Note(mission_, draft, word, "");
+  const Words words{.source = "", .topic = "twin/{twin}/mission/status"};
+  Draft draft = speech_.voice.Begin(words);
+  SentRun& run = Advance(mission_, "mission", draft);
   run.current_step = static_cast<std::int64_t>(mission_.step);
   draft.body["mission_execution_uuid"] = mission_.id;
-  draft.body["status"] = word;
   draft.body["current_step"] = mission_.step;
-  return speech_.voice.ToTwin(draft, "mission/status", Qos::k1);
+  return speech_.voice.To(words, draft, Qos::k1);
 }
 
 }  // namespace uplink::synthetic

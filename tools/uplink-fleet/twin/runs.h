@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/uplink-fleet/twin/speech.h"
+#include "tools/uplink-fleet/twin/voice.h"
 
 namespace uplink::synthetic {
 
@@ -24,10 +24,9 @@ class Runs final {
     std::size_t step = 0;
     std::size_t steps = 0;
   };
-  /// Goes on with a run, or begins the next; the word of its next report.
-  [[nodiscard]] std::string Advance(Going& going, const Draft& draft, const char* name);
-  [[nodiscard]] SentRun& Note(const Going& going, const Draft& draft, const std::string& word,
-                              const std::string& message);
+
+  /// Goes on with a run, or begins the next, and says so in the draft.
+  [[nodiscard]] SentRun& Advance(Going& going, const char* name, Draft& draft);
 
   Speech speech_;
   Going navigate_;

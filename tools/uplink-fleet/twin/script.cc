@@ -2,152 +2,85 @@
 
 #include <array>
 #include <cstddef>
+#include <iterator>
+#include <utility>
 
 namespace uplink::synthetic {
 namespace {
 
-/// Of all messages, those that are stored, and those that are wrong.
+/// Of all messages, those that are stored, those that are wrong, and metrics that clear errors.
 constexpr double kStoredShare = 0.25;
 constexpr double kWrongShare = 0.02;
-constexpr std::uint64_t kScriptSalt = 0x7477'696e'5f73'6179ULL;
+constexpr double kMetricsShare = 0.03;
 
-/// An index into `weights`, as often as they say.
-template <std::size_t N>
-std::size_t Choose(Seeded& chance, const std::array<unsigned, N>& weights) {
-  std::size_t sum = 0;
-  for (const unsigned weight : weights) sum += weight;
-  std::size_t left = chance.Below(sum);
-  for (std::size_t i = 0; i < N; ++i) {
-    if (left < weights[i]) return i;
-    left -= weights[i];
-  }
-  return 0;
-}
+/// What is stored comes from here.
+enum class From : std::uint8_t { kHappenings, kNavigation, kMission, kErrors, kViewer };
+struct Source {
+  From from;
+  std::size_t weight;
+};
+constexpr std::array<Source, 5> kSources = {{{From::kHappenings, 20},
+                                             {From::kNavigation, 4},
+                                             {From::kMission, 3},
+                                             {From::kErrors, 2},
+                                             {From::kViewer, 2}}};
 
 }  // namespace
 
 TwinScript::TwinScript(const TwinOptions& options)
     : voice_(options),
-      chance_(Seeded(options.seed ^ kScriptSalt).Next() + options.index),
-      poses_({voice_, account_, chance_}),
-      joints_({voice_, account_, chance_}),
-      reports_({voice_, account_, chance_}),
-      happenings_({voice_, account_, chance_}),
-      runs_({voice_, account_, chance_}),
-      wrongs_({voice_, account_, chance_}) {}
+      live_({voice_, account_}),
+      metrics_({voice_, account_}),
+      happenings_({voice_, account_}),
+      runs_({voice_, account_}),
+      wrongs_({voice_, account_}) {}
 
 std::vector<Publication> TwinScript::First(std::int64_t now_us) {
   voice_.SetNow(now_us);
   std::vector<Publication> first;
   for (const Speaker speaker : {Speaker::kDriver, Speaker::kSimulation}) {
-    first.push_back(happenings_.Connected(speaker));
-    first.push_back(happenings_.TelemetryStart(speaker));
+    first.push_back(happenings_.Mark(speaker, "connected"));
+    first.push_back(happenings_.Mark(speaker, "telemetry_start"));
   }
   // Who subscribes later gets it, and must not take it for news.
-  first.push_back(poses_.Scale());
+  first.push_back(live_.Of(Side::kReal, "scale"));
   first.back().retain = true;
-  first.push_back(poses_.SimulatedPosition());
+  first.push_back(live_.Of(Side::kSim, "position"));
   return first;
 }
 
 Publication TwinScript::Next(std::int64_t now_us) {
   voice_.SetNow(now_us);
-  const double what = chance_.Unit();
-  if (account_.Full() || what >= kStoredShare + kWrongShare) return Shown();
-  return what < kWrongShare ? wrongs_.Next() : Stored();
+  double what = voice_.chance().Unit();
+  // Where no more may be remembered nothing may raise or clear a fault either.
+  if (account_.Full()) return live_.Next();
+  if (what < kStoredShare) return Stored();
+  what -= kStoredShare;
+  if (what < kWrongShare) return wrongs_.Next();
+  return what < kWrongShare + kMetricsShare ? metrics_.Good() : live_.Next();
 }
 
 Publication TwinScript::Stored() {
-  switch (Choose(chance_, std::array<unsigned, 13>{4, 2, 4, 2, 3, 2, 1, 1, 4, 3, 2, 2, 1})) {
-    case 0:
-      return happenings_.Event();
-    case 1:
-      return happenings_.FramedEvent();
-    case 2:
-      return happenings_.UnknownTelemetry();
-    case 3:
-      return happenings_.SimulatedTelemetry();
-    case 4:
-      return happenings_.DriverLog();
-    case 5:
-      return happenings_.TelemetryLog();
-    case 6:
-      return happenings_.Environment();
-    case 7:
-      return happenings_.WorkflowRun();
-    case 8:
+  switch (Choose(voice_.chance(), kSources).from) {
+    case From::kHappenings:
+      return happenings_.Next();
+    case From::kNavigation:
       return runs_.Navigate();
-    case 9:
+    case From::kMission:
       return runs_.Mission();
-    case 10:
-      return reports_.MetricsWithErrors();
-    case 11:
-      return ViewerMark();
-    default:
-      return happenings_.IdleMark(chance_.Chance(0.5) ? Speaker::kDriver : Speaker::kSimulation);
+    case From::kErrors:
+      return metrics_.WithErrors();
+    case From::kViewer:
+      break;
   }
+  return ViewerMark();
 }
 
 Publication TwinScript::ViewerMark() {
   viewer_there_ = !viewer_there_;
-  if (viewer_there_) return happenings_.Connected(Speaker::kViewer);
-  return chance_.Chance(0.5) ? happenings_.Disconnected(Speaker::kViewer)
-                             : happenings_.TelemetryEnd(Speaker::kViewer);
-}
-
-Publication TwinScript::Shown() {
-  switch (Choose(chance_, std::array<unsigned, 24>{10, 7, 6, 3, 1, 4, 1, 1, 8, 4, 6, 5,
-                                                   4,  8, 2, 2, 1, 3, 2, 1, 1, 1, 1, 3})) {
-    case 0:
-      return poses_.Position();
-    case 1:
-      return poses_.SimulatedPosition();
-    case 2:
-      return poses_.Rotation();
-    case 3:
-      return poses_.SimulatedRotation();
-    case 4:
-      return poses_.Scale();
-    case 5:
-      return poses_.Gps();
-    case 6:
-      return poses_.LatePosition();
-    case 7:
-      return poses_.WantedPosition();
-    case 8:
-      return joints_.Single();
-    case 9:
-      return joints_.SinglePosition();
-    case 10:
-      return joints_.Follower();
-    case 11:
-      return joints_.Leader();
-    case 12:
-      return joints_.Simulated();
-    case 13:
-      return joints_.Flat();
-    case 14:
-      return joints_.States();
-    case 15:
-      return joints_.Setpoints();
-    case 16:
-      return joints_.Teleoperated();
-    case 17:
-      // Where no more may be remembered nothing may raise or clear a fault either.
-      return account_.Full() ? poses_.Position() : reports_.Metrics();
-    case 18:
-      return reports_.DriverHealth();
-    case 19:
-      return reports_.ComputerHealth();
-    case 20:
-      return chance_.Chance(0.5) ? reports_.MotorStatus() : reports_.DriverInfo();
-    case 21:
-      return reports_.BatteryReport();
-    case 22:
-      return chance_.Chance(0.5) ? reports_.RobotState() : reports_.Command();
-    default:
-      return chance_.Chance(0.8) ? reports_.BatteryStatus() : reports_.Signalling();
-  }
+  if (viewer_there_) return happenings_.Mark(Speaker::kViewer, "connected");
+  return happenings_.Mark(Speaker::kViewer,
+                          voice_.chance().Chance(0.5) ? "disconnected" : "telemetry_end");
 }
 
 std::vector<Publication> TwinScript::Last(std::int64_t now_us) {
@@ -155,44 +88,17 @@ std::vector<Publication> TwinScript::Last(std::int64_t now_us) {
   std::vector<Publication> last;
   // The retained one first: the empty message is one that the server may reject.
   Publication none;
-  const Draft draft = voice_.BeginBare();
-  none.number = draft.number;
-  none.topic = voice_.Topic("twin/" + ids().twin + "/scale");
+  none.number = voice_.BeginBare().number;
+  none.topic = voice_.Topic("twin/{twin}/scale");
   none.retain = true;
-  account_.Wrong(draft.number, {.reason = model::RejectReason::kMalformed,
-                                .topic = none.topic,
-                                .bytes = 0,
-                                .of_no_robot = false,
-                                .sure = false});
+  account_.Wrong(none.number, {.reason = model::RejectReason::kMalformed,
+                               .topic = none.topic,
+                               .bytes = 0,
+                               .of_no_robot = false,
+                               .sure = false});
   last.push_back(std::move(none));
-  last.push_back(poses_.Position());
-  last.push_back(poses_.SimulatedPosition());
-  last.push_back(poses_.Rotation());
-  last.push_back(poses_.SimulatedRotation());
-  last.push_back(poses_.Scale());
-  last.push_back(poses_.Gps());
-  last.push_back(joints_.Single());
-  last.push_back(joints_.Follower());
-  last.push_back(joints_.Leader());
-  last.push_back(joints_.Simulated());
-  last.push_back(joints_.Flat());
-  last.push_back(joints_.States());
-  last.push_back(reports_.MetricsWithErrors());
-  last.push_back(reports_.DriverHealth());
-  last.push_back(reports_.ComputerHealth());
-  last.push_back(reports_.MotorStatus());
-  last.push_back(reports_.DriverInfo());
-  last.push_back(reports_.BatteryReport());
-  last.push_back(reports_.RobotState());
-  last.push_back(reports_.BatteryStatus());
-  last.push_back(reports_.Command());
-  // What must change nothing of the above, but for one channel.
-  last.push_back(joints_.SinglePosition());
-  last.push_back(joints_.Setpoints());
-  last.push_back(joints_.Teleoperated());
-  last.push_back(poses_.LatePosition());
-  last.push_back(poses_.WantedPosition());
-  last.push_back(reports_.Signalling());
+  last.push_back(metrics_.WithErrors());
+  for (Publication& each : live_.All()) last.push_back(std::move(each));
   return last;
 }
 

@@ -3,13 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/uplink-fleet/robot/behaviour/seeded.h"
 #include "tools/uplink-fleet/twin/account.h"
 #include "tools/uplink-fleet/twin/happenings.h"
-#include "tools/uplink-fleet/twin/joint_updates.h"
-#include "tools/uplink-fleet/twin/poses.h"
-#include "tools/uplink-fleet/twin/publication.h"
-#include "tools/uplink-fleet/twin/reports.h"
+#include "tools/uplink-fleet/twin/live_values.h"
+#include "tools/uplink-fleet/twin/metrics.h"
 #include "tools/uplink-fleet/twin/runs.h"
 #include "tools/uplink-fleet/twin/voice.h"
 #include "tools/uplink-fleet/twin/wrongs.h"
@@ -42,15 +39,12 @@ class TwinScript final {
 
  private:
   [[nodiscard]] Publication Stored();
-  [[nodiscard]] Publication Shown();
   [[nodiscard]] Publication ViewerMark();
 
   Voice voice_;
   TwinAccount account_;
-  Seeded chance_;
-  Poses poses_;
-  JointUpdates joints_;
-  Reports reports_;
+  LiveValues live_;
+  Metrics metrics_;
   Happenings happenings_;
   Runs runs_;
   Wrongs wrongs_;

@@ -3,69 +3,64 @@
 #include <array>
 #include <string_view>
 
-#include <fmt/core.h>
-
 namespace uplink::synthetic {
 namespace {
 
 using model::RejectReason;
 
-enum class To : std::uint8_t {
-  kTelemetry,
-  kEvent,
-  kDriverLog,
-  kNavigate,
-  kMetrics,
-  kEdgeHealth,
-  kPosition,
-  kNoTwin,
-  kEnvironment,
-  kNoEnvironment,
-};
+constexpr std::string_view kOfTwin = "twin/{twin}/";
+constexpr std::string_view kTelemetry = "twin/{twin}/telemetry";
+constexpr std::string_view kEvent = "twin/{twin}/event";
+constexpr std::string_view kDriverLog = "twin/{twin}/driverlog";
+constexpr std::string_view kNavigate = "twin/{twin}/navigate/status";
+constexpr std::string_view kMetrics = "twin/{twin}/metrics";
+constexpr std::string_view kEdgeHealth = "twin/{twin}/edge_health";
+constexpr std::string_view kPosition = "twin/{twin}/position";
+constexpr std::string_view kNoTwin = "twin/not-a-twin/telemetry";
+constexpr std::string_view kEnvironment = "environment/{environment}/twin_added";
+constexpr std::string_view kNoEnvironment = "environment/not-an-environment/twin_added";
 
 /// What a text is made longer by: `@` in a payload stands for the mark, `#` for the filling.
 enum class Filling : std::uint8_t { kNone, kDeep, kBeyondMessage, kBeyondLog, kManyErrors };
 
 struct Kind {
   RejectReason reason;
-  To to;
+  std::string_view topic;
   std::string_view payload;
   Filling filling = Filling::kNone;
 };
 
 constexpr std::array kKindTable = {
-    Kind{RejectReason::kMalformed, To::kTelemetry, R"({"mark":"@","type":)"},
-    Kind{RejectReason::kMalformed, To::kEvent, R"({"mark":"@","event_type":"e","data":{"v":NaN}})"},
-    Kind{RejectReason::kMalformed, To::kTelemetry, R"({"mark":"@","type":"t","v":#})",
-         Filling::kDeep},
-    Kind{RejectReason::kMalformed, To::kNoTwin, R"({"mark":"@","type":"t"})"},
-    Kind{RejectReason::kMalformed, To::kNoEnvironment, R"({"mark":"@","type":"t","data":{}})"},
-    Kind{RejectReason::kTextNotUtf8, To::kDriverLog, "{\"message\":\"@ \xff\",\"level\":\"info\"}"},
-    Kind{RejectReason::kTextNotUtf8, To::kTelemetry, R"({"mark":"@","type":"\ud800"})"},
-    Kind{RejectReason::kTypeMismatch, To::kEvent, R"(["@"])"},
-    Kind{RejectReason::kTypeMismatch, To::kNavigate,
+    Kind{RejectReason::kMalformed, kTelemetry, R"({"mark":"@","type":)"},
+    Kind{RejectReason::kMalformed, kEvent, R"({"mark":"@","event_type":"e","data":{"v":NaN}})"},
+    Kind{RejectReason::kMalformed, kTelemetry, R"({"mark":"@","type":"t","v":#})", Filling::kDeep},
+    Kind{RejectReason::kMalformed, kNoTwin, R"({"mark":"@","type":"t"})"},
+    Kind{RejectReason::kMalformed, kNoEnvironment, R"({"mark":"@","type":"t","data":{}})"},
+    Kind{RejectReason::kTextNotUtf8, kDriverLog, "{\"message\":\"@ \xff\",\"level\":\"info\"}"},
+    Kind{RejectReason::kTextNotUtf8, kTelemetry, R"({"mark":"@","type":"\ud800"})"},
+    Kind{RejectReason::kTypeMismatch, kEvent, R"(["@"])"},
+    Kind{RejectReason::kTypeMismatch, kNavigate,
          R"({"mark":"@","action_id":5,"status":"running"})"},
-    Kind{RejectReason::kTypeMismatch, To::kPosition,
+    Kind{RejectReason::kTypeMismatch, kPosition,
          R"({"mark":"@","position":{"x":"1","y":2,"z":3}})"},
-    Kind{RejectReason::kPayloadTooLarge, To::kEvent, R"({"mark":"@","event_type":"e","data":"#"})",
+    Kind{RejectReason::kPayloadTooLarge, kEvent, R"({"mark":"@","event_type":"e","data":"#"})",
          Filling::kBeyondMessage},
-    Kind{RejectReason::kTooManyItems, To::kMetrics, R"({"mark":"@","metrics":{"errors":[#]}})",
+    Kind{RejectReason::kTooManyItems, kMetrics, R"({"mark":"@","metrics":{"errors":[#]}})",
          Filling::kManyErrors},
-    Kind{RejectReason::kTextTooLong, To::kDriverLog, R"({"mark":"@","message":"#","level":"info"})",
+    Kind{RejectReason::kTextTooLong, kDriverLog, R"({"mark":"@","message":"#","level":"info"})",
          Filling::kBeyondLog},
-    Kind{RejectReason::kMissingField, To::kNavigate, R"({"mark":"@","status":"running"})"},
-    Kind{RejectReason::kMissingField, To::kDriverLog, R"({"message":"@"})"},
-    Kind{RejectReason::kMissingField, To::kEnvironment, R"({"mark":"@","type":"twin_added"})"},
-    Kind{RejectReason::kIdentityMismatch, To::kEnvironment,
+    Kind{RejectReason::kMissingField, kNavigate, R"({"mark":"@","status":"running"})"},
+    Kind{RejectReason::kMissingField, kDriverLog, R"({"message":"@"})"},
+    Kind{RejectReason::kMissingField, kEnvironment, R"({"mark":"@","type":"twin_added"})"},
+    Kind{RejectReason::kIdentityMismatch, kEnvironment,
          R"({"mark":"@","type":"twin_removed","data":{}})"},
-    Kind{RejectReason::kIdentityMismatch, To::kEdgeHealth,
+    Kind{RejectReason::kIdentityMismatch, kEdgeHealth,
          R"({"mark":"@","twin_uuid":"00000000-0000-4000-8000-000000000000","edge_id":"e",)"
          R"("uptime_seconds":1,"streams":{},"stream_count":0,"healthy_streams":0})"},
-    Kind{RejectReason::kNotFinite, To::kTelemetry, R"({"mark":"@","type":"t","v":1e999})"},
-    Kind{RejectReason::kOutOfRange, To::kNavigate,
+    Kind{RejectReason::kNotFinite, kTelemetry, R"({"mark":"@","type":"t","v":1e999})"},
+    Kind{RejectReason::kOutOfRange, kNavigate,
          R"({"mark":"@","action_id":"a","status":"running","progress":150})"},
-    Kind{RejectReason::kOutOfRange, To::kPosition,
-         R"({"mark":"@","position":{"x":2e9,"y":0,"z":0}})"},
+    Kind{RejectReason::kOutOfRange, kPosition, R"({"mark":"@","position":{"x":2e9,"y":0,"z":0}})"},
 };
 
 std::string FillingOf(Filling filling) {
@@ -91,48 +86,11 @@ std::string FillingOf(Filling filling) {
   return {};
 }
 
-std::string PathOf(To to, const TwinIds& ids) {
-  const auto below = [&ids](std::string_view tail) {
-    return fmt::format("twin/{}/{}", ids.twin, tail);
-  };
-  switch (to) {
-    case To::kTelemetry:
-      return below("telemetry");
-    case To::kEvent:
-      return below("event");
-    case To::kDriverLog:
-      return below("driverlog");
-    case To::kNavigate:
-      return below("navigate/status");
-    case To::kMetrics:
-      return below("metrics");
-    case To::kEdgeHealth:
-      return below("edge_health");
-    case To::kPosition:
-      return below("position");
-    case To::kNoTwin:
-      return "twin/not-a-twin/telemetry";
-    case To::kEnvironment:
-      return fmt::format("environment/{}/twin_added", ids.environment);
-    case To::kNoEnvironment:
-      return "environment/not-an-environment/twin_added";
-  }
-  return {};
-}
-
-bool OfNoRobot(To to) {
-  return to == To::kNoTwin || to == To::kEnvironment || to == To::kNoEnvironment;
-}
-
-bool IsLive(To to) { return to == To::kPosition || to == To::kEdgeHealth; }
-
 }  // namespace
-
-const std::size_t Wrongs::kKinds = kKindTable.size();
 
 Publication Wrongs::Next() {
   const std::size_t kind = next_;
-  next_ = (next_ + 1) % kKinds;
+  next_ = (next_ + 1) % kKindTable.size();
   return Make(kind);
 }
 
@@ -150,15 +108,17 @@ Publication Wrongs::Make(std::size_t index) {
     }
   }
   Publication publication{.number = draft.number,
-                          .topic = speech_.voice.Topic(PathOf(kind.to, speech_.voice.ids())),
+                          .topic = speech_.voice.Topic(kind.topic),
                           .payload = std::move(payload),
                           .qos = Qos::k1,
                           .retain = false};
-  speech_.account.Wrong(draft.number, {.reason = kind.reason,
-                                       .topic = publication.topic,
-                                       .bytes = publication.payload.size(),
-                                       .of_no_robot = OfNoRobot(kind.to),
-                                       .sure = !IsLive(kind.to)});
+  speech_.account.Wrong(draft.number,
+                        {.reason = kind.reason,
+                         .topic = publication.topic,
+                         .bytes = publication.payload.size(),
+                         .of_no_robot = !kind.topic.starts_with(kOfTwin),
+                         // Live topics are read at QoS 0.
+                         .sure = kind.topic != kPosition && kind.topic != kEdgeHealth});
   return publication;
 }
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "tools/uplink-fleet/twin/speech.h"
+#include "tools/uplink-fleet/twin/voice.h"
 
 namespace uplink::synthetic {
 
@@ -14,8 +14,6 @@ class Wrongs final {
  public:
   explicit Wrongs(const Speech& speech) : speech_(speech) {}
 
-  /// How many kinds there are.
-  static const std::size_t kKinds;
   [[nodiscard]] Publication Next();
 
  private:

@@ -20,62 +20,30 @@ model::UiCapabilities Capabilities() {
                   .confirmation_message = "End the mission?",
                   .state_key = "",
                   .requires_role = model::Role::kOperator,
-                  .danger_level = model::DangerLevel::kWarning},
-                 {.name = "blade",
-                  .description = "the cutting deck",
-                  .capability_type = model::CapabilityType::kSetBool,
-                  .confirmation_message = std::nullopt,
-                  .state_key = "blade",
-                  .requires_role = model::Role::kAdmin,
-                  .danger_level = model::DangerLevel::kCritical}};
+                  .danger_level = model::DangerLevel::kWarning}};
   ui.sensors = {{.key = "deckRpm",
                  .label = "Deck",
                  .value_type = kInt,
                  .unit = "1/min",
                  .range = model::Range{.min = 0, .max = 4000},
-                 .display_hint = model::DisplayHint::kGauge},
-                {.key = "deckTemperature",
-                 .label = "Deck",
-                 .value_type = kNumber,
-                 .unit = "C",
-                 .range = std::nullopt,
-                 .display_hint = model::DisplayHint::kTemperature},
-                {.key = "blade",
-                 .label = "Blade",
-                 .value_type = kBool,
-                 .unit = "",
-                 .range = std::nullopt,
-                 .display_hint = model::DisplayHint::kOnOff}};
-  ui.settings = {{.key = "maxSpeed",
-                  .label = "Speed",
-                  .value_type = kNumber,
-                  .default_value = 1.5,
-                  .range = model::Range{.min = 0.5, .max = 3},
-                  .step = 0.25},
-                 {.key = "passes",
-                  .label = "Passes",
-                  .value_type = kInt,
-                  .default_value = std::int32_t{2},
-                  .range = model::Range{.min = 1, .max = 6},
-                  .step = 1},
-                 {.key = "lights",
-                  .label = "Lights",
-                  .value_type = kBool,
-                  .default_value = false,
-                  .range = std::nullopt,
-                  .step = std::nullopt},
-                 {.key = "pattern",
-                  .label = "Pattern",
-                  .value_type = kEnum,
-                  .default_value = model::EnumName{"stripes"},
-                  .range = std::nullopt,
-                  .step = std::nullopt},
-                 {.key = "nickname",
-                  .label = "Name",
-                  .value_type = kString,
-                  .default_value = std::string("Mäher"),
-                  .range = std::nullopt,
-                  .step = std::nullopt}};
+                 .display_hint = model::DisplayHint::kGauge}};
+  const auto declare = [&ui](const char* key, model::Value value) -> model::SettingDescriptor& {
+    return ui.settings.emplace_back(model::SettingDescriptor{.key = key,
+                                                             .label = key,
+                                                             .value_type = model::TypeOf(value),
+                                                             .default_value = std::move(value),
+                                                             .range = std::nullopt,
+                                                             .step = std::nullopt});
+  };
+  model::SettingDescriptor& speed = declare("maxSpeed", 1.5);
+  speed.range = model::Range{.min = 0.5, .max = 3};
+  speed.step = 0.25;
+  model::SettingDescriptor& passes = declare("passes", std::int32_t{2});
+  passes.range = model::Range{.min = 1, .max = 6};
+  passes.step = 1;
+  declare("lights", false);
+  declare("pattern", model::EnumName{"stripes"});
+  declare("nickname", std::string("Mäher"));
   return ui;
 }
 

@@ -6,7 +6,6 @@
 
 #include "tests/unit/tools/fleet/compare/mirror.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
-#include "tools/uplink-fleet/compare/compare_presence.h"
 #include "tools/uplink-fleet/compare/compare_rows.h"
 
 /// A right server agrees; one row that is missing, doubled or changed, of any kind, is found.
@@ -258,9 +257,9 @@ TEST(Compare, WhatHasExpiredMustBeGoneAndNotSooner) {
   };
   look(stored.objects, Thing::kObjects);
   look(stored.shapes, Thing::kShapes);
-  stored.read_to_ms = next_ms - 1;
+  stored.read.to_ms = next_ms - 1;
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live), IsEmpty());
-  stored.read_from_ms = stored.read_to_ms = next_ms;
+  stored.read = {next_ms, next_ms};
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live), ElementsAre(thing));
 }
 

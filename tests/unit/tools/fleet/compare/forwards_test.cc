@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tools/uplink-fleet/compare/compare_forwards.h"
-#include "tools/uplink-fleet/compare/forward_counts.h"
 #include "tools/uplink-fleet/robot/forward_table.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
@@ -154,35 +153,6 @@ TEST(CompareForwards, ViolationsAndForeignOriginsAreFound) {
   ASSERT_EQ(findings.differences().size(), 2U);
   EXPECT_EQ(findings.differences()[0].found, "3; the first: it came back");
   EXPECT_EQ(findings.differences()[1].ruri, kTwo);
-}
-
-constexpr const char* kPage =
-    "# HELP uplinkd_forwards_due_total x\n"
-    "# TYPE uplinkd_forwards_due_total counter\n"
-    "uplinkd_forwards_due_total 21\n"
-    "uplinkd_forwards_settled_total{outcome=\"written\"} 6\n"
-    "uplinkd_forwards_settled_total{outcome=\"coalesced\"} 5\n"
-    "uplinkd_forwards_settled_total{outcome=\"snapshot\"} 4\n"
-    "uplinkd_forwards_settled_total{outcome=\"dropped\"} 3\n"
-    "uplinkd_forwards_waiting 2\n";
-
-TEST(ForwardCountsTest, AreReadFromOnePage) {
-  const auto counts = ForwardCountsOf(kPage);
-  ASSERT_TRUE(counts);
-  EXPECT_EQ(counts->due, 21U);
-  EXPECT_EQ(counts->written, 6U);
-  EXPECT_EQ(counts->coalesced, 5U);
-  EXPECT_EQ(counts->snapshot, 4U);
-  EXPECT_EQ(counts->dropped, 3U);
-  EXPECT_EQ(counts->waiting, 2U);
-  EXPECT_EQ(counts->sum(), 20U);
-}
-
-TEST(ForwardCountsTest, APageThatLacksOneHasNone) {
-  EXPECT_FALSE(ForwardCountsOf(""));
-  const std::string page(kPage);
-  EXPECT_FALSE(ForwardCountsOf(page.substr(0, page.find("uplinkd_forwards_waiting"))));
-  EXPECT_FALSE(ForwardCountsOf(page.substr(0, page.size() - 2) + "x\n"));
 }
 
 }  // namespace

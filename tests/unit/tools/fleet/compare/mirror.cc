@@ -49,7 +49,7 @@ Mirror::Mirror(double malformed_share, int ticks) {
   for (const auto& [key, row] : runs_) stored.runs.push_back(row);
   for (const auto& [id, row] : shapes_) stored.shapes.push_back(row);
   for (const auto& [id, row] : objects_) stored.objects.push_back(row);
-  stored.read_from_ms = stored.read_to_ms = now_ms;
+  stored.read = {now_ms, now_ms};
 }
 
 void Mirror::Take(const Outgoing& message) {

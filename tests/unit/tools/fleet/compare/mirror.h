@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "schema/judge.h"
-#include "tools/uplink-fleet/compare/stored_robot.h"
+#include "tools/uplink-fleet/compare/stored.h"
 #include "tools/uplink-fleet/robot/account.h"
 #include "tools/uplink-fleet/robot/script.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/cyberwave/twin_state.h"
-#include "tools/uplink-fleet/compare/stored_twin.h"
+#include "tools/uplink-fleet/compare/stored.h"
 #include "tools/uplink-fleet/twin/script.h"
 #include "uplink/v1/fleet.pb.h"
 

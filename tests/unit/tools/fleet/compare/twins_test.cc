@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -98,7 +99,7 @@ TEST_F(Twins, AMissingRowIsFound) {
   EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("errors raised"), HasSubstr("no such row"))));
   stored = Good().stored;
   Real().active_faults.clear();
-  EXPECT_THAT(Found().front(), AllOf(HasSubstr("active errors"), HasSubstr("not active")));
+  EXPECT_THAT(Found().front(), AllOf(HasSubstr("active errors"), HasSubstr("no such row")));
   stored = Good().stored;
   Lose(nobody);
   EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("quarantine"), HasSubstr("no such row"))));
@@ -127,7 +128,7 @@ TEST_F(Twins, ADoubledRowIsFound) {
 
 TEST_F(Twins, AWrongRowIsFound) {
   Real().events.front().set_sampled_at_ms(1);
-  EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("events"), HasSubstr("as it was sent"))));
+  EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("events"), HasSubstr("number "))));
   stored = Good().stored;
   (*Real().events.front().mutable_detail()->mutable_fields())["more"].set_bool_value(true);
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("events")));
@@ -151,7 +152,7 @@ TEST_F(Twins, AWrongRowIsFound) {
 TEST_F(Twins, ARowOfTheOtherRobotIsFound) {
   stored.robots[1].events.push_back(Real().events.front());
   Real().events.erase(Real().events.begin());
-  EXPECT_THAT(Found(), ElementsAre(HasSubstr("is no such row"), HasSubstr("no such row")));
+  EXPECT_THAT(Found(), ElementsAre(HasSubstr("no such row"), HasSubstr("nothing like it")));
 }
 
 TEST_F(Twins, RowsOfAnotherRunArePassedOver) {
@@ -184,7 +185,7 @@ TEST_F(Twins, AGoodMessageInQuarantineIsFound) {
   v1::Quarantined row = Real().quarantine.front();
   row.set_payload(MarkOf(Good().twin.options(), Good().twin.account().rows().begin()->first));
   Real().quarantine.push_back(row);
-  EXPECT_THAT(Found(), ElementsAre(HasSubstr("was right")));
+  EXPECT_THAT(Found(), ElementsAre(HasSubstr("nothing like it")));
   // A live message has no mark.
   Real().quarantine.back().set_payload("{\"position\":{}}");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("only what is wrong on purpose")));
@@ -211,10 +212,11 @@ TEST_F(Twins, AnEarlierLiveValueIsFound) {
 
 TEST_F(Twins, LiveValuesThatWereNeverSentAreFound) {
   Say("\"joints\":{", "\"joints\":{\"tele\":{\"elbow\":{\"position\":1}},");
-  EXPECT_THAT(Found(), ElementsAre(HasSubstr("joints/tele/elbow/position: nothing")));
+  EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("nothing like it"),
+                                         HasSubstr("joints/tele/elbow/position"))));
   look = Good().look;
   Say("\"gps\"", "\"gps2\"");
-  EXPECT_THAT(Found(), ElementsAre(HasSubstr("gps: nothing")));
+  EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("gps"), HasSubstr("no such row"))));
 }
 
 TEST_F(Twins, ASecretThatShowsIsFound) {
@@ -249,14 +251,13 @@ TEST_F(Twins, PresenceThatWentAwayIsFound) {
 }
 
 TEST(Delivery, SaysHowOftenSomethingMayBeThere) {
-  EXPECT_EQ(WrongCount(Delivery::kOnce, 1), "");
-  EXPECT_EQ(WrongCount(Delivery::kOnce, 0), "no such row");
-  EXPECT_EQ(WrongCount(Delivery::kOnce, 2), "2 times");
-  EXPECT_EQ(WrongCount(Delivery::kOnceOrMore, 2), "");
-  EXPECT_EQ(WrongCount(Delivery::kOnceOrMore, 0), "no such row");
-  EXPECT_EQ(WrongCount(Delivery::kAtMostOnce, 0), "");
-  EXPECT_EQ(WrongCount(Delivery::kAtMostOnce, 2), "2 times");
-  EXPECT_EQ(WrongCount(Delivery::kUnknown, 5), "");
+  for (const auto& [delivery, min, max] : {std::tuple(Delivery::kOnce, 1U, std::uint64_t{1}),
+                                           std::tuple(Delivery::kOnceOrMore, 1U, kAnyTimes),
+                                           std::tuple(Delivery::kAtMostOnce, 0U, std::uint64_t{1}),
+                                           std::tuple(Delivery::kUnknown, 0U, kAnyTimes)}) {
+    EXPECT_EQ(TimesOf(delivery).min, min);
+    EXPECT_EQ(TimesOf(delivery).max, max);
+  }
 }
 
 }  // namespace

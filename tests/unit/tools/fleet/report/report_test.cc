@@ -3,7 +3,6 @@
 
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
-#include "uplink/v1/relay.pb.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -53,17 +52,6 @@ TEST(ReportTest, WhatBecameOfMessagesIsSaid) {
               AllOf(HasSubstr(R"("rejectsByReason":{)"), HasSubstr(R"("malformed":3)"),
                     HasSubstr(R"("rateLimited":2)"), HasSubstr(R"("judged":1499)"),
                     HasSubstr(R"("onlyMoving":4)"), HasSubstr(R"("liveGaveWay":{)")));
-}
-
-TEST(ReportTest, RejectsAreNamedByTheirReason) {
-  Shared shared;
-  shared.CountReject(v1::REJECT_REASON_RATE_LIMITED);
-  shared.CountReject(v1::REJECT_REASON_MALFORMED);
-  shared.CountReject(v1::REJECT_REASON_MALFORMED);
-  shared.CountReject(-1);
-  shared.CountReject(99);
-  EXPECT_EQ(RejectsByReason(shared), (std::map<std::string, std::uint64_t>{
-                                         {"malformed", 2}, {"rate_limited", 1}, {"unknown", 2}}));
 }
 
 TEST(ReportTest, AServerElsewhereAndAFleetThatIsTheLimitAreSeen) {

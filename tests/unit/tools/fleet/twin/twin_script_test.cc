@@ -142,18 +142,5 @@ TEST(TwinAccount, KnowsHowSureEachPublicationIs) {
   EXPECT_EQ(account.refused(), 1U);
 }
 
-TEST(TwinAccount, RemembersTheValuesOfAPartForAWhile) {
-  SentPart part;
-  part.Send("first");
-  for (std::size_t i = 0; i < kTwinValuesMax - 1; ++i) part.Send(std::to_string(i));
-  EXPECT_TRUE(part.WasSent("first"));
-  part.Send("last");
-  EXPECT_FALSE(part.WasSent("first"));
-  EXPECT_EQ(part.last(), "last");
-  part.SendLate("late");
-  EXPECT_EQ(part.last(), "last");
-  EXPECT_TRUE(part.WasSent("late"));
-}
-
 }  // namespace
 }  // namespace uplink::synthetic

@@ -1,10 +1,12 @@
-#include "tools/uplink-fleet/run/sum_up.h"
+#include "tools/uplink-fleet/report/run_figures.h"
 
 #include <map>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "uplink/v1/relay.pb.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -23,8 +25,7 @@ TEST(SumUp, AddsTheRobotsToWhatTheyCountedTogether) {
   shared.acked_durable.store(6);
   shared.welcomes.store(2);
   shared.first_error.Keep("the first");
-  RunFigures figures;
-  SumUp(robots, shared, figures);
+  const RunFigures figures = SumUp(robots, shared);
   EXPECT_EQ(figures.robots, 2U);
   EXPECT_EQ(figures.sent, 7U);
   EXPECT_EQ(figures.resent, 1U);
@@ -40,9 +41,20 @@ TEST(SumUp, NamesTheEndsOfStreams) {
   shared.CountEnd(0);
   shared.CountEnd(14);
   shared.CountEnd(14);
-  RunFigures figures;
-  SumUp({}, shared, figures);
+  const RunFigures figures = SumUp({}, shared);
   EXPECT_THAT(figures.ends, ElementsAre(Pair("OK", 1), Pair("UNAVAILABLE", 2)));
+}
+
+TEST(SumUp, RejectsAreNamedByTheirReason) {
+  Shared shared;
+  shared.CountReject(v1::REJECT_REASON_RATE_LIMITED);
+  shared.CountReject(v1::REJECT_REASON_MALFORMED);
+  shared.CountReject(v1::REJECT_REASON_MALFORMED);
+  shared.CountReject(-1);
+  shared.CountReject(99);
+  EXPECT_EQ(SumUp({}, shared).rejects_by_reason,
+            (std::map<std::string, std::uint64_t>{
+                {"malformed", 2}, {"rate_limited", 1}, {"unknown", 2}}));
 }
 
 TEST(WasDisturbed, NeedsABreakATakeoverADrainOrAnEndThatIsNotOk) {

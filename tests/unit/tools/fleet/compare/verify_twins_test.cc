@@ -1,11 +1,11 @@
-#include "tools/uplink-fleet/compare/mqtt_counts.h"
+#include "tools/uplink-fleet/compare/verify_twins.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/tools/fleet/compare/mismatches.h"
-#include "tools/uplink-fleet/compare/verify_twins.h"
-#include "tools/uplink-fleet/report/twin_report.h"
+#include "tools/uplink-fleet/report/json_report.h"
+#include "tools/uplink-fleet/report/text_report.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -14,33 +14,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-constexpr const char* kPage = R"(# HELP uplinkd_mqtt_messages_received_total Messages.
-# TYPE uplinkd_mqtt_messages_received_total counter
-uplinkd_mqtt_messages_received_total{connection="durable"} 7
-uplinkd_mqtt_messages_received_total{connection="live"} 5
-uplinkd_mqtt_messages_settled_total{outcome="stored"} 4
-uplinkd_mqtt_messages_settled_total{outcome="applied"} 3
-uplinkd_mqtt_messages_settled_total{outcome="rejected",connection="live"} 2
-uplinkd_mqtt_messages_settled_total{outcome="rejected",connection="durable"} 2
-uplinkd_mqtt_messages_in_flight 1
-uplinkd_mqtt_messages_in_flight_other 100
-)";
-
-TEST(MqttCounts, SumsTheLabelsOfAPage) {
-  const auto counts = MqttCountsOf(kPage);
-  ASSERT_TRUE(counts);
-  EXPECT_EQ(counts->received, 12U);
-  EXPECT_EQ(counts->in_flight, 1U);
-  EXPECT_EQ(counts->settled.at("rejected"), 4U);
-  EXPECT_EQ(counts->sum(), 12U);
-  EXPECT_TRUE(counts->holds());
-}
-
-TEST(MqttCounts, APageWithoutThemSaysNothing) {
-  EXPECT_FALSE(MqttCountsOf(""));
-  EXPECT_FALSE(MqttCountsOf("uplinkd_mqtt_messages_received_total 7\n"));
-}
 
 TwinEvidence Good() {
   TwinEvidence evidence;
@@ -53,9 +26,9 @@ TwinEvidence Good() {
                      .pings = 3,
                      .pongs = 2};
   evidence.twins_read = 2;
-  evidence.before = MqttCounts{.received = 5, .in_flight = 0, .settled = {{"stored", 5}}};
+  evidence.before = Conservation{.received = 5, .in_flight = 0, .settled = {{"stored", 5}}};
   evidence.after =
-      MqttCounts{.received = 20, .in_flight = 0, .settled = {{"stored", 12}, {"applied", 8}}};
+      Conservation{.received = 20, .in_flight = 0, .settled = {{"stored", 12}, {"applied", 8}}};
   evidence.watch.See(evidence.after);
   return evidence;
 }
@@ -69,9 +42,9 @@ TEST(VerifyTwins, AGoodRunAgrees) {
   const TwinEvidence good = Good();
   TwinFigures figures;
   figures.totals = good.totals;
-  const std::string text = TwinTextReport(figures, VerifyTwins(good), good.findings);
+  const std::string text = TextReport(figures, VerifyTwins(good), good.findings);
   EXPECT_THAT(text, HasSubstr("verification: all agree"));
-  EXPECT_THAT(TwinJsonReport(figures, VerifyTwins(good), good.findings), HasSubstr("\"ok\":true"));
+  EXPECT_THAT(JsonReport(figures, VerifyTwins(good), good.findings), HasSubstr("\"ok\":true"));
 }
 
 TEST(VerifyTwins, EveryThingOfATwinHasARowOfItsOwn) {
@@ -84,7 +57,7 @@ TEST(VerifyTwins, EveryThingOfATwinHasARowOfItsOwn) {
 
 TEST(VerifyTwins, ConservationMustHoldAtEachScrape) {
   TwinEvidence evidence = Good();
-  evidence.watch.See(MqttCounts{.received = 2, .in_flight = 0, .settled = {{"stored", 1}}});
+  evidence.watch.See(Conservation{.received = 2, .in_flight = 0, .settled = {{"stored", 1}}});
   EXPECT_THAT(Mismatches(evidence), ElementsAre("scrapes in which received = the rest"));
   evidence = Good();
   evidence.after->settled["stored"] = 11;
@@ -116,7 +89,7 @@ TEST(VerifyTwins, ADifferenceOfATwinIsAMismatch) {
   TwinEvidence evidence = Good();
   evidence.findings.Differ(Thing::kTwinEvents, "rcan://x", "once", "twice");
   EXPECT_THAT(Mismatches(evidence), ElementsAre("events"));
-  const std::string text = TwinTextReport({}, VerifyTwins(evidence), evidence.findings);
+  const std::string text = TextReport(TwinFigures(), VerifyTwins(evidence), evidence.findings);
   EXPECT_THAT(text, HasSubstr("rcan://x | events | once | twice"));
   EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
 }
