@@ -248,14 +248,6 @@ loop::StreamRef RobotSessions::OnGapsWritten(std::size_t count) {
   return takeover_.current();
 }
 
-loop::StreamRef RobotSessions::OnFenced(metrics::Ledger& ledger) {
-  return VoidAndStop(Standing::kSuperseded, ledger);
-}
-
-loop::StreamRef RobotSessions::OnWentBack(metrics::Ledger& ledger) {
-  return VoidAndStop(Standing::kWentBack, ledger);
-}
-
 loop::StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& ledger) {
   std::size_t waited = 0;
   loop::StreamRef wake;

@@ -234,12 +234,16 @@ class RobotSessions final {
   std::optional<FleetWords::Refused> OnOtherFleet(std::uint64_t open_id, metrics::Ledger& ledger);
   loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
   loop::StreamRef OnGapsWritten(std::size_t count);
-  loop::StreamRef OnFenced(metrics::Ledger& ledger);
+  loop::StreamRef OnFenced(metrics::Ledger& ledger) {
+    return VoidAndStop(Standing::kSuperseded, ledger);
+  }
   [[nodiscard]] std::vector<storage::CommittedSession> Committed() const {
     const std::lock_guard lock(mutex_);
     return sessions_.Committed();
   }
-  loop::StreamRef OnWentBack(metrics::Ledger& ledger);
+  loop::StreamRef OnWentBack(metrics::Ledger& ledger) {
+    return VoidAndStop(Standing::kWentBack, ledger);
+  }
   [[nodiscard]] std::uint64_t generation() const { return generation_.load(); }
 
  private:

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <mutex>
 
-#include "schema/base/boot_clock.h"
 #include "schema/base/clock.h"
 
 namespace uplink::testing {
