@@ -25,9 +25,9 @@ namespace {
 
 namespace js = boost::json;
 
+constexpr std::string_view kEvent = "twin/{twin}/event";
 constexpr std::string_view kTelemetry = "twin/{twin}/telemetry";
 constexpr std::string_view kEnvironment = "environment/{environment}/twin_added";
-constexpr std::string_view kLogTopic = "twin/{twin}/driverlog";
 
 /// Levels in any case, and words that nobody knows.
 constexpr std::string_view kLog =
@@ -39,84 +39,53 @@ constexpr std::string_view kTelemetryLog =
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kLevels = {
     {{"Warning", "warn"}, {"warn", "warn"}, {"ERROR", "error"}, {"critical", "error"}}};
 
+constexpr Words FromWorker(std::string_view topic, std::string_view body) {
+  return {.speaker = Speaker::kNone, .source = "", .topic = topic, .body = body};
+}
+
 constexpr auto kHappenings = std::to_array<Happening>({
     // An event as its worker made it.
     {24,
-     {.speaker = Speaker::kNone,
-      .source = "",
-      .topic = "twin/{twin}/event",
-      .body = R"({"event_type":"object_detected","source":"detector",)"
-              R"("data":{"mark":"{mark}","score":"0..1"}})"},
-     RowKind::kEvent,
-     "object_detected",
-     true},
+     FromWorker(kEvent, R"({"event_type":"object_detected","source":"detector",)"
+                        R"("data":{"mark":"{mark}","score":"0..1"}})"),
+     RowKind::kEvent, "object_detected", true},
     // The same in the bridge's frame, which says the time.
     {12,
-     {.topic = "twin/{twin}/event",
-      .body = R"({"event_type":"zone_entered","data":{"mark":"{mark}","zone":7}})",
-      .head = Head::kNone},
-     RowKind::kEvent,
-     "zone_entered",
-     true},
+     With(Head::kNone,
+          FromDriver(kEvent, R"({"event_type":"zone_entered","data":{"mark":"{mark}","zone":7}})")),
+     RowKind::kEvent, "zone_entered", true},
     // Telemetry of types that nobody knows.
-    {24,
-     {.topic = kTelemetry, .body = R"({"type":"gripper_closed","mark":"{mark}","force":"0..40"})"},
-     RowKind::kEvent,
-     "gripper_closed",
-     true},
-    {12,
-     {.speaker = Speaker::kSimulation,
-      .source = "sim",
-      .topic = kTelemetry,
-      .body = R"({"type":"camera_moved","mark":"{mark}"})"},
-     RowKind::kEvent,
-     "camera_moved",
-     true},
-    {18, {.source = "", .topic = kLogTopic, .body = kLog}, RowKind::kMessage, "log", true},
-    {12, {.topic = kTelemetry, .body = kTelemetryLog}, RowKind::kMessage, "log", true},
-    {3,
-     {.topic = kEnvironment, .body = R"({"type":"twin_added","data":{"mark":"{mark}"}})"},
-     RowKind::kScope,
-     "twin_added"},
+    {24, FromDriver(kTelemetry, R"({"type":"gripper_closed","mark":"{mark}","force":"0..40"})"),
+     RowKind::kEvent, "gripper_closed", true},
+    {12, FromSimulation(kTelemetry, R"({"type":"camera_moved","mark":"{mark}"})"), RowKind::kEvent,
+     "camera_moved", true},
+    {18, FromDriver("twin/{twin}/driverlog", kLog, ""), RowKind::kMessage, "log", true},
+    {12, FromDriver(kTelemetry, kTelemetryLog), RowKind::kMessage, "log", true},
+    {3, FromDriver(kEnvironment, R"({"type":"twin_added","data":{"mark":"{mark}"}})"),
+     RowKind::kScope, "twin_added"},
     // What a message without data says instead.
-    {3,
-     {.topic = kEnvironment, .body = R"({"type":"twin_added","bindings":{"mark":"{mark}"}})"},
-     RowKind::kScope,
-     "twin_added"},
+    {3, FromDriver(kEnvironment, R"({"type":"twin_added","bindings":{"mark":"{mark}"}})"),
+     RowKind::kScope, "twin_added"},
     {6,
-     {.speaker = Speaker::kNone,
-      .source = "",
-      .topic = "workflow-run/{run}/status",
-      .body = R"({"status":"queued|running|completed","mark":"{mark}"})"},
-     RowKind::kScope,
-     ""},
+     FromWorker("workflow-run/{run}/status",
+                R"({"status":"queued|running|completed","mark":"{mark}"})"),
+     RowKind::kScope, ""},
     // Marks that change nothing: a stream's end, a recording's cut, an observation.
+    {1, FromDriver(kTelemetry, R"({"type":"telemetry_end","mark":"{mark}","sensor":"front"})", ""),
+     RowKind::kEvent, "telemetry_end"},
     {1,
-     {.source = "",
-      .topic = kTelemetry,
-      .body = R"({"type":"telemetry_end","mark":"{mark}","sensor":"front"})"},
-     RowKind::kEvent,
-     "telemetry_end"},
-    {1,
-     {.speaker = Speaker::kSimulation,
-      .source = "",
-      .topic = kTelemetry,
-      .body = R"({"type":"telemetry_end","mark":"{mark}","recording_boundary":true})"},
-     RowKind::kEvent,
-     "telemetry_end"},
+     FromSimulation(kTelemetry,
+                    R"({"type":"telemetry_end","mark":"{mark}","recording_boundary":true})", ""),
+     RowKind::kEvent, "telemetry_end"},
     {2,
-     {.source = "",
-      .topic = kTelemetry,
-      .body = R"({"type":"telemetry_start","mark":"{mark}","recording_boundary":true})"},
-     RowKind::kEvent,
-     "telemetry_start"},
+     FromDriver(kTelemetry,
+                R"({"type":"telemetry_start","mark":"{mark}","recording_boundary":true})", ""),
+     RowKind::kEvent, "telemetry_start"},
     {2,
-     {.speaker = Speaker::kSimulation,
-      .source = "",
-      .topic = kTelemetry,
-      .body = R"({"type":"initial_observation","mark":"{mark}","observations":{"_1":0.1}})"},
-     RowKind::kEvent,
-     "initial_observation"},
+     FromSimulation(kTelemetry,
+                    R"({"type":"initial_observation","mark":"{mark}","observations":{"_1":0.1}})",
+                    ""),
+     RowKind::kEvent, "initial_observation"},
 });
 
 /// `bytes` bytes of it, low byte first.

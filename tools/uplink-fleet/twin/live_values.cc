@@ -49,155 +49,99 @@ constexpr std::array<std::pair<const char*, const char*>, 3> kChannels = {
 /// What joints are called that a message has as fields of its own.
 constexpr std::string_view kFlatJoint = "wrist";
 
-constexpr Words Position(Speaker speaker, std::string_view source, Head head = Head::kWhole) {
-  return {.speaker = speaker,
-          .source = source,
-          .topic = "twin/{twin}/position",
-          .body = R"({"type":"position","position":{"x":"-50..50","y":"-50..50","z":"0..2"}})",
-          .head = head};
-}
-
-constexpr Words Joints(Speaker speaker, std::string_view source, std::string_view body,
-                       Head head = Head::kWhole) {
-  return {.speaker = speaker,
-          .source = source,
-          .topic = "joint/{twin}/update",
-          .body = body,
-          .head = head};
-}
-
+constexpr std::string_view kPosition = "twin/{twin}/position";
+constexpr std::string_view kPlace =
+    R"({"type":"position","position":{"x":"-50..50","y":"-50..50","z":"0..2"}})";
+constexpr std::string_view kRotation = "twin/{twin}/rotation";
+constexpr std::string_view kHealth = "twin/{twin}/edge_health";
+constexpr std::string_view kTelemetry = "twin/{twin}/telemetry";
+constexpr std::string_view kJoints = "joint/{twin}/update";
 constexpr std::string_view kMaps = R"({"positions":{"_1":"-3..3","_2":"-3..3","_3":"-3..3"},)"
                                    R"("velocities":{"_1":"-3..3","_2":"-3..3","_3":"-3..3"},)"
                                    R"("efforts":{"_1":"-3..3","_2":"-3..3","_3":"-3..3"}})";
 
 constexpr auto kKinds = std::to_array<LiveKind>({
     // A word that nobody knows counts as edge, and is kept.
-    {1, Position(Speaker::kDriver, "edge_v2"), Shown::kMember, "position", "edge_v2"},
-    {19, Position(Speaker::kDriver, "edge"), Shown::kMember, "position"},
+    {1, FromDriver(kPosition, kPlace, "edge_v2"), Shown::kMember, "position", "edge_v2"},
+    {19, FromDriver(kPosition, kPlace), Shown::kMember, "position"},
     // Half of them let the session say that they are simulated.
-    {7, Position(Speaker::kSimulation, ""), Shown::kMember, "position", "sim"},
-    {7, Position(Speaker::kSimulation, "sim"), Shown::kMember, "position", "sim"},
-    {12,
-     {.topic = "twin/{twin}/rotation", .body = R"({"rotation":{"w":"-1..1","z":"-1..1"}})"},
-     Shown::kRotation,
+    {7, FromSimulation(kPosition, kPlace, ""), Shown::kMember, "position", "sim"},
+    {7, FromSimulation(kPosition, kPlace), Shown::kMember, "position", "sim"},
+    {12, FromDriver(kRotation, R"({"rotation":{"w":"-1..1","z":"-1..1"}})"), Shown::kRotation,
      "rotation"},
-    {6,
-     {.speaker = Speaker::kSimulation,
-      .source = "sim",
-      .topic = "twin/{twin}/rotation",
-      .body = R"({"rotation":{"w":0.0,"x":0.0,"y":0.0,"z":0.0}})"},
-     Shown::kNoRotation,
-     "rotation",
-     "sim"},
-    {2,
-     {.topic = "twin/{twin}/scale", .body = R"({"scale":{"x":1,"y":1,"z":"1..2"}})"},
-     Shown::kMember,
+    {6, FromSimulation(kRotation, R"({"rotation":{"w":0.0,"x":0.0,"y":0.0,"z":0.0}})"),
+     Shown::kNoRotation, "rotation", "sim"},
+    {2, FromDriver("twin/{twin}/scale", R"({"scale":{"x":1,"y":1,"z":"1..2"}})"), Shown::kMember,
      "scale"},
     {8,
-     {.source = "",
-      .topic = "twin/{twin}/gps",
-      .body = R"({"latitude":"47..48","longitude":"8..9","altitude":"400..500",)"
-              R"("compass_heading":"0..359","satellite_count":"7..11#","fix_type":"rtk_fixed"})"},
-     Shown::kFields,
-     "gps"},
+     FromDriver("twin/{twin}/gps",
+                R"({"latitude":"47..48","longitude":"8..9","altitude":"400..500",)"
+                R"("compass_heading":"0..359","satellite_count":"7..11#",)"
+                R"("fix_type":"rtk_fixed"})",
+                ""),
+     Shown::kFields, "gps"},
     {16,
-     Joints(Speaker::kDriver, "edge",
-            R"({"joint_name":"elbow","joint_state":)"
-            R"({"position":"-3..3","velocity":"-3..3","effort":"-3..3"}})"),
+     FromDriver(kJoints, R"({"joint_name":"elbow","joint_state":)"
+                         R"({"position":"-3..3","velocity":"-3..3","effort":"-3..3"}})"),
      Shown::kJoints, "edge"},
     // By a follower and by its leader, whose joints have the same names.
-    {12, Joints(Speaker::kDriver, "edge_follower", kMaps), Shown::kJoints, "edge_follower"},
-    {10, Joints(Speaker::kDriver, "edge_leader", kMaps), Shown::kJoints, "edge_leader"},
-    {8, Joints(Speaker::kSimulation, "sim", kMaps), Shown::kJoints, "sim"},
+    {12, FromDriver(kJoints, kMaps, "edge_follower"), Shown::kJoints, "edge_follower"},
+    {10, FromDriver(kJoints, kMaps, "edge_leader"), Shown::kJoints, "edge_leader"},
+    {8, FromSimulation(kJoints, kMaps), Shown::kJoints, "sim"},
     {16,
-     Joints(Speaker::kDriver, "edge", R"({"wrist_1":"-3..3","wrist_2":"-3..3","mode":3})",
-            Head::kTimeless),
+     With(Head::kTimeless,
+          FromDriver(kJoints, R"({"wrist_1":"-3..3","wrist_2":"-3..3","mode":3})")),
      Shown::kJoints, "edge"},
-    {4,
-     {.source = "",
-      .topic = "twin/{twin}/joint_states",
-      .body = R"({"joint_states":{"gripper":"-3..3"}})"},
-     Shown::kJoints,
-     "edge"},
+    {4, FromDriver("twin/{twin}/joint_states", R"({"joint_states":{"gripper":"-3..3"}})", ""),
+     Shown::kJoints, "edge"},
     // By the driver, whose edge is the twin itself.
     {4,
-     {.topic = "twin/{twin}/edge_health",
-      .body = R"({"type":"edge_health","twin_uuid":"{twin}","edge_id":"{twin}",)"
-              R"("uptime_seconds":"0..9000","streams":{"front":{"camera_id":"front",)"
-              R"("connection_state":"connected","ice_connection_state":"connected",)"
-              R"("frames_sent":"0..99999#","fps":"20..30","uptime_seconds":"0..900",)"
-              R"("restart_count":0,"is_stale":false,"is_healthy":true}},)"
-              R"("stream_count":1,"healthy_streams":1})"},
-     Shown::kFields,
-     "edgeHealth/{twin}"},
+     FromDriver(kHealth, R"({"type":"edge_health","twin_uuid":"{twin}","edge_id":"{twin}",)"
+                         R"("uptime_seconds":"0..9000","streams":{"front":{"camera_id":"front",)"
+                         R"("connection_state":"connected","ice_connection_state":"connected",)"
+                         R"("frames_sent":"0..99999#","fps":"20..30","uptime_seconds":"0..900",)"
+                         R"("restart_count":0,"is_stale":false,"is_healthy":true}},)"
+                         R"("stream_count":1,"healthy_streams":1})"),
+     Shown::kFields, "edgeHealth/{twin}"},
     // By the computer that it runs on.
     {2,
-     {.topic = "twin/{twin}/edge_health",
-      .body = R"({"twin_uuid":"{twin}","edge_id":"{computer}","uptime_seconds":"0..90000",)"
-              R"("streams":{},"stream_count":0,"healthy_streams":0,)"
-              R"("host_memory_percent":"0..100","host_cpu_percent":"0..100",)"
-              R"("host_disk_percent":"0..100","cpu_temp_c":"30..90"})"},
-     Shown::kFields,
-     "edgeHealth/{computer}"},
-    {1,
-     {.topic = "twin/{twin}/telemetry",
-      .body = R"({"type":"motor_status","motors":{"left":{"rpm":"0..90"}}})"},
-     Shown::kBody,
-     "motors",
-     "edge",
-     Qos::k1},
-    {1,
-     {.topic = "twin/{twin}/telemetry", .body = R"({"type":"driver_info","version":"1.1|1.2"})"},
-     Shown::kBody,
-     "driverInfo",
-     "edge",
-     Qos::k1},
+     FromDriver(kHealth,
+                R"({"twin_uuid":"{twin}","edge_id":"{computer}","uptime_seconds":"0..90000",)"
+                R"("streams":{},"stream_count":0,"healthy_streams":0,)"
+                R"("host_memory_percent":"0..100","host_cpu_percent":"0..100",)"
+                R"("host_disk_percent":"0..100","cpu_temp_c":"30..90"})"),
+     Shown::kFields, "edgeHealth/{computer}"},
+    {1, FromDriver(kTelemetry, R"({"type":"motor_status","motors":{"left":{"rpm":"0..90"}}})"),
+     Shown::kBody, "motors", "edge", Qos::k1},
+    {1, FromDriver(kTelemetry, R"({"type":"driver_info","version":"1.1|1.2"})"), Shown::kBody,
+     "driverInfo", "edge", Qos::k1},
     {2,
-     {.topic = "twin/{twin}/telemetry",
-      .body = R"({"telemetry_type":"battery","data":{"level":"0..100","charging":false}})"},
-     Shown::kData,
-     "reports/battery",
-     "edge",
-     Qos::k1},
+     FromDriver(kTelemetry,
+                R"({"telemetry_type":"battery","data":{"level":"0..100","charging":false}})"),
+     Shown::kData, "reports/battery", "edge", Qos::k1},
     {1,
-     {.topic = "twin/{twin}/event",
-      .body = R"({"event_type":"robot_state","source":"navigation",)"
-              R"("data":{"mode":"auto","speed":"0..2"}})"},
-     Shown::kData,
-     "reports/robot_state",
-     "edge",
-     Qos::k1},
+     FromDriver("twin/{twin}/event", R"({"event_type":"robot_state","source":"navigation",)"
+                                     R"("data":{"mode":"auto","speed":"0..2"}})"),
+     Shown::kData, "reports/robot_state", "edge", Qos::k1},
     {5,
-     {.source = "",
-      .topic = "twin/{twin}/battery/status",
-      .body = R"({"percentage":"2..100","voltage":"22..26"})"},
-     Shown::kFields,
-     "battery"},
+     FromDriver("twin/{twin}/battery/status", R"({"percentage":"2..100","voltage":"22..26"})", ""),
+     Shown::kFields, "battery"},
     {1,
-     {.speaker = Speaker::kViewer,
-      .source = "tele",
-      .topic = "twin/{twin}/command",
-      .body = R"({"command":"start_video","data":{"token":"candidate:secret"}})"},
-     Shown::kCommand,
-     "lastCommand",
-     "tele"},
+     FromViewer("twin/{twin}/command",
+                R"({"command":"start_video","data":{"token":"candidate:secret"}})"),
+     Shown::kCommand, "lastCommand", "tele"},
     // Its position alone: the other channels stay as they were. Null is absent.
     {8,
-     Joints(Speaker::kDriver, "edge",
-            R"({"joint_name":"elbow","joint_state":{"position":"-3..3","velocity":null}})"),
+     FromDriver(kJoints,
+                R"({"joint_name":"elbow","joint_state":{"position":"-3..3","velocity":null}})"),
      Shown::kJoints, "edge"},
     // What must change nothing of the above.
-    {4, Joints(Speaker::kDriver, "edge",
-               R"({"target_positions":{"elbow":"-3..3","wanted_only":"-3..3"}})")},
-    {2, Joints(Speaker::kViewer, "tele",
-               R"({"joint_name":"elbow","joint_state":{"position":"-3..3"}})")},
-    {2, Position(Speaker::kDriver, "edge", Head::kLate)},
-    {2, Position(Speaker::kViewer, "edit")},
-    {1,
-     {.speaker = Speaker::kViewer,
-      .source = "",
-      .topic = "twin/{twin}/webrtc-candidate",
-      .body = R"({"type":"candidate","candidate":"candidate:secret"})"}},
+    {4, FromDriver(kJoints, R"({"target_positions":{"elbow":"-3..3","wanted_only":"-3..3"}})")},
+    {2, FromViewer(kJoints, R"({"joint_name":"elbow","joint_state":{"position":"-3..3"}})")},
+    {2, With(Head::kLate, FromDriver(kPosition, kPlace))},
+    {2, FromViewer(kPosition, kPlace, "edit")},
+    {1, FromViewer("twin/{twin}/webrtc-candidate",
+                   R"({"type":"candidate","candidate":"candidate:secret"})", "")},
 });
 
 }  // namespace

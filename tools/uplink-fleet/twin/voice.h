@@ -50,6 +50,25 @@ struct Words {
   Head head = Head::kWhole;
 };
 
+/// What its driver says of a twin, or its simulation.
+constexpr Words FromDriver(std::string_view topic, std::string_view body,
+                           std::string_view source = "edge") {
+  return {.source = source, .topic = topic, .body = body};
+}
+constexpr Words FromSimulation(std::string_view topic, std::string_view body,
+                               std::string_view source = "sim") {
+  return {.speaker = Speaker::kSimulation, .source = source, .topic = topic, .body = body};
+}
+constexpr Words FromViewer(std::string_view topic, std::string_view body,
+                           std::string_view source = "tele") {
+  return {.speaker = Speaker::kViewer, .source = source, .topic = topic, .body = body};
+}
+/// The same words with another head.
+constexpr Words With(Head head, Words words) {
+  words.head = head;
+  return words;
+}
+
 /// A message in the making. A value.
 struct Draft {
   std::uint64_t number = 0;
