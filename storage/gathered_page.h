@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 
+#include <absl/status/statusor.h>
+
+#include "schema/base/check.h"
 #include "storage/reader.h"
 #include "storage/shared_items.h"
 
@@ -22,5 +26,25 @@ struct GatheredPage {
     bytes += item_bytes;
   }
 };
+
+/// The page after that item: shapes, then objects. `gather` is a template over the list: it adds
+/// what comes after a key, as far as there is room.
+template <typename Gather>
+[[nodiscard]] absl::StatusOr<SharedPage> GatherPage(const std::optional<ItemKey>& after,
+                                                    const Gather& gather) {
+  ItemKey start = after.value_or(ItemKey{});
+  UPLINK_CHECK(ItemNumberOf(start.kind).has_value(), "the key of an item");
+  GatheredPage gathered;
+  absl::Status read;
+  if (start.kind == PresentKind::kShape) {
+    read = gather.template operator()<PageKind::kShapes>(start, gathered);
+    start = {};
+  }
+  if (read.ok() && !gathered.page.more) {
+    read = gather.template operator()<PageKind::kObjects>(start, gathered);
+  }
+  if (!read.ok()) return read;
+  return std::move(gathered.page);
+}
 
 }  // namespace uplink::storage

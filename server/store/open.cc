@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "storage/postgres/change_signal.h"
-#include "storage/postgres/clock_marks.h"
-#include "storage/postgres/forget_store.h"
-#include "storage/postgres/leases.h"
 #include "storage/postgres/link/url.h"
+#include "storage/postgres/parts.h"
 #include "storage/postgres/reader.h"
-#include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
-#include "storage/postgres/topic_leases.h"
-#include "storage/sqlite/clock_marks.h"
-#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/reader.h"
-#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
-#include "storage/sqlite/topic_leases.h"
 
 namespace uplink::store {
 namespace {
@@ -53,6 +45,15 @@ storage::sqlite::OnDamageCheck TellOfCheck(const std::string& path, const log::L
   };
 }
 
+/// Keeps a part of the stores once it is opened, unless one before it failed.
+template <typename Part>
+void Keep(absl::StatusOr<std::unique_ptr<Part>> opened, std::unique_ptr<Part>& part,
+          absl::Status& status) {
+  if (!status.ok()) return;
+  status = opened.status();
+  if (status.ok()) part = *std::move(opened);
+}
+
 absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process,
                                   const Clock& clock, const log::Logger& logger) {
   Stores stores;
@@ -70,20 +71,14 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   reads.damage = damage;
   auto reader = storage::sqlite::SqliteReader::Open(path, reads);
   if (!reader.ok()) return reader.status();
-  auto marks = storage::sqlite::SqliteClockMarks::Open(path, damage);
-  if (!marks.ok()) return marks.status();
-  stores.marks = *std::move(marks);
-  auto forget = storage::sqlite::SqliteForgetStore::Open(path, damage);
-  if (!forget.ok()) return forget.status();
-  stores.forget = *std::move(forget);
-  auto shared = storage::sqlite::SqliteSharedItems::Open(path, damage);
-  if (!shared.ok()) return shared.status();
-  stores.shared = *std::move(shared);
+  absl::Status status;
+  Keep(storage::sqlite::OpenClockMarks(path, damage), stores.marks, status);
+  Keep(storage::sqlite::OpenForgetStore(path, damage), stores.forget, status);
+  Keep(storage::sqlite::OpenSharedItems(path, damage), stores.shared, status);
   if (!config.mqtt.url.empty()) {
-    auto topics = storage::sqlite::SqliteTopicLeases::Open(path, process, damage);
-    if (!topics.ok()) return topics.status();
-    stores.topic_leases = *std::move(topics);
+    Keep(storage::sqlite::OpenTopicLeases(path, process, damage), stores.topic_leases, status);
   }
+  if (!status.ok()) return status;
   stores.writers.push_back(*std::move(store));
   stores.snapshot = std::make_unique<OldestSnapshot>(
       [asked = reader->get(), &clock] { return asked->OldestSnapshot(clock.Steady()); });
@@ -133,26 +128,16 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
     opened.push_back(store->get());
     stores.writers.push_back(*std::move(store));
   }
-  auto leases = storage::postgres::PostgresLeases::Make(options, clock);
-  if (!leases.ok()) return leases.status();
-  stores.leases = *std::move(leases);
-  auto marks = storage::postgres::PostgresClockMarks::Make(options, clock);
-  if (!marks.ok()) return marks.status();
-  stores.marks = *std::move(marks);
-  auto forget = storage::postgres::PostgresForgetStore::Make(options, clock);
-  if (!forget.ok()) return forget.status();
-  stores.forget = *std::move(forget);
-  auto shared = storage::postgres::PostgresSharedItems::Make(options, clock);
-  if (!shared.ok()) return shared.status();
-  stores.shared = *std::move(shared);
+  absl::Status status;
+  Keep(storage::postgres::MakeLeases(options, clock), stores.leases, status);
+  Keep(storage::postgres::MakeClockMarks(options, clock), stores.marks, status);
+  Keep(storage::postgres::MakeForgetStore(options, clock), stores.forget, status);
+  Keep(storage::postgres::MakeSharedItems(options, clock), stores.shared, status);
   if (!config.mqtt.url.empty()) {
-    auto topics = storage::postgres::PostgresTopicLeases::Make(options, clock);
-    if (!topics.ok()) return topics.status();
-    stores.topic_leases = *std::move(topics);
+    Keep(storage::postgres::MakeTopicLeases(options, clock), stores.topic_leases, status);
   }
-  auto change_signal = storage::postgres::PostgresChangeSignal::Make(options, clock);
-  if (!change_signal.ok()) return change_signal.status();
-  stores.change_signal = *std::move(change_signal);
+  Keep(storage::postgres::MakeChangeSignal(options, clock), stores.change_signal, status);
+  if (!status.ok()) return status;
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;

@@ -1,12 +1,13 @@
-#include "storage/postgres/change_signal.h"
+#include "storage/change_signal.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -14,6 +15,7 @@
 
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/link_options.h"
+#include "storage/postgres/parts.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -35,64 +37,80 @@ void AwaitEither(int socket, int wake, SteadyTime until, const Clock& clock) {
   static_cast<void>(::eventfd_read(wake, &count));
 }
 
-}  // namespace
+class PostgresChangeSignal final : public ChangeSignal {
+ public:
+  PostgresChangeSignal(Link::Options options, const Clock& clock, int eventfd)
+      : link_(std::move(options), clock), clock_(clock), wake_(eventfd) {}
+  ~PostgresChangeSignal() override { ::close(wake_); }
+  PostgresChangeSignal(const PostgresChangeSignal&) = delete;
+  PostgresChangeSignal& operator=(const PostgresChangeSignal&) = delete;
 
-struct PostgresChangeSignal::Impl {
-  Impl(Link::Options options, const Clock& used_clock, int eventfd)
-      : link(std::move(options), used_clock), clock(used_clock), wake(eventfd) {}
-  ~Impl() { ::close(wake); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  void Tell() override {
+    if (!to_tell_.exchange(true)) Wake();
+  }
+  absl::StatusOr<bool> Wait(milliseconds most) override {
+    const SteadyTime deadline = clock_.Steady() + most;
+    while (!ended_) {
+      const absl::StatusOr<Connection*> connection = Listening();
+      if (!connection.ok()) return connection.status();
+      const absl::Status told = TellWhenDue(**connection);
+      if (!told.ok()) return told;
+      const auto heard = (*connection)->TakeNotifications(own_session_);
+      if (!heard.ok()) return heard.status();
+      if (*heard != 0) return true;
+      if (clock_.Steady() >= deadline) return false;
+      const SteadyTime until = to_tell_ ? std::min(deadline, tell_from_) : deadline;
+      AwaitEither((*connection)->socket(), wake_, until, clock_);
+    }
+    return false;
+  }
+  void End() override {
+    ended_ = true;
+    Wake();
+  }
 
+ private:
   /// Fails only where the count is full, and then the eventfd is ready as well.
-  void Wake() const { static_cast<void>(::eventfd_write(wake, 1)); }
+  void Wake() const { static_cast<void>(::eventfd_write(wake_, 1)); }
   /// A connection that listens.
-  absl::StatusOr<Connection*> Listening();
+  absl::StatusOr<Connection*> Listening() {
+    if (listening_ != nullptr && !listening_->broken()) return listening_;
+    listening_ = nullptr;
+    const absl::StatusOr<Connection*> connection = link_.Get();
+    if (!connection.ok()) return connection.status();
+    const auto answers =
+        (*connection)
+            ->Run(PipelineOf(StoreCallOf(kListen), StoreCallOf(kOwnSession)), "listen for changes");
+    if (!answers.ok()) return answers.status();
+    own_session_ = answers->back().Int(0, 0);
+    listening_ = *connection;
+    return listening_;
+  }
   /// NOTIFY, if there is something to tell and the last one is long enough ago.
-  absl::Status TellWhenDue(Connection& connection);
+  absl::Status TellWhenDue(Connection& connection) {
+    if (clock_.Steady() < tell_from_ || !to_tell_.exchange(false)) return absl::OkStatus();
+    tell_from_ = clock_.Steady() + kTellEvery;
+    absl::Status told = connection.RunOne(StoreCallOf(kNotify), "tell of changes").status();
+    if (!told.ok()) to_tell_ = true;
+    return told;
+  }
 
-  Link link;
-  const Clock& clock;
-  const int wake;
-  std::atomic<bool> to_tell = false;
-  std::atomic<bool> ended = false;
+  Link link_;
+  const Clock& clock_;
+  const int wake_;
+  std::atomic<bool> to_tell_ = false;
+  std::atomic<bool> ended_ = false;
   // Of the thread that waits.
   /// Null: none listens.
-  Connection* listening = nullptr;
-  std::int64_t own_session = 0;
-  SteadyTime tell_from;
+  Connection* listening_ = nullptr;
+  std::int64_t own_session_ = 0;
+  SteadyTime tell_from_;
 };
 
-absl::StatusOr<Connection*> PostgresChangeSignal::Impl::Listening() {
-  if (listening != nullptr && !listening->broken()) return listening;
-  listening = nullptr;
-  const absl::StatusOr<Connection*> connection = link.Get();
-  if (!connection.ok()) return connection.status();
-  std::vector<StoreCall> calls;
-  calls.push_back({kListen, {}});
-  calls.push_back({kOwnSession, {}});
-  const auto answers = (*connection)->Run(calls, "listen for changes");
-  if (!answers.ok()) return answers.status();
-  own_session = answers->back().Int(0, 0);
-  listening = *connection;
-  return listening;
-}
+}  // namespace
 
-absl::Status PostgresChangeSignal::Impl::TellWhenDue(Connection& connection) {
-  if (clock.Steady() < tell_from || !to_tell.exchange(false)) return absl::OkStatus();
-  tell_from = clock.Steady() + kTellEvery;
-  std::vector<StoreCall> calls;
-  calls.push_back({kNotify, {}});
-  absl::Status told = connection.Run(calls, "tell of changes").status();
-  if (!told.ok()) to_tell = true;
-  return told;
-}
-
-PostgresChangeSignal::PostgresChangeSignal(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-PostgresChangeSignal::~PostgresChangeSignal() = default;
-
-absl::StatusOr<std::unique_ptr<PostgresChangeSignal>> PostgresChangeSignal::Make(
-    const StoreOptions& options, const Clock& clock) {
+absl::StatusOr<std::unique_ptr<ChangeSignal>> MakeChangeSignal(const StoreOptions& options,
+                                                               const Clock& clock) {
   absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
   if (!link.ok()) return link.status();
   // It writes no row, but goes where the writers go: a standby takes neither statement.
@@ -104,34 +122,7 @@ absl::StatusOr<std::unique_ptr<PostgresChangeSignal>> PostgresChangeSignal::Make
   link->connection.session_settings += " SET synchronous_commit = off;";
   const int wake = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake < 0) return absl::ResourceExhaustedError("no descriptor for an eventfd");
-  return std::unique_ptr<PostgresChangeSignal>(
-      new PostgresChangeSignal(std::make_unique<Impl>(*std::move(link), clock, wake)));
-}
-
-void PostgresChangeSignal::Tell() {
-  if (!impl_->to_tell.exchange(true)) impl_->Wake();
-}
-
-absl::StatusOr<bool> PostgresChangeSignal::Wait(milliseconds most) {
-  const SteadyTime deadline = impl_->clock.Steady() + most;
-  while (!impl_->ended) {
-    const absl::StatusOr<Connection*> connection = impl_->Listening();
-    if (!connection.ok()) return connection.status();
-    const absl::Status told = impl_->TellWhenDue(**connection);
-    if (!told.ok()) return told;
-    const auto heard = (*connection)->TakeNotifications(impl_->own_session);
-    if (!heard.ok()) return heard.status();
-    if (*heard != 0) return true;
-    if (impl_->clock.Steady() >= deadline) return false;
-    const SteadyTime until = impl_->to_tell ? std::min(deadline, impl_->tell_from) : deadline;
-    AwaitEither((*connection)->socket(), impl_->wake, until, impl_->clock);
-  }
-  return false;
-}
-
-void PostgresChangeSignal::End() {
-  impl_->ended = true;
-  impl_->Wake();
+  return std::make_unique<PostgresChangeSignal>(*std::move(link), clock, wake);
 }
 
 }  // namespace uplink::storage::postgres

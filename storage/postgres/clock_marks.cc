@@ -1,10 +1,11 @@
-#include "storage/postgres/clock_marks.h"
-
+#include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "storage/kept_tables.h"
 #include "storage/postgres/own_connection.h"
+#include "storage/postgres/parts.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -23,46 +24,36 @@ std::string SetIfEmptySql() {
   return sql + " ON CONFLICT (id) DO NOTHING";
 }
 
-}  // namespace
+class PostgresClockMarks final : public ClockMarks {
+ public:
+  explicit PostgresClockMarks(std::unique_ptr<OwnConnection> connection)
+      : connection_(std::move(connection)) {}
 
-struct PostgresClockMarks::Impl {
-  std::unique_ptr<OwnConnection> connection;
-  const std::string set_if_empty = SetIfEmptySql();
-
-  [[nodiscard]] absl::Status Write(std::string_view sql, SystemTime mark) const {
-    StoreCall call{sql, {}};
-    call.parameters.Time(mark);
-    return connection->Write(std::move(call), "set the mark of the clock").status();
+  absl::StatusOr<ClockReading> Read() override {
+    const auto row = connection_->Read(StoreCallOf(kRead), "read the mark of the clock");
+    if (!row.ok()) return row.status();
+    ClockReading reading;
+    reading.database = row->Time(0, 0);
+    if (!row->Null(0, 1)) reading.mark = row->Time(0, 1);
+    return reading;
   }
+  absl::Status Set(SystemTime mark) override { return Write(kSet, mark); }
+  absl::Status SetIfEmpty(SystemTime mark) override { return Write(set_if_empty_, mark); }
+
+ private:
+  absl::Status Write(std::string_view sql, SystemTime mark) {
+    return connection_->Write(StoreCallOf(sql, mark), "set the mark of the clock").status();
+  }
+
+  const std::unique_ptr<OwnConnection> connection_;
+  const std::string set_if_empty_ = SetIfEmptySql();
 };
 
-PostgresClockMarks::PostgresClockMarks(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-PostgresClockMarks::~PostgresClockMarks() = default;
+}  // namespace
 
-absl::StatusOr<std::unique_ptr<PostgresClockMarks>> PostgresClockMarks::Make(
-    const StoreOptions& options, const Clock& clock) {
-  absl::StatusOr<std::unique_ptr<OwnConnection>> connection = OwnConnection::Make(options, clock);
-  if (!connection.ok()) return connection.status();
-  return std::unique_ptr<PostgresClockMarks>(
-      new PostgresClockMarks(std::make_unique<Impl>(Impl{*std::move(connection)})));
-}
-
-absl::StatusOr<ClockReading> PostgresClockMarks::Read() {
-  std::vector<StoreCall> calls;
-  calls.push_back({kRead, {}});
-  const auto answer = impl_->connection->Read(calls, "read the mark of the clock");
-  if (!answer.ok()) return answer.status();
-  const Result& row = answer->front();
-  ClockReading reading;
-  reading.database = row.Time(0, 0);
-  if (!row.Null(0, 1)) reading.mark = row.Time(0, 1);
-  return reading;
-}
-
-absl::Status PostgresClockMarks::Set(SystemTime mark) { return impl_->Write(kSet, mark); }
-
-absl::Status PostgresClockMarks::SetIfEmpty(SystemTime mark) {
-  return impl_->Write(impl_->set_if_empty, mark);
+absl::StatusOr<std::unique_ptr<ClockMarks>> MakeClockMarks(const StoreOptions& options,
+                                                           const Clock& clock) {
+  return MakeOverOwn<PostgresClockMarks>(options, clock);
 }
 
 }  // namespace uplink::storage::postgres

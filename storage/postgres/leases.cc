@@ -1,11 +1,18 @@
-#include "storage/postgres/leases.h"
+#include "storage/leases.h"
 
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "storage/numbers.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/own_connection.h"
+#include "storage/postgres/parts.h"
+#include "storage/read_row.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -43,90 +50,72 @@ constexpr std::string_view kRobotsOfOthers =
     " WHERE r.owner <> $1::uuid AND left(r.ruri, 10) <> 'cyberwave:'"
     " AND r.ruri > $2::text ORDER BY r.ruri LIMIT $3::bigint";
 
-}  // namespace
+Lease LeaseIn(const ResultRow& row) {
+  return {.process = row.Uuid(0).bytes(),
+          .card = {TextIn(row, 1), TextIn(row, 2)},
+          .counter = NumberIn(row, 3),
+          .released = row.Bool(4),
+          .renewed_ago = std::chrono::seconds(row.Int(5))};
+}
 
-struct PostgresLeases::Impl {
-  ProcessId process;
-  std::unique_ptr<OwnConnection> connection;
-  bool forgot = false;
+ForeignRobot ForeignIn(const ResultRow& row) {
+  ForeignRobot robot{.robot = {TextIn(row, 0), TextIn(row, 1)},
+                     .holder = row.Uuid(2).bytes(),
+                     .held_since = NumberIn(row, 3),
+                     .presence = PresenceIn(row, 4),
+                     .last_session = SessionIn(row, 7)};
+  if (!row.Null(6)) robot.written_at = row.Time(6);
+  return robot;
+}
+
+class PostgresLeases final : public Leases {
+ public:
+  PostgresLeases(std::unique_ptr<OwnConnection> connection, const ProcessId& process)
+      : process_(process), connection_(std::move(connection)) {}
+
+  std::string ServerRun() const override { return connection_->server_run(); }
+
+  absl::Status Renew(const ProcessCard& card) override {
+    const auto renewed =
+        connection_->Write(StoreCallOf(kRenew, process_, card.name, card.life), "renew the lease");
+    if (!renewed.ok()) return renewed.status();
+    absl::Status let_in = CheckOldest("the store", renewed->Int(0, 0), renewed->Int(0, 1),
+                                      static_cast<std::int64_t>(Migrations().size()));
+    if (!let_in.ok() || forgot_) return let_in;
+    const auto hours = static_cast<std::int32_t>(kLeaseKept.count());
+    const auto forgot = connection_->Write(StoreCallOf(kForget, hours), "forget old leases");
+    forgot_ = forgot.ok();
+    return forgot.status();
+  }
+  absl::Status Release() override {
+    return connection_->Write(StoreCallOf(kRelease, process_), "release the lease").status();
+  }
+  absl::StatusOr<std::vector<Lease>> Read() override {
+    const auto rows = connection_->Write(
+        StoreCallOf(kRead, std::int64_t{kLeasesMax}, static_cast<std::int32_t>(kCardTextMax)),
+        "read leases");
+    if (!rows.ok()) return rows.status();
+    return rows->All(LeaseIn);
+  }
+  absl::StatusOr<std::vector<ForeignRobot>> RobotsOfOthers(std::string_view after) override {
+    const auto rows = connection_->Write(
+        StoreCallOf(kRobotsOfOthers, process_, after, std::int64_t{kForeignRobotsMax}),
+        "read who holds robots");
+    if (!rows.ok()) return rows.status();
+    return rows->All(ForeignIn);
+  }
+
+ private:
+  const ProcessId process_;
+  const std::unique_ptr<OwnConnection> connection_;
+  bool forgot_ = false;
 };
 
-PostgresLeases::PostgresLeases(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-PostgresLeases::~PostgresLeases() = default;
+}  // namespace
 
-absl::StatusOr<std::unique_ptr<PostgresLeases>> PostgresLeases::Make(const StoreOptions& options,
-                                                                     const Clock& clock) {
-  absl::StatusOr<std::unique_ptr<OwnConnection>> connection = OwnConnection::Make(options, clock);
-  if (!connection.ok()) return connection.status();
-  return std::unique_ptr<PostgresLeases>(new PostgresLeases(
-      std::make_unique<Impl>(Impl{options.process, *std::move(connection), false})));
-}
-
-std::string PostgresLeases::ServerRun() const { return impl_->connection->server_run(); }
-
-absl::Status PostgresLeases::Renew(const ProcessCard& card) {
-  StoreCall renew{kRenew, {}};
-  renew.parameters.Uuid(model::SessionId(impl_->process));
-  renew.parameters.Text(card.name);
-  renew.parameters.Text(card.life);
-  const auto renewed = impl_->connection->Write(std::move(renew), "renew the lease");
-  if (!renewed.ok()) return renewed.status();
-  absl::Status let_in = CheckOldest("the store", renewed->Int(0, 0), renewed->Int(0, 1),
-                                    static_cast<std::int64_t>(Migrations().size()));
-  if (!let_in.ok() || impl_->forgot) return let_in;
-  StoreCall forget{kForget, {}};
-  forget.parameters.Int4(static_cast<std::int32_t>(kLeaseKept.count()));
-  const auto forgot = impl_->connection->Write(std::move(forget), "forget old leases");
-  impl_->forgot = forgot.ok();
-  return forgot.status();
-}
-
-absl::Status PostgresLeases::Release() {
-  StoreCall release{kRelease, {}};
-  release.parameters.Uuid(model::SessionId(impl_->process));
-  return impl_->connection->Write(std::move(release), "release the lease").status();
-}
-
-absl::StatusOr<std::vector<Lease>> PostgresLeases::Read() {
-  StoreCall read{kRead, {}};
-  read.parameters.Int8(std::int64_t{kLeasesMax});
-  read.parameters.Int4(static_cast<std::int32_t>(kCardTextMax));
-  const auto rows = impl_->connection->Write(std::move(read), "read leases");
-  if (!rows.ok()) return rows.status();
-  std::vector<Lease> leases(static_cast<std::size_t>(rows->rows()));
-  for (int row = 0; row < rows->rows(); ++row) {
-    Lease& lease = leases[static_cast<std::size_t>(row)];
-    lease.process = rows->Uuid(row, 0).bytes();
-    lease.card = {std::string(rows->Bytes(row, 1)), std::string(rows->Bytes(row, 2))};
-    lease.counter = static_cast<std::uint64_t>(rows->Int(row, 3));
-    lease.released = rows->Bool(row, 4);
-    lease.renewed_ago = std::chrono::seconds(rows->Int(row, 5));
-  }
-  return leases;
-}
-
-absl::StatusOr<std::vector<ForeignRobot>> PostgresLeases::RobotsOfOthers(std::string_view after) {
-  StoreCall read{kRobotsOfOthers, {}};
-  read.parameters.Uuid(model::SessionId(impl_->process));
-  read.parameters.Text(after);
-  read.parameters.Int8(std::int64_t{kForeignRobotsMax});
-  const auto rows = impl_->connection->Write(std::move(read), "read who holds robots");
-  if (!rows.ok()) return rows.status();
-  std::vector<ForeignRobot> robots(static_cast<std::size_t>(rows->rows()));
-  for (int row = 0; row < rows->rows(); ++row) {
-    ForeignRobot& robot = robots[static_cast<std::size_t>(row)];
-    robot.robot = {std::string(rows->Bytes(row, 0)), std::string(rows->Bytes(row, 1))};
-    robot.holder = rows->Uuid(row, 2).bytes();
-    robot.held_since = static_cast<Epoch>(rows->Int(row, 3));
-    if (!rows->Null(row, 4)) {
-      robot.presence = StoredPresence{PresenceOf(rows->Int(row, 4)), rows->Time(row, 5)};
-    }
-    if (!rows->Null(row, 6)) robot.written_at = rows->Time(row, 6);
-    if (!rows->Null(row, 7)) {
-      robot.last_session = {rows->Uuid(row, 7), static_cast<model::Seq>(rows->Int(row, 8))};
-    }
-  }
-  return robots;
+absl::StatusOr<std::unique_ptr<Leases>> MakeLeases(const StoreOptions& options,
+                                                   const Clock& clock) {
+  return MakeOverOwn<PostgresLeases>(options, clock, options.process);
 }
 
 }  // namespace uplink::storage::postgres

@@ -29,9 +29,7 @@ absl::StatusOr<std::vector<Result>> OwnConnection::Write(std::vector<StoreCall> 
 }
 
 absl::StatusOr<Result> OwnConnection::Write(StoreCall call, std::string_view doing) {
-  std::vector<StoreCall> calls;
-  calls.push_back(std::move(call));
-  auto results = Write(std::move(calls), doing);
+  auto results = Write(PipelineOf(std::move(call)), doing);
   if (!results.ok()) return results.status();
   return std::move(results->front());
 }
@@ -41,6 +39,12 @@ absl::StatusOr<std::vector<Result>> OwnConnection::Read(const std::vector<StoreC
   const absl::StatusOr<Connection*> connection = link_.Get();
   if (!connection.ok()) return connection.status();
   return (*connection)->Run(calls, doing);
+}
+
+absl::StatusOr<Result> OwnConnection::Read(StoreCall call, std::string_view doing) {
+  const absl::StatusOr<Connection*> connection = link_.Get();
+  if (!connection.ok()) return connection.status();
+  return (*connection)->RunOne(std::move(call), doing);
 }
 
 }  // namespace uplink::storage::postgres

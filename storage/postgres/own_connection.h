@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
+#include "schema/base/clock.h"
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/store.h"
 
@@ -36,7 +39,7 @@ class OwnConnection final {
   /// The answers to statements that change nothing.
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);
-
+  [[nodiscard]] absl::StatusOr<Result> Read(StoreCall call, std::string_view doing);
   /// Store::ServerRun.
   [[nodiscard]] const std::string& server_run() const { return link_.facts().run; }
   /// Link::connections.
@@ -47,5 +50,15 @@ class OwnConnection final {
 
   Link link_;
 };
+
+/// A Part over a connection of its own. Errors: as OwnConnection::Make.
+template <typename Part, typename... Args>
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Part>> MakeOverOwn(const StoreOptions& options,
+                                                                const Clock& clock,
+                                                                const Args&... args) {
+  auto connection = OwnConnection::Make(options, clock);
+  if (!connection.ok()) return connection.status();
+  return std::make_unique<Part>(*std::move(connection), args...);
+}
 
 }  // namespace uplink::storage::postgres

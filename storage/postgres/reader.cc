@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "storage/numbers.h"
 #include "storage/postgres/data_folder.h"
+#include "storage/postgres/link/link.h"
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/read/lists.h"
-#include "storage/postgres/read/pages.h"
-#include "storage/postgres/read/reader_pool.h"
+#include "storage/postgres/pages.h"
 #include "storage/postgres/tables/rejects_sql.h"
+#include "storage/read_row.h"
 #include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
@@ -62,48 +67,73 @@ constexpr std::string_view kLatest =
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
 
 /// Reads a row of kRobots.
-RobotRow RobotOf(const Result& rows, int row) {
-  RobotRow robot{.robot = {std::string(rows.Bytes(row, 0)), std::string(rows.Bytes(row, 1))},
-                 .first_seen = rows.Time(row, 2),
-                 .last_seen = rows.Time(row, 3)};
-  if (!rows.Null(row, 4)) {
-    robot.last_presence = PresenceOf(rows.Int(row, 4));
-    robot.presence_since = rows.Time(row, 5);
-  }
-  if (!rows.Null(row, 6)) {
-    robot.last_session = {rows.Uuid(row, 6), static_cast<model::Seq>(rows.Int(row, 7))};
-  }
-  robot.holder = rows.Uuid(row, 8).bytes();
-  return robot;
-}
-
-/// An answer a robot, in one round trip.
-absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
-                                               std::span<const std::string> ruris,
-                                               LatestKindSet kinds) {
-  std::vector<StoreCall> calls;
-  calls.reserve(ruris.size());
-  for (const std::string& ruri : ruris) {
-    StoreCall call{kLatest, {}};
-    call.parameters.Text(ruri);
-    call.parameters.Int4(static_cast<std::int32_t>(kinds));
-    calls.push_back(std::move(call));
-  }
-  return connection.Run(calls, "read");
-}
-
-/// Adds a robot's rows; returns their bytes.
-std::size_t TakeLatest(const Result& rows, const std::string& ruri, std::vector<LatestRow>& all) {
-  std::size_t bytes = 0;
-  for (int row = 0; row < rows.rows(); ++row) {
-    bytes += rows.RowBytes(row);
-    all.push_back({ruri, static_cast<LatestKind>(rows.Int(row, 0)), std::string(rows.Bytes(row, 2)),
-                   rows.Time(row, 1)});
-  }
-  return bytes;
+/// What `read` makes of each row of the answer.
+template <typename Read>
+auto ReadAll(Connection& connection, StoreCall call, const Read& read)
+    -> absl::StatusOr<decltype(std::declval<Result&>().All(read))> {
+  const auto rows = connection.RunOne(std::move(call), "read");
+  if (!rows.ok()) return rows.status();
+  return rows->All(read);
 }
 
 }  // namespace
+
+/// The connections of a reader that no read uses now. Thread-safe.
+class PostgresReader::Pool final {
+ public:
+  Pool(const ReaderOptions& options, const Link::Options& link, const Clock& clock)
+      : options_(options), clock_(clock) {
+    for (std::size_t i = 0; i < options.connections; ++i) {
+      free_.push_back(std::make_unique<Link>(link, clock));
+    }
+  }
+
+  [[nodiscard]] const Clock& clock() const { return clock_; }
+  /// Runs `read` with a connection; waits for one. Once more, with a new one, if that had died
+  /// while nobody used it.
+  template <typename Read>
+  auto With(const Read& read) -> decltype(read(std::declval<Connection&>())) {
+    std::unique_ptr<Link> link;
+    {
+      std::unique_lock lock(mutex_);
+      if (failed_until_ && clock_.Steady() < *failed_until_) return failure_;
+      if (!returned_.wait_for(lock, options_.wait_max, [this] { return !free_.empty(); })) {
+        return absl::UnavailableError("all reading connections of the store are in use");
+      }
+      link = std::move(free_.back());
+      free_.pop_back();
+    }
+    auto result = ReadAgainIfDied(*link, [&] { return Try(*link, read); });
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(link));
+    returned_.notify_one();
+    return result;
+  }
+
+ private:
+  template <typename Read>
+  auto Try(Link& link, const Read& read) -> decltype(read(std::declval<Connection&>())) {
+    const absl::StatusOr<Connection*> connection = link.Get();
+    if (!connection.ok()) {
+      NoteFailure(connection.status());
+      return connection.status();
+    }
+    return read(**connection);
+  }
+  void NoteFailure(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    failure_ = status;
+    failed_until_ = clock_.Steady() + options_.retry_pause;
+  }
+
+  const ReaderOptions options_;
+  const Clock& clock_;
+  std::mutex mutex_;
+  std::condition_variable returned_;
+  std::vector<std::unique_ptr<Link>> free_;
+  absl::Status failure_;
+  std::optional<SteadyTime> failed_until_;
+};
 
 PostgresReader::PostgresReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
 PostgresReader::~PostgresReader() = default;
@@ -117,8 +147,7 @@ absl::StatusOr<std::unique_ptr<PostgresReader>> PostgresReader::Open(const Reade
 }
 
 absl::StatusOr<milliseconds> PostgresReader::OldestSnapshot() {
-  const absl::StatusOr<Horizon> horizon =
-      pool_->With([](Connection& connection) { return ReadHorizon(connection); });
+  const auto horizon = pool_->With([](Connection& connection) { return ReadHorizon(connection); });
   if (!horizon.ok()) return horizon.status();
   return horizon_age_.Note(*horizon, pool_->clock().Steady());
 }
@@ -142,23 +171,14 @@ absl::StatusOr<std::optional<DiskSpace>> PostgresReader::Space() {
 }
 
 absl::StatusOr<std::vector<RobotRow>> PostgresReader::Robots(std::uint32_t robots_max) {
-  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<RobotRow>> {
-    OwnedStoreCall call{std::string(kRobots), {}};
-    call.parameters.Int8(std::int64_t{robots_max});
-    const auto rows = RunOne(connection, std::move(call));
-    if (!rows.ok()) return rows.status();
-    std::vector<RobotRow> robots;
-    robots.reserve(static_cast<std::size_t>(rows->rows()));
-    for (int row = 0; row < rows->rows(); ++row) {
-      robots.push_back(RobotOf(*rows, row));
-    }
-    return robots;
+  return pool_->With([&](Connection& connection) {
+    return ReadAll(connection, StoreCallOf(kRobots, std::int64_t{robots_max}), RobotIn<ResultRow>);
   });
 }
 
 absl::StatusOr<std::size_t> PostgresReader::RobotCount() {
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::size_t> {
-    const auto rows = RunOne(connection, {std::string(kRobotCount), {}});
+    const auto rows = connection.RunOne(StoreCallOf(kRobotCount), "read");
     if (!rows.ok()) return rows.status();
     return static_cast<std::size_t>(rows->Int(0, 0));
   });
@@ -166,52 +186,24 @@ absl::StatusOr<std::size_t> PostgresReader::RobotCount() {
 
 absl::StatusOr<std::vector<std::string>> PostgresReader::FleetsBeyondAscii(
     std::uint32_t fleets_max) {
-  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<std::string>> {
-    OwnedStoreCall call{std::string(kFleetsBeyondAscii), {}};
-    call.parameters.Int8(std::int64_t{fleets_max});
-    const auto rows = RunOne(connection, std::move(call));
-    if (!rows.ok()) return rows.status();
-    std::vector<std::string> fleets;
-    fleets.reserve(static_cast<std::size_t>(rows->rows()));
-    for (int row = 0; row < rows->rows(); ++row) fleets.emplace_back(rows->Bytes(row, 0));
-    return fleets;
+  return pool_->With([&](Connection& connection) {
+    return ReadAll(connection, StoreCallOf(kFleetsBeyondAscii, std::int64_t{fleets_max}),
+                   [](const ResultRow& row) { return TextIn(row, 0); });
   });
 }
 
 absl::StatusOr<std::vector<DroppedRow>> PostgresReader::QuarantineDropped(const std::string& ruri) {
-  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<DroppedRow>> {
-    OwnedStoreCall call{std::string(kQuarantineDropped), {}};
-    call.parameters.Text(ruri);
-    const auto rows = RunOne(connection, std::move(call));
-    if (!rows.ok()) return rows.status();
-    std::vector<DroppedRow> dropped;
-    dropped.reserve(static_cast<std::size_t>(rows->rows()));
-    for (int row = 0; row < rows->rows(); ++row) {
-      dropped.push_back(
-          {ReasonOf(rows->Int(row, 0)), static_cast<std::uint64_t>(rows->Int(row, 1))});
-    }
-    return dropped;
+  return pool_->With([&](Connection& connection) {
+    return ReadAll(connection, StoreCallOf(kQuarantineDropped, ruri), DroppedIn<ResultRow>);
   });
 }
 
 absl::StatusOr<std::vector<StoredReject>> PostgresReader::Rejects(const RejectsQuery& query) {
-  return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<StoredReject>> {
-    OwnedStoreCall call{std::string(kRejects.view()), {}};
-    call.parameters.Text(query.ruri);
-    call.parameters.Uuid(query.session);
-    call.parameters.Int8(static_cast<std::int64_t>(query.above));
-    call.parameters.Int8(static_cast<std::int64_t>(query.rows_max));
-    call.parameters.Int8(static_cast<std::int64_t>(query.through));
-    const auto rows = RunOne(connection, std::move(call));
-    if (!rows.ok()) return rows.status();
-    std::vector<StoredReject> rejects;
-    rejects.reserve(static_cast<std::size_t>(rows->rows()));
-    for (int row = 0; row < rows->rows(); ++row) {
-      rejects.push_back({static_cast<model::Seq>(rows->Int(row, 0)),
-                         {ReasonOf(rows->Int(row, 1)), std::string(rows->Bytes(row, 2)),
-                          std::string(rows->Bytes(row, 3))}});
-    }
-    return rejects;
+  return pool_->With([&](Connection& connection) {
+    return ReadAll(connection,
+                   StoreCallOf(kRejects.view(), query.ruri, query.session, query.above,
+                               query.rows_max, query.through),
+                   [](const ResultRow& row) { return RejectIn(row); });
   });
 }
 
@@ -220,21 +212,18 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
   return pool_->With([&](Connection& connection) -> absl::StatusOr<std::vector<ActiveFaults>> {
     Array robots{Type::kText};
     for (const std::string& ruri : ruris) robots.Text(ruri);
-    OwnedStoreCall call{std::string(kActiveFaultCounts), {}};
-    call.parameters.Add(std::move(robots));
-    const auto rows = RunOne(connection, std::move(call));
+    const auto rows = connection.RunOne(StoreCallOf(kActiveFaultCounts, &robots), "read");
     if (!rows.ok()) return rows.status();
     std::vector<ActiveFaults> counts;
-    for (int row = 0; row < rows->rows(); ++row) {
-      const std::string_view ruri = rows->Bytes(row, 0);
+    for (const ResultRow& row : *rows) {
+      const std::string_view ruri = row.Bytes(0);
       if (counts.empty() || counts.back().ruri != ruri) counts.emplace_back().ruri = ruri;
-      counts.back().Add(rows->Int(row, 2), rows->Int(row, 1));
+      counts.back().Add(row.Int(2), row.Int(1));
     }
     return counts;
   });
 }
 
-// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                \
   absl::StatusOr<Page<Row>> PostgresReader::Name(const Query& query) { \
     return pool_->With([&query](Connection& connection) {              \
@@ -253,10 +242,17 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
     while (latest.complete < ruris.size() && bytes < kPageBytesMax) {
       const std::size_t left = ruris.size() - latest.complete;
       const auto some = ruris.subspan(latest.complete, std::min(kRobotsPerTrip, left));
-      const auto results = ReadLatest(connection, some, kinds);
+      std::vector<StoreCall> calls;
+      for (const std::string& ruri : some) {
+        calls.push_back(StoreCallOf(kLatest, ruri, static_cast<std::int32_t>(kinds)));
+      }
+      const auto results = connection.Run(calls, "read");
       if (!results.ok()) return results.status();
       for (std::size_t i = 0; i < some.size() && bytes < kPageBytesMax; ++i) {
-        bytes += TakeLatest((*results)[i], some[i], latest.rows);
+        for (const ResultRow& row : (*results)[i]) {
+          bytes += row.TextBytes();
+          latest.rows.push_back(LatestIn(row, some[i]));
+        }
         ++latest.complete;
       }
     }

@@ -4,19 +4,15 @@
 #include <string>
 #include <utility>
 
-#include "storage/postgres/compare.h"
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/write/adopt.h"
 #include "storage/postgres/write/batch_commit.h"
-#include "storage/postgres/write/open_runs.h"
+#include "storage/postgres/write/holds.h"
 #include "storage/postgres/write/open_streams.h"
-#include "storage/postgres/write/quarantine_bound.h"
-#include "storage/postgres/write/quarantine_days.h"
 #include "storage/postgres/write/retain.h"
-#include "storage/postgres/write/sweep.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/postgres/write/upkeep.h"
 
 namespace uplink::storage::postgres {
 namespace {

@@ -8,8 +8,6 @@
 #include "storage/open_run.h"
 #include "storage/refusal.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/presence_writer.h"
-#include "storage/sqlite/quarantine_writer.h"
 #include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
@@ -34,8 +32,8 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
   }
   const absl::StatusOr<DeliveryChanges> remembered = decider_.Remember(batch, outcomes);
   if (!remembered.ok()) return remembered.status();
-  absl::Status finished = tables_.topics.Write(*remembered);
-  if (finished.ok()) finished = WritePresence(tables_, decider_, batch, next_entry_, outcomes);
+  absl::Status finished = tables_.deciding.Remember(*remembered);
+  if (finished.ok()) finished = WritePresence(batch, outcomes);
   if (finished.ok()) finished = Finish();
   if (!finished.ok()) return finished;
   if (next_entry_ != *next) {
@@ -56,7 +54,7 @@ absl::StatusOr<Outcome> BatchCommit::WriteOne(const CommitRecord& record) {
     return Outcome{};
   }
   if (const auto* range = std::get_if<LimitedRange>(&record.content)) {
-    absl::Status kept = tables_.set_aside.Keep(record, *range, next_entry_++);
+    absl::Status kept = tables_.rows.Write<kKeptRejectsTable>({&record, range, next_entry_++});
     if (!kept.ok()) return kept;
     return Outcome{};
   }
@@ -102,8 +100,14 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteAlone(const CommitRecord&
 absl::Status BatchCommit::WriteRejection(const CommitRecord& record,
                                          const model::Rejection& rejection) {
   if (!record.payload.empty()) known_.robot(record.robot->ruri).quarantined_payload = true;
-  absl::Status status = WriteQuarantineRow(tables_.rows, record, rejection, next_entry_++);
-  if (!absl::IsInvalidArgument(status)) return status;
+  const EntryNumber entry = next_entry_++;
+  absl::Status status;
+  for (const QuarantineDetail detail :
+       {QuarantineDetail::kAll, QuarantineDetail::kWithoutPayload, QuarantineDetail::kBare}) {
+    if (detail == QuarantineDetail::kWithoutPayload && record.payload.empty()) continue;
+    status = tables_.rows.Write<kQuarantineTable>({&record, rejection, detail, entry});
+    if (!absl::IsInvalidArgument(status)) return status;
+  }
   return absl::InternalError("quarantine takes not even a bare row: " +
                              std::string(status.message()));
 }
@@ -114,6 +118,45 @@ absl::Status BatchCommit::WriteGap(const GapItem& gap) {
   if (!*takes) return absl::OkStatus();
   known_.robot(gap.robot->ruri).gaps = true;
   return tables_.rows.Write<kGapsTable>({&gap, gap.last, next_entry_++});
+}
+
+absl::Status BatchCommit::WritePresence(const Batch& batch, std::vector<Outcome>& outcomes) {
+  if (batch.presence.empty()) return absl::OkStatus();
+  const auto stored = tables_.deciding.FindSession(kServerRuri, batch.presence_session);
+  if (!stored.ok()) return stored.status();
+  const SessionCursor row = stored->value_or(SessionCursor{0, next_entry_});
+  KnownSession session;
+  session.cursor = row.cursor;
+  for (const PresenceItem& item : batch.presence) {
+    const absl::StatusOr<OutcomeKind> outcome = decider_.Decide(item, session);
+    if (!outcome.ok()) return outcome.status();
+    outcomes.push_back({*outcome, std::nullopt});
+    if (*outcome != OutcomeKind::kStored) continue;
+    const PresenceChange change = {&item, next_entry_++};
+    absl::Status written = tables_.rows.Write<kPresenceChangesTable>(change);
+    if (written.ok()) written = tables_.rows.Write<kLatestPresenceTable>(change);
+    if (!written.ok()) return written;
+  }
+  absl::Status raised =
+      tables_.deciding.RaiseCursor(kServerRuri, batch.presence_session,
+                                   {session.cursor, row.first_entry}, batch.presence.back().at);
+  if (!raised.ok() || stored->has_value()) return raised;
+  return TrimServerSessions(batch.presence_session);
+}
+
+absl::Status BatchCommit::TrimServerSessions(const model::SessionId& present) {
+  DecidingTables& deciding = tables_.deciding;
+  const absl::StatusOr<std::vector<model::SessionId>> sessions = deciding.Sessions(kServerRuri);
+  if (!sessions.ok()) return sessions.status();
+  std::size_t kept = sessions->size();
+  for (const model::SessionId& session : *sessions) {
+    if (kept <= kServerSessionsMax) break;
+    if (session == present) continue;
+    absl::Status deleted = deciding.DeleteSession(kServerRuri, session);
+    if (!deleted.ok()) return deleted;
+    --kept;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status BatchCommit::Finish() {
@@ -128,7 +171,7 @@ absl::Status BatchCommit::Finish() {
     if (status.ok() && robot.gaps) status = tables_.set_aside.TrimGaps(ruri);
     if (!status.ok()) return status;
     if (!robot.run_reported) continue;
-    const auto closed = tables_.open_runs.CloseOver(ruri, *robot.run_reported);
+    const auto closed = tables_.retention.CloseOver(ruri, *robot.run_reported);
     if (!closed.ok()) return closed.status();
     runs_closed_ += *closed;
   }

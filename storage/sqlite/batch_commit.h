@@ -14,7 +14,6 @@
 #include "storage/identity.h"
 #include "storage/outcome.h"
 #include "storage/sqlite/batch_known.h"
-#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/kind_writer.h"
 #include "storage/store_rules.h"
 
@@ -71,6 +70,11 @@ class BatchCommit final {
   absl::StatusOr<Refusal> WriteAlone(const CommitRecord& record);
   absl::Status WriteRejection(const CommitRecord& record, const model::Rejection& rejection);
   absl::Status WriteGap(const GapItem& gap);
+  /// Writes the changes of presence that are new, and moves the cursor of their session. Adds the
+  /// outcome of each.
+  absl::Status WritePresence(const Batch& batch, std::vector<Outcome>& outcomes);
+  /// Of the processes' sessions, the least recently used over their bound go.
+  absl::Status TrimServerSessions(const model::SessionId& present);
   /// Cursors, and the bounds that are kept by what goes.
   absl::Status Finish();
 

@@ -22,8 +22,7 @@ absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {
   std::vector<BatchSession>& sessions = robot(record.robot->ruri).sessions;
   const auto found = std::ranges::find(sessions, record.session, &BatchSession::id);
   if (found != sessions.end()) return &found->known;
-  const absl::StatusOr<std::optional<SessionCursor>> stored =
-      tables_.deciding.FindSession(record.robot->ruri, record.session);
+  const auto stored = tables_.deciding.FindSession(record.robot->ruri, record.session);
   if (!stored.ok()) return stored.status();
   const SessionCursor row = stored->value_or(SessionCursor{0, next_entry_});
   BatchSession& session = sessions.emplace_back();
@@ -47,7 +46,7 @@ absl::StatusOr<std::optional<model::Rejection>> BatchKnown::Rejected(const Commi
 absl::StatusOr<Epoch> BatchKnown::LeaseEpoch(std::string_view client_id) {
   const auto found = leases_.find(client_id);
   if (found != leases_.end()) return found->second;
-  absl::StatusOr<Epoch> stored = tables_.topics.LeaseEpoch(client_id, process_);
+  absl::StatusOr<Epoch> stored = tables_.deciding.LeaseEpoch(client_id, process_);
   if (stored.ok()) leases_.emplace(client_id, *stored);
   return stored;
 }

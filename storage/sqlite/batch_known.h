@@ -8,7 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/decide.h"
-#include "storage/sqlite/entry_number.h"
+#include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
 

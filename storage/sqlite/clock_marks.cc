@@ -1,10 +1,10 @@
-#include "storage/sqlite/clock_marks.h"
-
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "storage/kept_tables.h"
-#include "storage/sqlite/open_beside.h"
-#include "storage/sqlite/prepare.h"
+#include "storage/sqlite/connections.h"
+#include "storage/sqlite/parts.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -17,36 +17,38 @@ std::string SetIfEmptySql() {
   return sql + " ON CONFLICT (id) DO NOTHING";
 }
 
+class SqliteClockMarks final : public ClockMarks {
+ public:
+  explicit SqliteClockMarks(Beside beside) : beside_(std::move(beside)) {}
+
+  [[nodiscard]] absl::Status Prepare() {
+    Preparer prepare(*beside_.database);
+    prepare.Into(read_, "SELECT at FROM clock_mark WHERE id = 0");
+    prepare.Into(set_,
+                 "INSERT INTO clock_mark (id, at) VALUES (0, ?)"
+                 " ON CONFLICT (id) DO UPDATE SET at = excluded.at");
+    prepare.Into(set_if_empty_, SetIfEmptySql());
+    return prepare.status();
+  }
+
+  absl::StatusOr<ClockReading> Read() override {
+    const auto mark = read_->Select().First([](const Rows& row) { return row.Time(0); });
+    if (!mark.ok()) return mark.status();
+    return ClockReading{.mark = *mark, .database = std::nullopt};
+  }
+  absl::Status Set(SystemTime mark) override { return set_->Run(mark); }
+  absl::Status SetIfEmpty(SystemTime mark) override { return set_if_empty_->Run(mark); }
+
+ private:
+  Beside beside_;
+  std::unique_ptr<Statement> read_, set_, set_if_empty_;
+};
+
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<SqliteClockMarks>> SqliteClockMarks::Open(const std::string& path,
-                                                                         DamagePtr damage) {
-  auto beside = OpenBeside(path, std::move(damage));
-  if (!beside.ok()) return beside.status();
-  Preparer prepare(*beside->database);
-  std::unique_ptr<SqliteClockMarks> marks(new SqliteClockMarks(*std::move(beside)));
-  prepare.Into(marks->read_, "SELECT at FROM clock_mark WHERE id = 0");
-  prepare.Into(marks->set_,
-               "INSERT INTO clock_mark (id, at) VALUES (0, ?)"
-               " ON CONFLICT (id) DO UPDATE SET at = excluded.at");
-  prepare.Into(marks->set_if_empty_, SetIfEmptySql());
-  if (!prepare.status().ok()) return prepare.status();
-  return marks;
-}
-
-absl::StatusOr<ClockReading> SqliteClockMarks::Read() {
-  Rows rows = read_->Select();
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  ClockReading reading;
-  if (*found) reading.mark = FromUnixMs(rows.Int(0));
-  return reading;
-}
-
-absl::Status SqliteClockMarks::Set(SystemTime mark) { return set_->Run(UnixMs(mark)); }
-
-absl::Status SqliteClockMarks::SetIfEmpty(SystemTime mark) {
-  return set_if_empty_->Run(UnixMs(mark));
+absl::StatusOr<std::unique_ptr<ClockMarks>> OpenClockMarks(const std::string& path,
+                                                           DamagePtr damage) {
+  return MakeBeside<SqliteClockMarks>(path, std::move(damage));
 }
 
 }  // namespace uplink::storage::sqlite

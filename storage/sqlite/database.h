@@ -52,6 +52,18 @@ class Database final {
   [[nodiscard]] absl::StatusOr<std::string> ReadText(const std::string& sql);
   [[nodiscard]] absl::StatusOr<std::unique_ptr<Statement>> Prepare(std::string_view sql);
 
+  /// Runs `work` in a transaction of its own; all or nothing.
+  template <typename Result, typename Work>
+  [[nodiscard]] absl::StatusOr<Result> InTransaction(const Work& work) {
+    absl::Status status = Execute("BEGIN IMMEDIATE");
+    if (!status.ok()) return status;
+    absl::StatusOr<Result> result = work();
+    status = result.status();
+    if (status.ok()) status = Execute("COMMIT");
+    if (status.ok()) return result;
+    RollbackIfOpen();
+    return status;
+  }
   /// Rolls back if a transaction is open: some failures of SQLite end it, others do not.
   void RollbackIfOpen();
 
@@ -93,6 +105,27 @@ class Database final {
   std::unique_ptr<sqlite3, Close> handle_;
   std::int64_t steps_left_ = 0;
   DamagePtr damage_;
+};
+
+/// Prepares many statements and remembers the first failure.
+class Preparer final {
+ public:
+  explicit Preparer(Database& database) : database_(database) {}
+
+  void Into(std::unique_ptr<Statement>& statement, std::string_view sql) {
+    if (!status_.ok()) return;
+    absl::StatusOr<std::unique_ptr<Statement>> prepared = database_.Prepare(sql);
+    if (prepared.ok()) {
+      statement = *std::move(prepared);
+    } else {
+      status_ = prepared.status();
+    }
+  }
+  [[nodiscard]] const absl::Status& status() const { return status_; }
+
+ private:
+  Database& database_;
+  absl::Status status_;
 };
 
 }  // namespace uplink::storage::sqlite

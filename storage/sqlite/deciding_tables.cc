@@ -3,19 +3,25 @@
 #include <algorithm>
 
 #include "schema/base/check.h"
-#include "storage/numbers.h"
-#include "storage/sqlite/prepare.h"
+#include "storage/read_row.h"
 
 namespace uplink::storage::sqlite {
 namespace {
 
-Blob BlobOf(const model::SessionId& session) { return {session.AsBytes()}; }
-
-Blob BlobOf(const ProcessId& process) {
-  return {std::string_view(reinterpret_cast<const char*>(process.data()), process.size())};
+absl::StatusOr<std::uint64_t> Unsigned(const absl::StatusOr<std::int64_t>& number) {
+  if (!number.ok()) return number.status();
+  return static_cast<std::uint64_t>(*number);
 }
 
-std::uint64_t Unsigned(std::int64_t column) { return static_cast<std::uint64_t>(column); }
+/// The row of an upsert, which always returns it.
+template <typename Made>
+absl::StatusOr<Made> Upserted(absl::StatusOr<std::optional<Made>> row) {
+  if (!row.ok()) return row.status();
+  UPLINK_CHECK(row->has_value(), "an upsert returns its row");
+  return **row;
+}
+
+SessionCursor CursorIn(const Rows& row) { return {NumberIn(row, 0), NumberIn(row, 1)}; }
 
 }  // namespace
 
@@ -58,33 +64,30 @@ absl::Status DecidingTables::Prepare(Database& database) {
   prepare.Into(sessions_,
                "SELECT session FROM sessions WHERE ruri = ? ORDER BY last_used, session");
   prepare.Into(delete_session_, "DELETE FROM sessions WHERE ruri = ? AND session = ?");
+  prepare.Into(lease_epoch_,
+               "SELECT epoch FROM topic_clients WHERE client_id = ?1 AND process = ?2");
+  prepare.Into(insert_delivery_,
+               "INSERT INTO deliveries (client_id, number, packet_id, digest) VALUES (?, ?, ?, ?)"
+               " ON CONFLICT (client_id, number) DO NOTHING");
+  prepare.Into(erase_delivery_, "DELETE FROM deliveries WHERE client_id = ? AND number = ?");
   return prepare.status();
 }
 
 absl::StatusOr<EntryNumber> DecidingTables::NextEntry() {
-  Rows rows = next_entry_->Select();
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::InternalError("the store's count of entries is gone");
-  return Unsigned(rows.Int(0));
+  return Unsigned(next_entry_->Select().OnlyInt());
 }
 
 absl::Status DecidingTables::SetNextEntry(EntryNumber next) { return set_next_entry_->Run(next); }
 
 absl::StatusOr<Epoch> DecidingTables::DrawEpoch() {
-  Rows rows = draw_epoch_->Select();
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::InternalError("the store's count of epochs is gone");
-  return Unsigned(rows.Int(0));
+  return Unsigned(draw_epoch_->Select().OnlyInt());
 }
 
 absl::StatusOr<std::optional<std::string>> DecidingTables::OtherFleet(const OpenRequest& request) {
-  Rows rows = fleet_->Select(std::string_view(request.robot->ruri));
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found || rows.Bytes(0) == request.robot->fleet) return std::optional<std::string>();
-  return std::optional(std::string(rows.Bytes(0)));
+  auto fleet =
+      fleet_->Select(request.robot->ruri).First([](const Rows& row) { return TextIn(row, 0); });
+  if (fleet.ok() && *fleet == request.robot->fleet) return std::optional<std::string>();
+  return fleet;
 }
 
 absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request,
@@ -93,101 +96,114 @@ absl::StatusOr<OpenedRobot> DecidingTables::OpenRobot(const OpenRequest& request
   if (!known.ok()) return known.status();
   const absl::StatusOr<Epoch> epoch = DrawEpoch();
   if (!epoch.ok()) return epoch.status();
-  Rows rows = open_robot_->Select(std::string_view(request.robot->ruri),
-                                  std::string_view(request.robot->fleet), BlobOf(process),
-                                  UnixMs(request.at), *epoch);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  UPLINK_CHECK(*found, "an upsert returns its row");
-  return OpenedRobot{known->has_value(), Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+  return Upserted(
+      open_robot_->Select(request.robot->ruri, request.robot->fleet, process, request.at, *epoch)
+          .First([&known](const Rows& row) {
+            return OpenedRobot{known->has_value(), NumberIn(row, 0), NumberIn(row, 1)};
+          }));
 }
 
 absl::StatusOr<AdoptResult> DecidingTables::AdoptRobot(const AdoptRequest& request,
                                                        const ProcessId& process) {
   const absl::StatusOr<Epoch> epoch = DrawEpoch();
   if (!epoch.ok()) return epoch.status();
-  Rows rows = adopt_robot_->Select(std::string_view(request.robot->ruri), BlobOf(request.holder),
-                                   BlobOf(process), std::int64_t{request.end == HolderEnd::kSilent},
-                                   *epoch);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  AdoptResult result;
-  if (!*found) return result;
-  result.held_since = Unsigned(rows.Int(0));
-  result.end = rows.Int(1) != 0 ? HolderEnd::kSilent : HolderEnd::kEnded;
-  return result;
+  const std::int64_t silent{request.end == HolderEnd::kSilent};
+  const auto adopted =
+      adopt_robot_->Select(request.robot->ruri, request.holder, process, silent, *epoch)
+          .First([](const Rows& row) {
+            AdoptResult result;
+            result.held_since = NumberIn(row, 0);
+            result.end = row.Bool(1) ? HolderEnd::kSilent : HolderEnd::kEnded;
+            return result;
+          });
+  if (!adopted.ok()) return adopted.status();
+  return adopted->value_or(AdoptResult());
 }
 
 absl::StatusOr<std::optional<StoredPresence>> DecidingTables::Presence(std::string_view ruri) {
-  Rows rows = presence_->Select(ruri);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::optional<StoredPresence>();
-  return std::optional(StoredPresence{PresenceOf(rows.Int(0)), FromUnixMs(rows.Int(1))});
+  return presence_->Select(ruri).First([](const Rows& row) { return *PresenceIn(row, 0); });
 }
 
 absl::StatusOr<LatestKindSet> DecidingTables::LatestKinds(std::string_view ruri) {
   LatestKindSet kinds = 0;
-  Rows rows = latest_kinds_->Select(ruri);
-  while (true) {
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    if (!*found) return kinds;
-    kinds |= BitOf(static_cast<LatestKind>(rows.Int(0)));
-  }
+  absl::Status read = latest_kinds_->Select(ruri).ForEach(
+      [&kinds](const Rows& row) { kinds |= BitOf(static_cast<LatestKind>(row.Int(0))); });
+  if (!read.ok()) return read;
+  return kinds;
 }
 
 absl::StatusOr<std::optional<RobotHold>> DecidingTables::HoldOf(std::string_view ruri) {
-  Rows rows = hold_->Select(ruri);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::optional<RobotHold>();
-  RobotHold hold{.owner = {}, .epoch = Unsigned(rows.Int(1))};
-  const std::string_view owner = rows.Bytes(0);
-  if (owner.size() == hold.owner.size()) std::ranges::copy(owner, hold.owner.begin());
-  return std::optional(hold);
+  return hold_->Select(ruri).First([](const Rows& row) { return *HoldIn(row, 0); });
 }
 
 absl::StatusOr<SessionCursor> DecidingTables::OpenSession(const OpenRequest& request,
                                                           EntryNumber next_entry) {
-  Rows rows = open_session_->Select(std::string_view(request.robot->ruri), BlobOf(request.session),
-                                    UnixMs(request.at), next_entry, request.settled_seq);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  UPLINK_CHECK(*found, "an upsert returns its row");
-  return SessionCursor{Unsigned(rows.Int(0)), Unsigned(rows.Int(1))};
+  return Upserted(open_session_
+                      ->Select(request.robot->ruri, request.session, request.at, next_entry,
+                               request.settled_seq)
+                      .First(CursorIn));
 }
 
 absl::StatusOr<std::optional<SessionCursor>> DecidingTables::FindSession(
     std::string_view ruri, const model::SessionId& session) {
-  Rows rows = find_session_->Select(ruri, BlobOf(session));
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::optional<SessionCursor>();
-  return std::optional<SessionCursor>({Unsigned(rows.Int(0)), Unsigned(rows.Int(1))});
+  return find_session_->Select(ruri, session).First(CursorIn);
 }
 
 absl::Status DecidingTables::RaiseCursor(std::string_view ruri, const model::SessionId& session,
                                          const SessionCursor& cursor, SystemTime last_used) {
-  return raise_cursor_->Run(ruri, BlobOf(session), cursor.cursor, UnixMs(last_used),
-                            cursor.first_entry);
+  return raise_cursor_->Run(ruri, session, cursor.cursor, last_used, cursor.first_entry);
 }
 
 absl::StatusOr<std::vector<model::SessionId>> DecidingTables::Sessions(std::string_view ruri) {
-  std::vector<model::SessionId> sessions;
-  Rows rows = sessions_->Select(ruri);
-  while (true) {
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    if (!*found) return sessions;
-    const std::optional<model::SessionId> session = model::SessionId::FromBytes(rows.Bytes(0));
-    if (!session) return absl::InternalError("a session in the store is not 16 bytes");
-    sessions.push_back(*session);
-  }
+  return sessions_->Select(ruri).All([](const Rows& row) { return row.Uuid(0); });
 }
 
 absl::Status DecidingTables::DeleteSession(std::string_view ruri, const model::SessionId& session) {
-  return delete_session_->Run(ruri, BlobOf(session));
+  return delete_session_->Run(ruri, session);
+}
+
+absl::StatusOr<FoundRobot> DecidingTables::Compare(const ToldRobot& robot,
+                                                   const ProcessId& process) {
+  FoundRobot found;
+  const auto hold = HoldOf(robot.ruri);
+  if (!hold.ok()) return hold.status();
+  if (*hold) {
+    found.held = (*hold)->owner == process && (*hold)->epoch == robot.held_since;
+    found.went_back = (*hold)->epoch < robot.held_since;
+    if ((*hold)->epoch > robot.held_since) return found;
+  }
+  for (const CommittedSession& told : robot.sessions) {
+    const auto session = FindSession(robot.ruri, told.session);
+    if (!session.ok()) return session.status();
+    if ((*session ? (*session)->cursor : 0) < told.cursor) found.went_back = true;
+  }
+  if (!found.held) return found;
+  const auto presence = Presence(robot.ruri);
+  if (!presence.ok()) return presence.status();
+  found.presence = *presence;
+  return found;
+}
+
+absl::StatusOr<Epoch> DecidingTables::LeaseEpoch(std::string_view client_id,
+                                                 const ProcessId& process) {
+  const auto epoch = lease_epoch_->Select(client_id, process).First([](const Rows& row) {
+    return static_cast<Epoch>(row.Int(0));
+  });
+  if (!epoch.ok()) return epoch.status();
+  return epoch->value_or(Epoch{0});
+}
+
+absl::Status DecidingTables::Remember(const DeliveryChanges& changes) {
+  for (const auto& [hold, delivery] : changes.added) {
+    absl::Status added = insert_delivery_->Run(hold->client_id, delivery.number,
+                                               std::int64_t{delivery.packet_id}, delivery.digest);
+    if (!added.ok()) return added;
+  }
+  for (const auto& [hold, number] : changes.gone) {
+    absl::Status erased = erase_delivery_->Run(hold->client_id, number);
+    if (!erased.ok()) return erased;
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace uplink::storage::sqlite

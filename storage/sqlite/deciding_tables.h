@@ -11,15 +11,16 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "storage/adopt.h"
+#include "storage/compare.h"
 #include "storage/epoch.h"
 #include "storage/identity.h"
 #include "storage/latest_kind.h"
 #include "storage/open_stream.h"
 #include "storage/origin.h"
 #include "storage/presence.h"
+#include "storage/remember.h"
 #include "storage/robot_hold.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
@@ -39,7 +40,8 @@ struct SessionCursor {
   EntryNumber first_entry = 0;
 };
 
-/// The rows of robots, sessions and the count of entries: what decides.
+/// The rows of robots, sessions, leases on topics and the count of entries: what decides; and what
+/// is remembered of deliveries.
 ///
 /// Errors: those of errors.h. Thread: confined to the thread of its database.
 class DecidingTables final {
@@ -75,13 +77,22 @@ class DecidingTables final {
   [[nodiscard]] absl::StatusOr<std::vector<model::SessionId>> Sessions(std::string_view ruri);
   [[nodiscard]] absl::Status DeleteSession(std::string_view ruri, const model::SessionId& session);
 
+  /// 0 if the client id has no lease, or another process has it.
+  [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id,
+                                                 const ProcessId& process);
+  [[nodiscard]] absl::Status Remember(const DeliveryChanges& changes);
+
+  /// As Store::Compare, of one robot.
+  [[nodiscard]] absl::StatusOr<FoundRobot> Compare(const ToldRobot& robot,
+                                                   const ProcessId& process);
+
  private:
   /// One that was never given, above all that were.
   [[nodiscard]] absl::StatusOr<Epoch> DrawEpoch();
 
   std::unique_ptr<Statement> next_entry_, set_next_entry_, draw_epoch_, open_robot_, adopt_robot_,
       presence_, latest_kinds_, hold_, fleet_, open_session_, find_session_, raise_cursor_,
-      sessions_, delete_session_;
+      sessions_, delete_session_, lease_epoch_, insert_delivery_, erase_delivery_;
 };
 
 }  // namespace uplink::storage::sqlite

@@ -5,7 +5,7 @@
 
 #include <sqlite3.h>
 
-#include "storage/sqlite/open_files.h"
+#include "storage/sqlite/wal.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -115,8 +115,7 @@ absl::StatusOr<std::string> IntactFiles::WalFault(const WalIndex& index, const S
   bool sound = Words(std::string_view(*header).substr(16)) == index.salts();
   for (const Frame& frame : {last_, Frame{index.last_frame(), index.checksum(), index.salts()}}) {
     if (frame.frame == 0 || frame.salts != index.salts()) continue;
-    const absl::StatusOr<std::string> read =
-        Read(database_, *wal, EndOfFrame(frame.frame - 1, page), kFrameHeaderBytes);
+    const auto read = Read(database_, *wal, EndOfFrame(frame.frame - 1, page), kFrameHeaderBytes);
     if (!read.ok()) return read.status();
     const std::string_view bytes = *read;
     sound = sound && Words(bytes.substr(8)) == frame.salts &&

@@ -10,8 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/wal_index.h"
-#include "storage/sqlite/wal_state.h"
+#include "storage/sqlite/wal.h"
 
 namespace uplink::storage::sqlite {
 

@@ -4,7 +4,7 @@
 
 #include "storage/commit_record.h"
 #include "storage/decide.h"
-#include "storage/sqlite/entry_number.h"
+#include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
 

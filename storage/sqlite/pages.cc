@@ -8,10 +8,7 @@ namespace uplink::storage::sqlite {
 
 std::string PageSql(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter) {
   const std::string time(shape.time_column);
-  std::string sql = "SELECT " + time + ", entry, ruri, fleet, ";
-  sql += shape.columns;
-  sql += " FROM ";
-  sql += shape.table;
+  std::string sql(SelectSql(shape, "").view());
   sql += " WHERE TRUE";
   if (!query.ruri.empty()) sql += " AND ruri = ?";
   if (!query.fleet.empty()) {

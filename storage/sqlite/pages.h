@@ -8,6 +8,7 @@
 
 #include "storage/page_token.h"
 #include "storage/reader.h"
+#include "storage/sqlite/columns.h"
 #include "storage/sqlite/database.h"
 #include "storage/tables/lists.h"
 
@@ -51,6 +52,24 @@ absl::StatusOr<Page<Row>> ReadPage(Database& database, const ListShape& shape,
     page.rows.push_back(*std::move(row));
     last = {FromUnixMs(rows.Int(kTimeColumn)), static_cast<std::uint64_t>(rows.Int(kEntryColumn))};
   }
+}
+
+/// The list's row that is read. Errors: kInternal for one that no program of ours wrote.
+template <PageKind kList>
+absl::StatusOr<typename List<kList>::Row> ReadRow(const Rows& rows) {
+  absl::Status status;
+  auto row = List<kList>::Read(
+      [&](int index, ColumnType type) { return ReadColumn(rows, index, type, status); });
+  if (!status.ok()) return status;
+  return row;
+}
+
+/// Reads one page of a list.
+template <PageKind kList, typename Query>
+absl::StatusOr<Page<typename List<kList>::Row>> ReadList(Database& database, const Query& query) {
+  return ReadPage<typename List<kList>::Row>(
+      database, List<kList>::kShape, RowsOf(query), ReadRow<kList>,
+      FilterOf(query, List<kList>::kTable.listed.open_column));
 }
 
 }  // namespace uplink::storage::sqlite

@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "storage/sqlite/counts.h"
-#include "storage/sqlite/prepare.h"
 #include "storage/tables/present.h"
 
 namespace uplink::storage::sqlite {
@@ -35,15 +33,13 @@ Rows PresentRows::SelectKey(Statement& statement, const PresentKey& key) const {
 }
 
 absl::StatusOr<std::optional<std::int64_t>> PresentRows::ExpiryOf(const PresentKey& key) {
-  Rows rows = SelectKey(*expiry_, key);
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::optional<std::int64_t>();
-  return std::optional<std::int64_t>(rows.Int(0));
+  return SelectKey(*expiry_, key).First([](const Rows& row) { return row.Int(0); });
 }
 
 absl::StatusOr<std::size_t> PresentRows::Count(std::string_view ruri) {
-  return CountOf(*count_, ruri);
+  const absl::StatusOr<std::int64_t> count = count_->Select(ruri).OnlyInt();
+  if (!count.ok()) return count.status();
+  return static_cast<std::size_t>(*count);
 }
 
 absl::Status PresentRows::Delete(const PresentKey& key) {
@@ -51,11 +47,11 @@ absl::Status PresentRows::Delete(const PresentKey& key) {
 }
 
 absl::StatusOr<std::size_t> PresentRows::DeleteExpired(std::string_view ruri, std::int64_t now_ms) {
-  return CountReturned(delete_expired_->Select(ruri, now_ms));
+  return delete_expired_->Select(ruri, now_ms).Count();
 }
 
 absl::StatusOr<std::size_t> PresentRows::Sweep(std::int64_t until_ms, std::size_t rows_max) {
-  return CountReturned(sweep_->Select(until_ms, static_cast<std::int64_t>(rows_max)));
+  return sweep_->Select(until_ms, rows_max).Count();
 }
 
 }  // namespace uplink::storage::sqlite

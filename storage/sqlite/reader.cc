@@ -1,14 +1,19 @@
 #include "storage/sqlite/reader.h"
 
 #include <algorithm>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "storage/numbers.h"
+#include "storage/read_row.h"
+#include "storage/sqlite/connections.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/lists.h"
 #include "storage/sqlite/live_table.h"
-#include "storage/sqlite/reader_pool.h"
+#include "storage/sqlite/pages.h"
 #include "storage/sqlite/set_aside_tables.h"
 
 namespace uplink::storage::sqlite {
@@ -18,24 +23,61 @@ namespace {
 /// may take the whole wait for a lock, on the thread that answers operators.
 constexpr int kLooksWithout = 30;
 
-RobotRow RobotOf(const Rows& rows) {
-  RobotRow robot{.robot = {std::string(rows.Bytes(0)), std::string(rows.Bytes(1))},
-                 .first_seen = FromUnixMs(rows.Int(2)),
-                 .last_seen = FromUnixMs(rows.Int(3))};
-  if (!rows.Null(4)) {
-    robot.last_presence = PresenceOf(rows.Int(4));
-    robot.presence_since = FromUnixMs(rows.Int(5));
-  }
-  if (const auto session = model::SessionId::FromBytes(rows.Bytes(6))) {
-    robot.last_session = {*session, static_cast<model::Seq>(rows.Int(7))};
-  }
-  if (const auto holder = model::SessionId::FromBytes(rows.Bytes(8))) {
-    robot.holder = holder->bytes();
-  }
-  return robot;
+/// What `read` makes of each row of a statement that is prepared for this call alone.
+template <typename Read, typename... Args>
+auto ReadAll(Database& database, std::string_view sql, const Read& read, const Args&... args)
+    -> decltype(std::declval<Rows&>().All(read)) {
+  auto statement = database.Prepare(sql);
+  if (!statement.ok()) return statement.status();
+  return (*statement)->Select(args...).All(read);
 }
 
 }  // namespace
+
+/// The connections of a reader that no read uses now. Thread-safe.
+class SqliteReader::Pool final {
+ public:
+  Pool(std::string path, const ReaderOptions& options)
+      : path_(std::move(path)), options_(options) {}
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  /// Opens them all; what fails names the path.
+  [[nodiscard]] absl::Status Fill() {
+    for (std::size_t i = 0; i < options_.connections; ++i) {
+      auto database = OpenToRead(path_, options_.wait_max, options_.damage);
+      if (!database.ok()) return database.status();
+      free_.push_back(*std::move(database));
+    }
+    return absl::OkStatus();
+  }
+
+  /// Runs `read` with a connection; waits for one.
+  template <typename Read>
+  auto With(const Read& read) -> decltype(read(std::declval<Database&>())) {
+    std::unique_ptr<Database> database;
+    {
+      std::unique_lock lock(mutex_);
+      if (!returned_.wait_for(lock, options_.wait_max, [this] { return !free_.empty(); })) {
+        return absl::UnavailableError("all reading connections of " + path_ + " are in use");
+      }
+      database = std::move(free_.back());
+      free_.pop_back();
+    }
+    database->LimitSteps(options_.steps_max);
+    auto result = read(*database);
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(database));
+    returned_.notify_one();
+    return result;
+  }
+
+ private:
+  const std::string path_;
+  const ReaderOptions options_;
+  std::mutex mutex_;
+  std::condition_variable returned_;
+  std::vector<std::unique_ptr<Database>> free_;
+};
 
 SqliteReader::SqliteReader(std::unique_ptr<Pool> pool) : pool_(std::move(pool)) {}
 SqliteReader::~SqliteReader() = default;
@@ -49,59 +91,38 @@ absl::StatusOr<std::unique_ptr<SqliteReader>> SqliteReader::Open(const std::stri
 }
 
 absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_max) {
-  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<RobotRow>> {
-    // Commits touch a robot's sessions, not its own row.
-    auto statement = database.Prepare(
-        "SELECT r.ruri, r.fleet, r.first_seen, max(r.last_seen, coalesce(s.last_used, 0),"
-        " coalesce(l.last_sign_at, 0)) AS heard_ms,"
-        " p.presence, p.changed_at, s.session, CASE WHEN l.session = s.session THEN"
-        " max(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END, r.owner FROM robots AS r"
-        " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
-        " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
-        " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1)"
-        " LEFT JOIN live AS l ON l.ruri = r.ruri"
-        // Those that stand for no robot (origin.h).
-        " WHERE substr(r.ruri, 1, 10) <> 'cyberwave:'"
-        " ORDER BY heard_ms DESC, r.ruri LIMIT ?");
-    if (!statement.ok()) return statement.status();
-    Rows rows = (*statement)->Select(std::int64_t{robots_max});
-    std::vector<RobotRow> robots;
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) return robots;
-      robots.push_back(RobotOf(rows));
-    }
+  constexpr std::string_view kSql =
+      "SELECT r.ruri, r.fleet, r.first_seen, max(r.last_seen, coalesce(s.last_used, 0),"
+      " coalesce(l.last_sign_at, 0)) AS heard_ms,"
+      " p.presence, p.changed_at, s.session, CASE WHEN l.session = s.session THEN"
+      " max(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END, r.owner FROM robots AS r"
+      " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
+      " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
+      " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1)"
+      " LEFT JOIN live AS l ON l.ruri = r.ruri"
+      " WHERE substr(r.ruri, 1, 10) <> 'cyberwave:'"
+      " ORDER BY heard_ms DESC, r.ruri LIMIT ?";
+  return pool_->With([&](Database& database) {
+    return ReadAll(database, kSql, RobotIn<Rows>, std::int64_t{robots_max});
   });
 }
 
 absl::StatusOr<std::size_t> SqliteReader::RobotCount() {
   return pool_->With([](Database& database) -> absl::StatusOr<std::size_t> {
-    auto statement =
-        database.Prepare("SELECT count(*) FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'");
-    if (!statement.ok()) return statement.status();
-    Rows rows = (*statement)->Select();
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    return static_cast<std::size_t>(rows.Int(0));
+    const absl::StatusOr<std::int64_t> count =
+        database.ReadInt("SELECT count(*) FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'");
+    if (!count.ok()) return count.status();
+    return static_cast<std::size_t>(*count);
   });
 }
 
 absl::StatusOr<std::vector<std::string>> SqliteReader::FleetsBeyondAscii(std::uint32_t fleets_max) {
-  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<std::string>> {
-    auto statement = database.Prepare(
-        "SELECT DISTINCT fleet FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'"
-        // More bytes than characters.
-        " AND length(CAST(fleet AS BLOB)) > length(fleet) ORDER BY fleet LIMIT ?");
-    if (!statement.ok()) return statement.status();
-    Rows rows = (*statement)->Select(std::int64_t{fleets_max});
-    std::vector<std::string> fleets;
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) return fleets;
-      fleets.emplace_back(rows.Bytes(0));
-    }
+  constexpr std::string_view kSql =
+      "SELECT DISTINCT fleet FROM robots WHERE substr(ruri, 1, 10) <> 'cyberwave:'"
+      " AND length(CAST(fleet AS BLOB)) > length(fleet) ORDER BY fleet LIMIT ?";
+  return pool_->With([&](Database& database) {
+    return ReadAll(
+        database, kSql, [](const Rows& row) { return TextIn(row, 0); }, std::int64_t{fleets_max});
   });
 }
 
@@ -153,29 +174,18 @@ absl::StatusOr<milliseconds> SqliteReader::OldestSnapshot(SteadyTime now) {
 }
 
 absl::StatusOr<std::vector<DroppedRow>> SqliteReader::QuarantineDropped(const std::string& ruri) {
-  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<DroppedRow>> {
-    auto statement = database.Prepare(
-        "SELECT reason, count FROM quarantine_dropped WHERE ruri = ? ORDER BY reason");
-    if (!statement.ok()) return statement.status();
-    Rows rows = (*statement)->Select(std::string_view(ruri));
-    std::vector<DroppedRow> dropped;
-    while (true) {
-      const absl::StatusOr<bool> found = rows.Next();
-      if (!found.ok()) return found.status();
-      if (!*found) return dropped;
-      dropped.push_back({ReasonOf(rows.Int(0)), static_cast<std::uint64_t>(rows.Int(1))});
-    }
+  return pool_->With([&](Database& database) {
+    return ReadAll(database,
+                   "SELECT reason, count FROM quarantine_dropped WHERE ruri = ? ORDER BY reason",
+                   DroppedIn<Rows>, ruri);
   });
 }
 
 absl::StatusOr<std::vector<StoredReject>> SqliteReader::Rejects(const RejectsQuery& query) {
-  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<StoredReject>> {
-    auto statement = database.Prepare(kRejectsSql);
-    if (!statement.ok()) return statement.status();
-    return ReadRejects((*statement)
-                           ->Select(std::string_view(query.ruri), Blob{query.session.AsBytes()},
-                                    query.above, query.through,
-                                    static_cast<std::int64_t>(query.rows_max)));
+  return pool_->With([&](Database& database) {
+    return ReadAll(
+        database, kRejectsSql, [](const Rows& row) { return RejectIn(row); }, query.ruri,
+        query.session, query.above, query.through, query.rows_max);
   });
 }
 
@@ -187,21 +197,17 @@ absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
     if (!statement.ok()) return statement.status();
     std::vector<ActiveFaults> counts;
     for (const std::string& ruri : ruris) {
-      Rows rows = (*statement)->Select(std::string_view(ruri));
       ActiveFaults faults{.ruri = ruri};
-      while (true) {
-        const absl::StatusOr<bool> found = rows.Next();
-        if (!found.ok()) return found.status();
-        if (!*found) break;
-        faults.Add(rows.Int(0), rows.Int(1));
-      }
+      absl::Status read = (*statement)->Select(ruri).ForEach([&faults](const Rows& row) {
+        faults.Add(row.Int(0), row.Int(1));
+      });
+      if (!read.ok()) return read;
       if (faults.count > 0) counts.push_back(std::move(faults));
     }
     return counts;
   });
 }
 
-// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                         \
   absl::StatusOr<Page<Row>> SqliteReader::Name(const Query& query) {                            \
     return pool_->With(                                                                         \
@@ -221,15 +227,12 @@ absl::StatusOr<Reader::LatestRows> SqliteReader::Latest(std::span<const std::str
     LatestRows latest;
     std::size_t bytes = 0;
     for (const std::string& ruri : ruris) {
-      Rows rows = (*statement)->Select(std::string_view(ruri), std::int64_t{kinds});
-      while (true) {
-        const absl::StatusOr<bool> found = rows.Next();
-        if (!found.ok()) return found.status();
-        if (!*found) break;
-        bytes += rows.TextBytes();
-        latest.rows.push_back({ruri, static_cast<LatestKind>(rows.Int(0)),
-                               std::string(rows.Bytes(2)), FromUnixMs(rows.Int(1))});
-      }
+      absl::Status read =
+          (*statement)->Select(ruri, std::int64_t{kinds}).ForEach([&](const Rows& row) {
+            bytes += row.TextBytes();
+            latest.rows.push_back(LatestIn(row, ruri));
+          });
+      if (!read.ok()) return read;
       ++latest.complete;
       if (bytes >= kPageBytesMax) break;
     }

@@ -14,7 +14,7 @@
 #include "storage/disk_space.h"
 #include "storage/reader.h"
 #include "storage/sqlite/damage.h"
-#include "storage/sqlite/wal_state.h"
+#include "storage/sqlite/wal.h"
 
 namespace uplink::storage::sqlite {
 

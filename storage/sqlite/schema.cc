@@ -106,8 +106,7 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
   if (*application != 0 && *application != kApplicationId) return Precondition(database, kOthers);
   const absl::StatusOr<std::int64_t> version = database.ReadInt("PRAGMA user_version");
   if (!version.ok()) return version.status();
-  const absl::StatusOr<std::int64_t> tables =
-      database.ReadInt("SELECT COUNT(*) FROM sqlite_schema");
+  const auto tables = database.ReadInt("SELECT COUNT(*) FROM sqlite_schema");
   if (!tables.ok()) return tables.status();
   const bool is_empty = *application == 0 && *version == 0 && *tables == 0;
   if (!is_empty && *application != kApplicationId) return Precondition(database, kOthers);

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,13 +15,9 @@
 #include "storage/commit_record.h"
 #include "storage/rejects.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/statement.h"
 
 namespace uplink::storage::sqlite {
-
-/// Rejects from rows of seq, reason, field and detail. Errors: the database's.
-absl::StatusOr<std::vector<StoredReject>> ReadRejects(Rows rows);
 
 /// Rejects of a session that has a row: those in quarantine and the kept ones. Parameters: RURI,
 /// session, the number above which and the one up to which, how many at most.
@@ -80,9 +78,6 @@ class SetAsideTables final {
   /// Why the range's last number was rejected; nothing if it was not.
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> RejectionOf(
       const RejectRange& number);
-  /// Writes a range of limited numbers, which ends with the record's.
-  [[nodiscard]] absl::Status Keep(const CommitRecord& record, const LimitedRange& range,
-                                  EntryNumber entry);
   /// Deletes the session's kept Rejects up to a number: those that a Hello confirmed; up to
   /// model::kSeqMax of a session that goes or is new.
   [[nodiscard]] absl::Status ForgetKept(std::string_view ruri, const model::SessionId& session,
@@ -91,10 +86,16 @@ class SetAsideTables final {
   [[nodiscard]] absl::Status ThinPayloads(std::string_view ruri);
   /// Deletes the oldest gaps of the robot over kGapsPerRobotMax.
   [[nodiscard]] absl::Status TrimGaps(std::string_view ruri);
+  /// As Store::TrimQuarantine, within a transaction.
+  [[nodiscard]] absl::StatusOr<Trimmed> TrimQuarantine(std::span<const std::string> ruris);
 
  private:
+  /// Deletes up to `rows_max` rows that may go, and counts what went; returns how many.
+  absl::StatusOr<std::size_t> TrimOne(std::string_view ruri, std::int64_t rows_max,
+                                      Trimmed& trimmed);
+
   std::unique_ptr<Statement> rejects_, count_rejects_, count_payloads_, thin_, count_gaps_,
-      trim_gaps_, rejection_, keep_, forget_kept_;
+      trim_gaps_, rejection_, forget_kept_, count_rows_, trim_rows_, add_dropped_;
 };
 
 }  // namespace uplink::storage::sqlite

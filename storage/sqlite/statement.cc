@@ -58,6 +58,21 @@ absl::StatusOr<bool> Rows::Next() {
   return statement_.database_->Error(code_, sqlite3_sql(statement_.statement_.get()));
 }
 
+absl::StatusOr<std::int64_t> Rows::OnlyInt() {
+  const auto number = First([](const Rows& row) { return row.Int(0); });
+  if (!number.ok()) return number.status();
+  if (!number->has_value())
+    return absl::InternalError("the store has lost a row that it always has");
+  return **number;
+}
+
+absl::StatusOr<std::size_t> Rows::Count() {
+  std::size_t count = 0;
+  absl::Status status = ForEach([&count](const Rows&) { ++count; });
+  if (!status.ok()) return status;
+  return count;
+}
+
 std::int64_t Rows::Int(int column) const {
   return sqlite3_column_int64(statement_.statement_.get(), column);
 }

@@ -1,19 +1,28 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "schema/model/ids.h"
 
 struct sqlite3_stmt;
 
 namespace uplink::storage::sqlite {
 
 class Database;
+
+/// The number of a row in the order of writing, over all tables.
+using EntryNumber = std::uint64_t;
 
 /// Bytes to bind as a BLOB; nothing binds NULL.
 struct Blob {
@@ -29,10 +38,45 @@ class Rows final {
 
   /// Moves to the next row; false after the last. Nothing may be read before the first call.
   [[nodiscard]] absl::StatusOr<bool> Next();
+  /// Gives each row that is left to `take`.
+  template <typename Take>
+  [[nodiscard]] absl::Status ForEach(const Take& take) {
+    while (true) {
+      const absl::StatusOr<bool> found = Next();
+      if (!found.ok() || !*found) return found.status();
+      take(*this);
+    }
+  }
+  /// What `read` makes of each row that is left.
+  template <typename Read, typename Made = std::invoke_result_t<Read, const Rows&>>
+  [[nodiscard]] absl::StatusOr<std::vector<Made>> All(const Read& read) {
+    std::vector<Made> all;
+    absl::Status status = ForEach([&](const Rows& row) { all.push_back(read(row)); });
+    if (!status.ok()) return status;
+    return all;
+  }
+  /// What `read` makes of the first row; nothing if there is none.
+  template <typename Read, typename Made = std::invoke_result_t<Read, const Rows&>>
+  [[nodiscard]] absl::StatusOr<std::optional<Made>> First(const Read& read) {
+    const absl::StatusOr<bool> found = Next();
+    if (!found.ok()) return found.status();
+    if (!*found) return std::optional<Made>();
+    return std::optional<Made>(read(*this));
+  }
+  /// The integer of a statement that always gives a row; kInternal without one.
+  [[nodiscard]] absl::StatusOr<std::int64_t> OnlyInt();
+  /// How many rows are left: those of a deletion that returns each.
+  [[nodiscard]] absl::StatusOr<std::size_t> Count();
 
   [[nodiscard]] std::int64_t Int(int column) const;
   [[nodiscard]] double Real(int column) const;
   [[nodiscard]] bool Null(int column) const;
+  [[nodiscard]] bool Bool(int column) const { return Int(column) != 0; }
+  [[nodiscard]] SystemTime Time(int column) const { return FromUnixMs(Int(column)); }
+  /// Sixteen bytes; zeros for what no program of ours wrote.
+  [[nodiscard]] model::SessionId Uuid(int column) const {
+    return model::SessionId::FromBytes(Bytes(column)).value_or(model::SessionId());
+  }
   /// Bytes of all texts and blobs of the row.
   [[nodiscard]] std::size_t TextBytes() const;
   /// TEXT or BLOB; valid until the next call of Next. NULL is empty.
@@ -94,6 +138,18 @@ class Statement final {
   [[nodiscard]] int BindAt(int index, double value);
   [[nodiscard]] int BindAt(int index, std::string_view text);
   [[nodiscard]] int BindAt(int index, const Blob& blob);
+  [[nodiscard]] int BindAt(int index, SystemTime time) { return BindAt(index, UnixMs(time)); }
+  [[nodiscard]] int BindAt(int index, const model::SessionId& id) {
+    return BindAt(index, Blob{id.AsBytes()});
+  }
+  /// Of a process, or of a message.
+  [[nodiscard]] int BindAt(int index, const std::array<std::uint8_t, 16>& bytes) {
+    return BindAt(index, Blob{{{reinterpret_cast<const char*>(bytes.data()), bytes.size()}}});
+  }
+  template <typename Arg>
+  [[nodiscard]] int BindAt(int index, const std::optional<Arg>& arg) {
+    return arg ? BindAt(index, *arg) : BindAt(index, Blob{});
+  }
   void Reset();
 
   const Database* database_;

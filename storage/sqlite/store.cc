@@ -8,11 +8,9 @@
 #include "storage/retention.h"
 #include "storage/shared_items.h"
 #include "storage/sqlite/batch_commit.h"
-#include "storage/sqlite/compare.h"
+#include "storage/sqlite/connections.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
-#include "storage/sqlite/open_writer.h"
-#include "storage/sqlite/prepare.h"
 #include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
@@ -148,8 +146,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
       impl_->tables.set_aside.Rejects(range, request.rejects_max);
   if (!rejects.ok()) return rejects.status();
   result.rejects = *std::move(rejects);
-  const absl::StatusOr<std::size_t> total =
-      impl_->tables.set_aside.CountRejects(range, kQuarantineRowsPerRobotMax);
+  const auto total = impl_->tables.set_aside.CountRejects(range, kQuarantineRowsPerRobotMax);
   if (!total.ok()) return total.status();
   result.rejects_total = *total;
   // Without a number yet the session is new: what is kept by its id is of one that went.
@@ -168,8 +165,7 @@ absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
 
 absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
   DecidingTables& deciding = impl_->tables.deciding;
-  const absl::StatusOr<std::vector<model::SessionId>> sessions =
-      deciding.Sessions(request.robot->ruri);
+  const auto sessions = deciding.Sessions(request.robot->ruri);
   if (!sessions.ok()) return sessions.status();
   std::size_t kept = sessions->size();
   for (const model::SessionId& session : *sessions) {
@@ -235,7 +231,7 @@ absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
       swept.items += *rows;
     }
     // Changes go by their number, whatever the time is.
-    const auto changes = impl_->tables.changes.Sweep();
+    const auto changes = impl_->tables.retention.SweepChanges();
     if (!changes.ok()) return changes.status();
     swept.changes = *changes;
     return swept;
@@ -245,13 +241,13 @@ absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
 absl::StatusOr<std::size_t> SqliteStore::CloseRuns(SystemTime now) {
   if (!Vouches(impl_->options.rules.clock, now)) return 0;
   return InTransaction<std::size_t>(
-      [&] { return impl_->tables.open_runs.CloseOld(now - kOpenRunAgeMax, now); });
+      [&] { return impl_->tables.retention.CloseOld(now - kOpenRunAgeMax, now); });
 }
 
 std::size_t SqliteStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
 
 absl::StatusOr<Trimmed> SqliteStore::TrimQuarantine(std::span<const std::string> ruris) {
-  return InTransaction<Trimmed>([&] { return impl_->tables.quarantine_bound.Trim(ruris); });
+  return InTransaction<Trimmed>([&] { return impl_->tables.set_aside.TrimQuarantine(ruris); });
 }
 
 absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
@@ -288,8 +284,7 @@ absl::StatusOr<std::vector<FoundRobot>> SqliteStore::Compare(std::span<const Tol
     std::vector<FoundRobot> found;
     found.reserve(robots.size());
     for (const ToldRobot& robot : robots) {
-      const absl::StatusOr<FoundRobot> one =
-          CompareWith(impl_->tables.deciding, robot, impl_->options.process);
+      const auto one = impl_->tables.deciding.Compare(robot, impl_->options.process);
       if (!one.ok()) return one.status();
       found.push_back(*one);
     }

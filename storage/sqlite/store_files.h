@@ -12,10 +12,10 @@
 #include "storage/disk_space.h"
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/entry_number.h"
 #include "storage/sqlite/intact_files.h"
 #include "storage/sqlite/named_files.h"
-#include "storage/sqlite/wal_state.h"
+#include "storage/sqlite/statement.h"
+#include "storage/sqlite/wal.h"
 
 namespace uplink::storage::sqlite {
 

@@ -10,20 +10,51 @@
 
 #include "storage/sqlite/columns.h"
 #include "storage/sqlite/database.h"
-#include "storage/sqlite/prepare.h"
 #include "storage/sqlite/statement.h"
 #include "storage/tables/lists.h"
 
 namespace uplink::storage::sqlite {
 
+/// A parameter for each column, in order.
+template <typename Table>
+constexpr SqlText PlacesSql(const Table& table) {
+  SqlText places;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) places.Add(i == 0 ? "?" : ", ?");
+  return places;
+}
+
 /// Writes one row. The parameters are the columns, in order.
 template <typename Table>
 constexpr SqlText InsertSql(const Table& table) {
-  SqlText values;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) values.Add(i == 0 ? "?" : ", ?");
-  return {"INSERT INTO ", table.name,    " AS t (", ColumnNames(table).view(),
-          ") VALUES (",   values.view(), ")",       ConflictSql(table).view()};
+  return {"INSERT INTO ",
+          table.name,
+          " AS t (",
+          ColumnNames(table).view(),
+          ") VALUES (",
+          PlacesSql(table).view(),
+          ")",
+          ConflictSql(table).view()};
 }
+
+/// A row whose columns are bound to a statement, in order. It must live until the run has ended.
+template <const auto& kTable>
+class BoundRow final {
+ public:
+  using In = typename std::remove_cvref_t<decltype(kTable)>::In;
+  static constexpr int kColumns = static_cast<int>(kTable.columns.size());
+
+  BoundRow(Statement& statement, const In& row) {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      values_[i] = kTable.columns[i].value(row);
+      BindColumn(statement, static_cast<int>(i) + 1, kTable.columns[i].type, values_[i]);
+    }
+  }
+  BoundRow(const BoundRow&) = delete;
+  BoundRow& operator=(const BoundRow&) = delete;
+
+ private:
+  std::array<ColumnValue, kTable.columns.size()> values_;
+};
 
 /// Writes rows of one table, which must be a constant: by the statement that its description makes.
 ///
@@ -31,16 +62,12 @@ constexpr SqlText InsertSql(const Table& table) {
 template <const auto& kTable>
 class TableWriter final {
  public:
-  using In = typename std::remove_cvref_t<decltype(kTable)>::In;
+  using In = typename BoundRow<kTable>::In;
 
   void Prepare(Preparer& prepare) { prepare.Into(insert_, kSql.view()); }
 
   [[nodiscard]] absl::Status Write(const In& row) {
-    std::array<ColumnValue, kTable.columns.size()> values;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = kTable.columns[i].value(row);
-      BindColumn(*insert_, static_cast<int>(i) + 1, kTable.columns[i].type, values[i]);
-    }
+    const BoundRow<kTable> bound(*insert_, row);
     return insert_->Run();
   }
 
@@ -69,7 +96,8 @@ class TableWriters final {
 
  private:
 #define UPLINK_LIST(Name, number, Row, Query, retained) , TableWriter<k##Name##Table>
-  std::tuple<TableWriter<kLatestTable>, TableWriter<kLatestPresenceTable> UPLINK_LISTS(UPLINK_LIST)>
+  std::tuple<TableWriter<kLatestTable>, TableWriter<kLatestPresenceTable>,
+             TableWriter<kKeptRejectsTable> UPLINK_LISTS(UPLINK_LIST)>
       writers_;
 #undef UPLINK_LIST
 };

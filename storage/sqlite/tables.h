@@ -6,17 +6,13 @@
 #include <absl/status/status.h>
 
 #include "storage/present.h"
-#include "storage/sqlite/changes_table.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/deciding_tables.h"
 #include "storage/sqlite/live_table.h"
-#include "storage/sqlite/open_runs.h"
 #include "storage/sqlite/present_rows.h"
-#include "storage/sqlite/quarantine_bound.h"
 #include "storage/sqlite/retention_tables.h"
 #include "storage/sqlite/set_aside_tables.h"
 #include "storage/sqlite/table_writers.h"
-#include "storage/sqlite/topic_tables.h"
 
 namespace uplink::storage::sqlite {
 
@@ -27,14 +23,20 @@ struct Tables {
   TableWriters rows;
   /// By PresentKind.
   std::array<PresentRows, kPresentKinds> present;
-  OpenRuns open_runs;
-  QuarantineBound quarantine_bound;
   RetentionTables retention;
   LiveTable live;
-  ChangesTable changes;
-  TopicTables topics;
 
-  [[nodiscard]] absl::Status Prepare(Database& database);
+  [[nodiscard]] absl::Status Prepare(Database& database) {
+    absl::Status status = deciding.Prepare(database);
+    if (status.ok()) status = set_aside.Prepare(database);
+    if (status.ok()) status = rows.Prepare(database);
+    for (std::size_t kind = 0; kind < kPresentKinds; ++kind) {
+      if (status.ok()) status = present[kind].Prepare(database, static_cast<PresentKind>(kind));
+    }
+    if (status.ok()) status = retention.Prepare(database);
+    if (status.ok()) status = live.Prepare(database);
+    return status;
+  }
   [[nodiscard]] PresentRows& present_rows(PresentKind kind) {
     return present[static_cast<std::size_t>(kind)];
   }

@@ -1,46 +1,74 @@
-#include "storage/sqlite/topic_leases.h"
+#include "storage/topic_leases.h"
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "schema/base/check.h"
-#include "storage/sqlite/prepare.h"
+#include "storage/read_row.h"
+#include "storage/sqlite/connections.h"
+#include "storage/sqlite/parts.h"
 
 namespace uplink::storage::sqlite {
 namespace {
 
-/// Of a process, or of a message.
-Blob BlobOf(const std::array<std::uint8_t, 16>& bytes) {
-  return {std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())};
-}
+class SqliteTopicLeases final : public TopicLeases {
+ public:
+  SqliteTopicLeases(Beside beside, const ProcessId& process)
+      : beside_(std::move(beside)), process_(process) {}
 
-/// Sixteen bytes of a column; zeros for what no program of ours wrote.
-template <typename Bytes>
-Bytes BytesOf(std::string_view column) {
-  Bytes bytes{};
-  if (column.size() == bytes.size()) std::copy(column.begin(), column.end(), bytes.begin());
-  return bytes;
-}
+  [[nodiscard]] absl::Status Prepare();
 
-}  // namespace
+  absl::StatusOr<std::optional<Epoch>> Take(const TakeRequest& request) override {
+    absl::Status bad = CheckRequest(request);
+    if (!bad.ok()) return bad;
+    return InTransaction<std::optional<Epoch>>([&] { return TakeInTransaction(request); });
+  }
+  absl::Status Release(std::string_view client_id) override {
+    return InTransaction<bool>([&]() -> absl::StatusOr<bool> {
+             const auto held = release_->Select(client_id, process_).Count();
+             if (!held.ok()) return held.status();
+             if (*held == 0) return false;
+             absl::Status dropped = drop_prefixes_->Run(client_id);
+             if (!dropped.ok()) return dropped;
+             return true;
+           })
+        .status();
+  }
+  absl::StatusOr<std::vector<TopicLease>> Read() override {
+    std::vector<TopicLease> leases;
+    absl::Status read =
+        read_->Select().ForEach([&leases](const Rows& row) { AddTopicLease(row, leases); });
+    if (!read.ok()) return read;
+    return leases;
+  }
+  absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) override {
+    return InTransaction<DeliveryMemory>([&] { return ReadMemory(client_id); });
+  }
 
-absl::StatusOr<std::unique_ptr<SqliteTopicLeases>> SqliteTopicLeases::Open(const std::string& path,
-                                                                           const ProcessId& process,
-                                                                           DamagePtr damage) {
-  auto beside = OpenBeside(path, std::move(damage));
-  if (!beside.ok()) return beside.status();
-  std::unique_ptr<SqliteTopicLeases> leases(new SqliteTopicLeases(*std::move(beside), process));
-  absl::Status prepared = leases->Prepare();
-  if (!prepared.ok()) return prepared;
-  return leases;
-}
+ private:
+  template <typename Result, typename Work>
+  absl::StatusOr<Result> InTransaction(const Work& work) {
+    return beside_.database->InTransaction<Result>(work);
+  }
+  absl::StatusOr<std::optional<Epoch>> TakeInTransaction(const TakeRequest& request);
+  absl::StatusOr<Epoch> DrawEpoch();
+  absl::Status End(const TopicLease& lease);
+  absl::Status Hold(const TakeRequest& request);
+  absl::Status NumberDeliveries(const TakeRequest& request);
+  absl::StatusOr<DeliveryMemory> ReadMemory(std::string_view client_id);
+
+  Beside beside_;
+  const ProcessId process_;
+  std::unique_ptr<Statement> read_, draw_epoch_, end_, take_, drop_prefixes_, add_prefix_, release_,
+      insert_, drop_through_, drop_clients_, drop_deliveries_, deliveries_;
+};
 
 absl::Status SqliteTopicLeases::Prepare() {
   Preparer prepare(*beside_.database);
-  prepare.Into(begin_, "BEGIN IMMEDIATE");
-  prepare.Into(commit_, "COMMIT");
   prepare.Into(read_,
                "SELECT c.client_id, c.process, c.epoch, c.released, c.taken_at, p.prefix"
                " FROM topic_clients AS c LEFT JOIN topic_prefixes AS p ON p.client_id = c.client_id"
@@ -73,49 +101,10 @@ absl::Status SqliteTopicLeases::Prepare() {
   return prepare.status();
 }
 
-template <typename Result, typename Work>
-absl::StatusOr<Result> SqliteTopicLeases::InTransaction(const Work& work) {
-  absl::Status status = begin_->Run();
-  if (!status.ok()) return status;
-  absl::StatusOr<Result> result = work();
-  status = result.status();
-  if (status.ok()) status = commit_->Run();
-  if (status.ok()) return result;
-  beside_.database->RollbackIfOpen();
-  return status;
-}
-
-absl::StatusOr<std::vector<TopicLease>> SqliteTopicLeases::Read() {
-  std::vector<TopicLease> leases;
-  Rows rows = read_->Select();
-  while (true) {
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    if (!*found) return leases;
-    if (leases.empty() || leases.back().client_id != rows.Bytes(0)) {
-      TopicLease& lease = leases.emplace_back();
-      lease.client_id = rows.Bytes(0);
-      lease.holder = BytesOf<ProcessId>(rows.Bytes(1));
-      lease.epoch = static_cast<Epoch>(rows.Int(2));
-      lease.released = rows.Int(3) != 0;
-      lease.taken_at = FromUnixMs(rows.Int(4));
-    }
-    if (!rows.Null(5)) leases.back().prefixes.emplace_back(rows.Bytes(5));
-  }
-}
-
 absl::StatusOr<Epoch> SqliteTopicLeases::DrawEpoch() {
-  Rows rows = draw_epoch_->Select();
-  const absl::StatusOr<bool> found = rows.Next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::InternalError("the store's count of epochs is gone");
-  return static_cast<Epoch>(rows.Int(0));
-}
-
-absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::Take(const TakeRequest& request) {
-  absl::Status bad = CheckRequest(request);
-  if (!bad.ok()) return bad;
-  return InTransaction<std::optional<Epoch>>([&] { return TakeInTransaction(request); });
+  const absl::StatusOr<std::int64_t> epoch = draw_epoch_->Select().OnlyInt();
+  if (!epoch.ok()) return epoch.status();
+  return static_cast<Epoch>(*epoch);
 }
 
 absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
@@ -138,12 +127,11 @@ absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
     const absl::StatusOr<Epoch> drawn = DrawEpoch();
     if (!drawn.ok()) return drawn.status();
     epoch = *drawn;
-    status = take_->Run(std::string_view(request.client_id), BlobOf(process_), *epoch,
-                        UnixMs(request.at));
+    status = take_->Run(request.client_id, process_, *epoch, request.at);
     if (status.ok()) status = NumberDeliveries(request);
   }
   if (status.ok()) status = Hold(request);
-  if (status.ok()) status = drop_clients_->Run(static_cast<std::int64_t>(kTopicClientsMax));
+  if (status.ok()) status = drop_clients_->Run(kTopicClientsMax);
   if (status.ok()) status = drop_deliveries_->Run();
   if (!status.ok()) return status;
   return epoch;
@@ -152,65 +140,45 @@ absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
 absl::Status SqliteTopicLeases::End(const TopicLease& lease) {
   const absl::StatusOr<Epoch> epoch = DrawEpoch();
   if (!epoch.ok()) return epoch.status();
-  absl::Status status = end_->Run(std::string_view(lease.client_id), *epoch);
-  if (status.ok()) status = drop_prefixes_->Run(std::string_view(lease.client_id));
-  return status;
+  absl::Status status = end_->Run(lease.client_id, *epoch);
+  return status.ok() ? drop_prefixes_->Run(lease.client_id) : status;
 }
 
 absl::Status SqliteTopicLeases::Hold(const TakeRequest& request) {
-  absl::Status status = drop_prefixes_->Run(std::string_view(request.client_id));
+  absl::Status status = drop_prefixes_->Run(request.client_id);
   for (const std::string& prefix : request.prefixes) {
-    if (!status.ok()) return status;
-    status = add_prefix_->Run(std::string_view(prefix), std::string_view(request.client_id));
+    if (status.ok()) status = add_prefix_->Run(prefix, request.client_id);
   }
   return status;
 }
 
 absl::Status SqliteTopicLeases::NumberDeliveries(const TakeRequest& request) {
-  const std::string_view client_id = request.client_id;
-  absl::StatusOr<DeliveryMemory> before = ReadMemory(client_id);
+  absl::StatusOr<DeliveryMemory> before = ReadMemory(request.client_id);
   if (!before.ok()) return before.status();
   const std::uint64_t last = before->last_number;
   absl::Status status;
   const DeliveryMemory anew = NumberedAnew(*std::move(before), DeliveriesKept(request.unacked_max));
   for (const Delivery& delivery : anew.known) {
     if (status.ok()) {
-      status = insert_->Run(client_id, delivery.number, std::int64_t{delivery.packet_id},
-                            BlobOf(*delivery.digest));
+      status = insert_->Run(request.client_id, delivery.number, std::int64_t{delivery.packet_id},
+                            *delivery.digest);
     }
   }
-  if (status.ok()) status = drop_through_->Run(client_id, last);
-  return status;
-}
-
-absl::Status SqliteTopicLeases::Release(std::string_view client_id) {
-  return InTransaction<bool>([&]() -> absl::StatusOr<bool> {
-           Rows rows = release_->Select(client_id, BlobOf(process_));
-           absl::StatusOr<bool> held = rows.Next();
-           if (!held.ok() || !*held) return held;
-           absl::Status dropped = drop_prefixes_->Run(client_id);
-           if (!dropped.ok()) return dropped;
-           return true;
-         })
-      .status();
-}
-
-absl::StatusOr<DeliveryMemory> SqliteTopicLeases::MemoryOf(std::string_view client_id) {
-  return InTransaction<DeliveryMemory>([&] { return ReadMemory(client_id); });
+  return status.ok() ? drop_through_->Run(request.client_id, last) : status;
 }
 
 absl::StatusOr<DeliveryMemory> SqliteTopicLeases::ReadMemory(std::string_view client_id) {
-  std::vector<Delivery> deliveries;
-  Rows rows = deliveries_->Select(client_id);
-  while (true) {
-    const absl::StatusOr<bool> found = rows.Next();
-    if (!found.ok()) return found.status();
-    if (!*found) return storage::MemoryOf(deliveries);
-    Delivery& delivery = deliveries.emplace_back();
-    delivery.number = static_cast<std::uint64_t>(rows.Int(0));
-    delivery.packet_id = static_cast<std::uint16_t>(rows.Int(1));
-    if (!rows.Null(2)) delivery.digest = BytesOf<DeliveryDigest>(rows.Bytes(2));
-  }
+  const auto deliveries = deliveries_->Select(client_id).All(DeliveryIn<Rows>);
+  if (!deliveries.ok()) return deliveries.status();
+  return storage::MemoryOf(*deliveries);
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<TopicLeases>> OpenTopicLeases(const std::string& path,
+                                                             const ProcessId& process,
+                                                             DamagePtr damage) {
+  return MakeBeside<SqliteTopicLeases>(path, std::move(damage), process);
 }
 
 }  // namespace uplink::storage::sqlite

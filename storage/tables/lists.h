@@ -36,6 +36,12 @@ inline constexpr int kRuriColumn = 2;
 inline constexpr int kFleetColumn = 3;
 inline constexpr int kFirstOwnColumn = 4;
 
+/// Reads a list's rows, up to the table's name. `schema`: what its name begins with.
+[[nodiscard]] constexpr SqlText SelectSql(const ListShape& shape, std::string_view schema) {
+  return {"SELECT ", shape.time_column, ", entry, ruri, fleet, ", shape.columns, " FROM ",
+          schema,    shape.table};
+}
+
 template <typename Out, const auto& kOf>
 struct ListOf {
   static constexpr const auto& kTable = kOf;

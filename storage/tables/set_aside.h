@@ -57,6 +57,30 @@ inline constexpr Table<Quarantined, QuarantineRow, 13> kQuarantineTable = {
                  "topic", [](const auto& row) { return row.Text(TopicOf(row.record->origin)); }),
          })};
 
+/// A range of limited numbers, which ends with the record's.
+struct Limited {
+  const CommitRecord* record = nullptr;
+  const LimitedRange* range = nullptr;
+  Entry entry;
+};
+
+inline constexpr Table<Limited, Unlisted, 8> kKeptRejectsTable = {
+    "kept_rejects",
+    Writes::kUpserts,
+    {},
+    std::array<Column<Limited, Unlisted>, 8>{
+        kRobotRuri.Key(),
+        Col("session", [](const auto& row) { return row.record->session; }).Key(),
+        Col("last", [](const auto& row) { return row.record->seq; }).Key(),
+        Col("first", [](const auto& row) { return row.range->first; }),
+        kRowEntry,
+        Col("reason", [](const auto& row) { return row.range->rejection.reason; }),
+        Col(
+            "field", [](const auto& row) -> auto& { return row.range->rejection.field; }),
+        Col(
+            "detail", [](const auto& row) -> auto& { return row.range->rejection.detail; }),
+    }};
+
 /// What a batch reported of one gap.
 struct Gap {
   const GapItem* item = nullptr;

@@ -5,18 +5,20 @@
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
-#include "storage/postgres/clock_marks.h"
-#include "storage/postgres/forget_store.h"
-#include "storage/postgres/leases.h"
+#include "storage/postgres/parts.h"
 #include "storage/postgres/reader.h"
-#include "storage/postgres/shared_items.h"
 #include "storage/postgres/store.h"
-#include "storage/postgres/topic_leases.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/postgres_database.h"
 
 namespace uplink::testing {
 namespace {
+
+template <typename Part>
+void Keep(absl::StatusOr<std::unique_ptr<Part>> made, std::unique_ptr<Part>& part) {
+  UPLINK_CHECK(made.ok(), made.status().ToString());
+  part = *std::move(made);
+}
 
 class PostgresUnderTest final : public StoreUnderTest {
  public:
@@ -43,12 +45,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     static_cast<void>(Process(number));  // makes the schema
     auto& leases = leases_[number];
     if (leases == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      options.process = {number};
-      auto made = storage::postgres::PostgresLeases::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      leases = *std::move(made);
+      Keep(storage::postgres::MakeLeases(OptionsOf(number), clock_), leases);
     }
     return leases.get();
   }
@@ -57,12 +54,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     static_cast<void>(Process(number));  // makes the schema
     auto& leases = topic_leases_[number];
     if (leases == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      options.process = {number};
-      auto made = storage::postgres::PostgresTopicLeases::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      leases = *std::move(made);
+      Keep(storage::postgres::MakeTopicLeases(OptionsOf(number), clock_), leases);
     }
     return *leases;
   }
@@ -70,11 +62,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   storage::ClockMarks* clock_marks() override {
     static_cast<void>(Process(1));  // makes the schema
     if (marks_ == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      auto made = storage::postgres::PostgresClockMarks::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      marks_ = *std::move(made);
+      Keep(storage::postgres::MakeClockMarks(OptionsOf(1), clock_), marks_);
     }
     return marks_.get();
   }
@@ -84,11 +72,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   storage::SharedItems& shared_items() override {
     static_cast<void>(Process(1));  // makes the schema
     if (shared_items_ == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      auto made = storage::postgres::PostgresSharedItems::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      shared_items_ = *std::move(made);
+      Keep(storage::postgres::MakeSharedItems(OptionsOf(1), clock_), shared_items_);
     }
     return *shared_items_;
   }
@@ -155,11 +139,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   storage::ForgetStore& Forget() {
     static_cast<void>(Process(1));  // makes the schema
     if (forget_ == nullptr) {
-      storage::postgres::StoreOptions options;
-      options.url = database_.url();
-      auto made = storage::postgres::PostgresForgetStore::Make(options, clock_);
-      UPLINK_CHECK(made.ok(), made.status().ToString());
-      forget_ = *std::move(made);
+      Keep(storage::postgres::MakeForgetStore(OptionsOf(1), clock_), forget_);
     }
     return *forget_;
   }
@@ -175,10 +155,15 @@ class PostgresUnderTest final : public StoreUnderTest {
                                        : absl::OkStatus();
   }
 
-  void Open(std::uint8_t number, One& one) {
+  storage::postgres::StoreOptions OptionsOf(std::uint8_t number) const {
     storage::postgres::StoreOptions options;
     options.url = database_.url();
     options.process = {number};
+    return options;
+  }
+
+  void Open(std::uint8_t number, One& one) {
+    storage::postgres::StoreOptions options = OptionsOf(number);
     options.rules = rules_;
     options.before_commit = [&one] { return Take(one.fail_before); };
     options.after_commit = [&one] { return Take(one.fail_after); };
@@ -192,12 +177,12 @@ class PostgresUnderTest final : public StoreUnderTest {
   const storage::StoreRules rules_;
   PostgresDatabase database_;
   std::map<std::uint8_t, One> processes_;
-  std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresLeases>> leases_;
-  std::map<std::uint8_t, std::unique_ptr<storage::postgres::PostgresTopicLeases>> topic_leases_;
+  std::map<std::uint8_t, std::unique_ptr<storage::Leases>> leases_;
+  std::map<std::uint8_t, std::unique_ptr<storage::TopicLeases>> topic_leases_;
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
-  std::unique_ptr<storage::postgres::PostgresClockMarks> marks_;
-  std::unique_ptr<storage::postgres::PostgresForgetStore> forget_;
-  std::unique_ptr<storage::postgres::PostgresSharedItems> shared_items_;
+  std::unique_ptr<storage::ClockMarks> marks_;
+  std::unique_ptr<storage::ForgetStore> forget_;
+  std::unique_ptr<storage::SharedItems> shared_items_;
 };
 
 }  // namespace

@@ -4,18 +4,21 @@
 #include <absl/strings/str_split.h>
 
 #include "schema/base/check.h"
-#include "storage/sqlite/clock_marks.h"
-#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/reader.h"
-#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
-#include "storage/sqlite/topic_leases.h"
 #include "tests/contract/store_under_test.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::testing {
 namespace {
+
+template <typename Part>
+void Keep(absl::StatusOr<std::unique_ptr<Part>> opened, std::unique_ptr<Part>& part) {
+  UPLINK_CHECK(opened.ok(), opened.status().ToString());
+  part = *std::move(opened);
+}
 
 class SqliteUnderTest final : public StoreUnderTest {
  public:
@@ -30,9 +33,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   storage::Reader& reader() override {
     if (reader_ == nullptr) {
       static_cast<void>(Process(1));  // makes the file
-      auto opened = storage::sqlite::SqliteReader::Open(path_);
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      reader_ = *std::move(opened);
+      Keep(storage::sqlite::SqliteReader::Open(path_), reader_);
     }
     return *reader_;
   }
@@ -40,9 +41,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   storage::ClockMarks* clock_marks() override {
     if (marks_ == nullptr) {
       static_cast<void>(Process(1));  // makes the file
-      auto opened = storage::sqlite::SqliteClockMarks::Open(path_);
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      marks_ = *std::move(opened);
+      Keep(storage::sqlite::OpenClockMarks(path_), marks_);
     }
     return marks_.get();
   }
@@ -52,9 +51,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   storage::SharedItems& shared_items() override {
     if (shared_items_ == nullptr) {
       static_cast<void>(Process(1));  // makes the file
-      auto opened = storage::sqlite::SqliteSharedItems::Open(path_);
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      shared_items_ = *std::move(opened);
+      Keep(storage::sqlite::OpenSharedItems(path_), shared_items_);
     }
     return *shared_items_;
   }
@@ -87,9 +84,7 @@ class SqliteUnderTest final : public StoreUnderTest {
     static_cast<void>(Process(1));  // makes the file
     auto& leases = topic_leases_[number];
     if (leases == nullptr) {
-      auto opened = storage::sqlite::SqliteTopicLeases::Open(path_, storage::ProcessId{number});
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      leases = *std::move(opened);
+      Keep(storage::sqlite::OpenTopicLeases(path_, storage::ProcessId{number}), leases);
     }
     return *leases;
   }
@@ -125,9 +120,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   storage::ForgetStore& Forget() {
     if (forget_ == nullptr) {
       static_cast<void>(Process(1));  // makes the file
-      auto opened = storage::sqlite::SqliteForgetStore::Open(path_);
-      UPLINK_CHECK(opened.ok(), opened.status().ToString());
-      forget_ = *std::move(opened);
+      Keep(storage::sqlite::OpenForgetStore(path_), forget_);
     }
     return *forget_;
   }
@@ -159,11 +152,11 @@ class SqliteUnderTest final : public StoreUnderTest {
   TempFolder folder_;
   const std::string path_ = folder_.File("uplinkd.db");
   std::map<std::uint8_t, One> processes_;
-  std::map<std::uint8_t, std::unique_ptr<storage::sqlite::SqliteTopicLeases>> topic_leases_;
+  std::map<std::uint8_t, std::unique_ptr<storage::TopicLeases>> topic_leases_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
-  std::unique_ptr<storage::sqlite::SqliteClockMarks> marks_;
-  std::unique_ptr<storage::sqlite::SqliteForgetStore> forget_;
-  std::unique_ptr<storage::sqlite::SqliteSharedItems> shared_items_;
+  std::unique_ptr<storage::ClockMarks> marks_;
+  std::unique_ptr<storage::ForgetStore> forget_;
+  std::unique_ptr<storage::SharedItems> shared_items_;
 };
 
 }  // namespace

@@ -58,7 +58,7 @@ bool SqliteBackend::ReplaceFiles() {
 }
 
 storage::SharedItems& SqliteBackend::Items() {
-  auto opened = storage::sqlite::SqliteSharedItems::Open(Path());
+  auto opened = storage::sqlite::OpenSharedItems(Path());
   UPLINK_CHECK(opened.ok(), opened.status().ToString());
   items_ = *std::move(opened);
   return *items_;

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/reader.h"
-#include "storage/sqlite/shared_items.h"
 #include "storage/sqlite/store.h"
 #include "tests/simulation/world.h"
 #include "tests/support/temp_folder.h"
@@ -34,7 +34,7 @@ class SqliteBackend final : public Backend {
   bool retained_ = false;
   std::unique_ptr<storage::sqlite::SqliteStore> store_;
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
-  std::unique_ptr<storage::sqlite::SqliteSharedItems> items_;
+  std::unique_ptr<storage::SharedItems> items_;
 };
 
 }  // namespace uplink::simulation

@@ -12,8 +12,8 @@
 #include <fmt/core.h>
 
 #include "server/store/clock_judge.h"
-#include "storage/postgres/clock_marks.h"
-#include "storage/sqlite/clock_marks.h"
+#include "storage/postgres/parts.h"
+#include "storage/sqlite/parts.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/store_target.h"
 
@@ -26,10 +26,10 @@ absl::StatusOr<Marks> Open(const StoreClockRequest& request, const Clock& clock)
   const auto target = TargetOf(request.url, request.password_file);
   if (!target.ok()) return target.status();
   if (const auto* path = std::get_if<std::string>(&*target)) {
-    return storage::sqlite::SqliteClockMarks::Open(*path);
+    return storage::sqlite::OpenClockMarks(*path);
   }
-  return storage::postgres::PostgresClockMarks::Make(
-      std::get<storage::postgres::StoreOptions>(*target), clock);
+  return storage::postgres::MakeClockMarks(std::get<storage::postgres::StoreOptions>(*target),
+                                           clock);
 }
 
 std::string TextOf(const std::optional<SystemTime>& time, const char* without) {

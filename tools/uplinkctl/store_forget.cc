@@ -21,10 +21,9 @@
 #include "server/store/lease_judge.h"
 #include "storage/forget_store.h"
 #include "storage/leases.h"
-#include "storage/postgres/forget_store.h"
-#include "storage/postgres/leases.h"
+#include "storage/postgres/parts.h"
 #include "storage/sqlite/file_lock.h"
-#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/parts.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/store_comeback.h"
 #include "tools/uplinkctl/store_target.h"
@@ -75,7 +74,7 @@ absl::StatusOr<Target> OpenSqlite(const std::string& path) {
   // Before the database is opened, and it goes after it: closing the lock's descriptor drops the
   // locks that SQLite has on the file.
   if (absl::Status locked = Lock(target); !locked.ok()) return locked;
-  auto store = storage::sqlite::SqliteForgetStore::Open(path);
+  auto store = storage::sqlite::OpenForgetStore(path);
   if (!store.ok()) return store.status();
   target.store = *std::move(store);
   return target;
@@ -84,10 +83,10 @@ absl::StatusOr<Target> OpenSqlite(const std::string& path) {
 absl::StatusOr<Target> OpenPostgres(const storage::postgres::StoreOptions& options,
                                     const Clock& clock) {
   Target target;
-  auto store = storage::postgres::PostgresForgetStore::Make(options, clock);
+  auto store = storage::postgres::MakeForgetStore(options, clock);
   if (!store.ok()) return store.status();
   target.store = *std::move(store);
-  auto leases = storage::postgres::PostgresLeases::Make(options, clock);
+  auto leases = storage::postgres::MakeLeases(options, clock);
   if (!leases.ok()) return leases.status();
   target.leases = *std::move(leases);
   return target;

@@ -134,6 +134,12 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>
   return results;
 }
 
+absl::StatusOr<Result> Connection::RunOne(StoreCall call, std::string_view doing) {
+  auto results = Run(PipelineOf(std::move(call)), doing);
+  if (!results.ok()) return results.status();
+  return std::move(results->front());
+}
+
 absl::Status Connection::RollBack() {
   if (PQtransactionStatus(handle_.get()) == PQTRANS_IDLE) return absl::OkStatus();
   std::vector<StoreCall> calls;

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,12 +48,22 @@ struct StoreCall {
   Parameters parameters;
 };
 
-/// A call whose first parameters are these columns, in order; they must not be used afterwards.
-[[nodiscard]] inline StoreCall StoreCallOf(std::string_view sql,
-                                           std::initializer_list<Array*> columns) {
+/// A call with these parameters, in order: numbers of 32 or 64 bits, texts, times, ids, and
+/// pointers to arrays, which must not be used afterwards.
+template <typename... Values>
+[[nodiscard]] StoreCall StoreCallOf(std::string_view sql, Values&&... values) {
   StoreCall call{sql, {}};
-  for (Array* column : columns) call.parameters.Add(std::move(*column));
+  (call.parameters.Add(std::forward<Values>(values)), ...);
   return call;
+}
+
+/// Calls that are sent together, in order.
+template <typename... Calls>
+[[nodiscard]] std::vector<StoreCall> PipelineOf(Calls&&... calls) {
+  std::vector<StoreCall> all;
+  all.reserve(sizeof...(calls));
+  (all.push_back(std::forward<Calls>(calls)), ...);
+  return all;
 }
 
 /// What becomes of an open transaction when a statement fails.
@@ -83,6 +92,8 @@ class Connection final {
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Run(const std::vector<StoreCall>& calls,
                                                         std::string_view doing,
                                                         OnError on_error = OnError::kRollBack);
+  /// The same for one statement.
+  [[nodiscard]] absl::StatusOr<Result> RunOne(StoreCall call, std::string_view doing);
   /// Ends an open transaction without its writes; OK if there is none.
   [[nodiscard]] absl::Status RollBack();
   /// Statements without parameters, as a script has them.

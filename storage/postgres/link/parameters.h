@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -63,13 +64,18 @@ class Parameters final {
  public:
   Parameters() = default;
 
-  void Add(Array array) { values_.emplace_back(std::move(array).Take()); }
-  void Int8(std::int64_t value) { values_.emplace_back(EncodeInt8(value)); }
-  void Int4(std::int32_t value) { values_.emplace_back(EncodeInt4(value)); }
-  void Time(SystemTime value) { values_.emplace_back(EncodeTime(value)); }
-  void Text(std::string_view value) { values_.emplace_back(std::string(value)); }
-  void Uuid(const model::SessionId& value) { values_.emplace_back(std::string(value.AsBytes())); }
-  void Null() { values_.emplace_back(std::nullopt); }
+  void Add(Array&& array) { values_.emplace_back(std::move(array).Take()); }
+  /// The array must not be used afterwards.
+  void Add(Array* array) { Add(std::move(*array)); }
+  void Add(std::int64_t value) { values_.emplace_back(EncodeInt8(value)); }
+  void Add(std::uint64_t value) { Add(static_cast<std::int64_t>(value)); }
+  void Add(std::int32_t value) { values_.emplace_back(EncodeInt4(value)); }
+  void Add(SystemTime value) { values_.emplace_back(EncodeTime(value)); }
+  void Add(std::string_view value) { values_.emplace_back(std::string(value)); }
+  void Add(const model::SessionId& value) { Add(value.AsBytes()); }
+  /// Of a process.
+  void Add(const std::array<std::uint8_t, 16>& value) { Add(model::SessionId(value)); }
+  void Add(std::nullopt_t /*null*/) { values_.emplace_back(std::nullopt); }
 
   [[nodiscard]] const std::vector<std::optional<std::string>>& values() const { return values_; }
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
@@ -10,6 +13,8 @@
 struct pg_result;
 
 namespace uplink::storage::postgres {
+
+class ResultRow;
 
 /// The rows of one statement, in the binary protocol's form. Views live as long as the result.
 ///
@@ -38,6 +43,23 @@ class Result final {
   /// Bytes of all columns of the row.
   [[nodiscard]] std::size_t RowBytes(int row) const;
 
+  struct Iterator {
+    const Result* rows = nullptr;
+    int row = 0;
+    [[nodiscard]] ResultRow operator*() const;
+    Iterator& operator++() {
+      ++row;
+      return *this;
+    }
+    friend bool operator==(const Iterator&, const Iterator&) = default;
+  };
+  [[nodiscard]] Iterator begin() const { return {this, 0}; }
+  [[nodiscard]] Iterator end() const { return {this, rows()}; }
+  /// What `read` makes of each row.
+  template <typename Read>
+  [[nodiscard]] std::vector<std::invoke_result_t<Read, const ResultRow&>> All(
+      const Read& read) const;
+
  private:
   struct Clear {
     void operator()(pg_result* result) const;
@@ -46,5 +68,34 @@ class Result final {
 
   std::unique_ptr<pg_result, Clear> result_;
 };
+
+/// One row of a result, which must outlive it.
+class ResultRow final {
+ public:
+  ResultRow(const Result& rows, int row) : rows_(&rows), row_(row) {}
+
+  [[nodiscard]] bool Null(int column) const { return rows_->Null(row_, column); }
+  [[nodiscard]] std::string_view Bytes(int column) const { return rows_->Bytes(row_, column); }
+  [[nodiscard]] bool Bool(int column) const { return rows_->Bool(row_, column); }
+  [[nodiscard]] std::int64_t Int(int column) const { return rows_->Int(row_, column); }
+  [[nodiscard]] double Real(int column) const { return rows_->Real(row_, column); }
+  [[nodiscard]] SystemTime Time(int column) const { return rows_->Time(row_, column); }
+  [[nodiscard]] model::SessionId Uuid(int column) const { return rows_->Uuid(row_, column); }
+  [[nodiscard]] std::size_t TextBytes() const { return rows_->RowBytes(row_); }
+
+ private:
+  const Result* rows_;
+  int row_;
+};
+
+inline ResultRow Result::Iterator::operator*() const { return {*rows, row}; }
+
+template <typename Read>
+std::vector<std::invoke_result_t<Read, const ResultRow&>> Result::All(const Read& read) const {
+  std::vector<std::invoke_result_t<Read, const ResultRow&>> all;
+  all.reserve(static_cast<std::size_t>(rows()));
+  for (const ResultRow& row : *this) all.push_back(read(row));
+  return all;
+}
 
 }  // namespace uplink::storage::postgres

@@ -32,23 +32,23 @@ void AddColumn(Array& array, ColumnType type, const ColumnValue& value) {
   std::visit(Adder{array, type}, value);
 }
 
-ColumnValue ReadColumn(const Result& rows, int row, int index, ColumnType type) {
+ColumnValue ReadColumn(const ResultRow& row, int index, ColumnType type) {
   switch (type) {
     case ColumnType::kBool:
-      return rows.Bool(row, index);
+      return row.Bool(index);
     case ColumnType::kInt4:
     case ColumnType::kInt8:
     case ColumnType::kEntry:
-      return rows.Int(row, index);
+      return row.Int(index);
     case ColumnType::kReal:
-      return rows.Real(row, index);
+      return row.Real(index);
     case ColumnType::kText:
     case ColumnType::kBytes:
-      return rows.Bytes(row, index);
+      return row.Bytes(index);
     case ColumnType::kTime:
-      return rows.Time(row, index);
+      return row.Time(index);
     case ColumnType::kSession:
-      return rows.Uuid(row, index);
+      return row.Uuid(index);
   }
   return {};
 }

@@ -60,6 +60,6 @@ constexpr std::string_view SqlName(Type type) {
 void AddColumn(Array& array, ColumnType type, const ColumnValue& value);
 
 /// A view in the value lives as long as the result.
-[[nodiscard]] ColumnValue ReadColumn(const Result& rows, int row, int index, ColumnType type);
+[[nodiscard]] ColumnValue ReadColumn(const ResultRow& row, int index, ColumnType type);
 
 }  // namespace uplink::storage::postgres

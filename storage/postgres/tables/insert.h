@@ -12,26 +12,67 @@
 // The statement by which a batch writes the rows of a table.
 namespace uplink::storage::postgres {
 
-/// Writes rows. The parameters are the columns, each an array, in order.
+/// The columns as parameters, each an array, in order.
+template <typename Table>
+constexpr SqlText ArraysSql(const Table& table) {
+  SqlText arrays;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    arrays.Add(i == 0 ? "" : ", ");
+    arrays.AddParameter(i + 1, SqlName(SentType(table.columns[i].type)));
+    arrays.Add("[]");
+  }
+  return arrays;
+}
+
+/// Writes rows.
 template <typename Table>
 constexpr SqlText InsertSql(const Table& table) {
   SqlText values;
-  SqlText arrays;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    const auto& column = table.columns[i];
-    const std::string_view comma = i == 0 ? "" : ", ";
+  for (const auto& column : table.columns) {
     // The transaction's number, of which entries are made, is read once per statement.
     const bool entry = column.type == ColumnType::kEntry;
-    values.Add({comma, entry ? "(SELECT currval('uplinkd.batches') << 20) + " : "", column.name});
-    arrays.Add(comma);
-    arrays.AddParameter(i + 1, SqlName(SentType(column.type)));
-    arrays.Add("[]");
+    values.Add({values.view().empty() ? "" : ", ",
+                entry ? "(SELECT currval('uplinkd.batches') << 20) + " : "", column.name});
   }
   const SqlText names = ColumnNames(table);
-  return {"INSERT INTO uplinkd.", table.name,    " AS t (",
-          names.view(),           ") SELECT ",   values.view(),
-          " FROM unnest(",        arrays.view(), ") AS u (",
-          names.view(),           ")",           ConflictSql(table).view()};
+  return {"INSERT INTO uplinkd.",
+          table.name,
+          " AS t (",
+          names.view(),
+          ") SELECT ",
+          values.view(),
+          " FROM unnest(",
+          ArraysSql(table).view(),
+          ") AS u (",
+          names.view(),
+          ")",
+          ConflictSql(table).view()};
+}
+
+/// A row of a vector, or of a map by its key.
+template <typename Row>
+constexpr const Row& RowIn(const Row& row) {
+  return row;
+}
+template <typename Key, typename Row>
+constexpr const Row& RowIn(const std::pair<const Key, Row>& keyed) {
+  return keyed.second;
+}
+
+/// A statement whose first parameters are the rows' columns.
+template <const auto& kTable, typename Rows>
+[[nodiscard]] StoreCall CallWithRows(std::string_view sql, const Rows& rows) {
+  std::vector<Array> arrays;
+  arrays.reserve(kTable.columns.size());
+  for (const auto& column : kTable.columns) arrays.emplace_back(SentType(column.type));
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      AddColumn(arrays[i], kTable.columns[i].type, kTable.columns[i].value(RowIn(row)));
+    }
+  }
+  StoreCall call{sql, {}};
+  for (Array& array : arrays) call.parameters.Add(&array);
+  return call;
 }
 
 /// Adds the statement that writes the rows, if there are any. `kTable` is a constant, so that the
@@ -39,17 +80,7 @@ constexpr SqlText InsertSql(const Table& table) {
 template <const auto& kTable, typename Rows>
 void AddInsert(const Rows& rows, std::vector<StoreCall>& calls) {
   static constexpr SqlText kSql = InsertSql(kTable);
-  if (rows.empty()) return;
-  std::vector<Array> arrays;
-  arrays.reserve(kTable.columns.size());
-  for (const auto& column : kTable.columns) arrays.emplace_back(SentType(column.type));
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < arrays.size(); ++i) {
-      AddColumn(arrays[i], kTable.columns[i].type, kTable.columns[i].value(row));
-    }
-  }
-  StoreCall& call = calls.emplace_back(StoreCall{kSql.view(), {}});
-  for (Array& array : arrays) call.parameters.Add(std::move(array));
+  if (!rows.empty()) calls.push_back(CallWithRows<kTable>(kSql.view(), rows));
 }
 
 }  // namespace uplink::storage::postgres

@@ -9,8 +9,8 @@
 #include <variant>
 
 #include "schema/base/check.h"
-#include "storage/postgres/write/open_runs.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/postgres/write/upkeep.h"
 #include "storage/refusal.h"
 
 namespace uplink::storage::postgres {
@@ -63,19 +63,19 @@ StoreCall BeginBatchCall(const Premises& premises, const Batch& batch, const Pro
     for (std::size_t kind = 0; kind < kPresentKinds; ++kind) upserts[kind].Int4(counts[kind]);
   }
   StoreCall call =
-      StoreCallOf(kBeginBatch, {&robots, &holds, &session_robots, &session_ids, &firsts, &bounded});
-  for (Array& column : upserts) call.parameters.Add(std::move(column));
+      StoreCallOf(kBeginBatch, &robots, &holds, &session_robots, &session_ids, &firsts, &bounded);
+  for (Array& column : upserts) call.parameters.Add(&column);
   for (const PresentKind kind : {PresentKind::kFault, PresentKind::kShape, PresentKind::kObject}) {
-    call.parameters.Int8(static_cast<std::int64_t>(BoundOf(kind).entries_max));
+    call.parameters.Add(BoundOf(kind).entries_max);
   }
   if (batch.presence.empty()) {
-    call.parameters.Null();
-    call.parameters.Null();
+    call.parameters.Add(std::nullopt);
+    call.parameters.Add(std::nullopt);
   } else {
-    call.parameters.Uuid(batch.presence_session);
-    call.parameters.Int8(static_cast<std::int64_t>(batch.presence.front().number));
+    call.parameters.Add(batch.presence_session);
+    call.parameters.Add(batch.presence.front().number);
   }
-  call.parameters.Uuid(model::SessionId(process));
+  call.parameters.Add(process);
   return call;
 }
 

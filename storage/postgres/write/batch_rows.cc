@@ -7,7 +7,7 @@
 #include "schema/base/check.h"
 #include "schema/json/text.h"
 #include "storage/bounds.h"
-#include "storage/postgres/write/open_runs.h"
+#include "storage/postgres/write/upkeep.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -43,10 +43,7 @@ StoreCall BoundCall(std::string_view sql, const std::set<std::string_view>& robo
                     std::size_t rows_max) {
   Array ruri{Type::kText};
   for (const std::string_view robot : robots) ruri.Text(robot);
-  StoreCall call{sql, {}};
-  call.parameters.Add(std::move(ruri));
-  call.parameters.Int8(static_cast<std::int64_t>(rows_max));
-  return call;
+  return StoreCallOf(sql, &ruri, rows_max);
 }
 
 }  // namespace
@@ -65,7 +62,9 @@ struct BatchRows::KindWriter {
     const std::string& text = rows.report_texts_.emplace_back(json::Text(report));
     const MissionReport row = {&record, &report, text, place};
     rows.added_.Add<kMissionReportsTable>(row);
-    rows.runs_.Add(row);
+    const auto [run, is_new] =
+        rows.runs_.try_emplace({record.robot->ruri, report.mission_id, report.run_id}, row);
+    if (!is_new) run->second.Add(row);
     if (!model::IsTerminal(report.status)) {
       SystemTime& reported = rows.robots_with_open_runs_[record.robot->ruri];
       reported = std::max(reported, record.received_at);
@@ -93,7 +92,9 @@ struct BatchRows::KindWriter {
   }
 
  private:
-  void AddLatest(LatestKind kind) const { rows.latest_.Add(record, kind); }
+  void AddLatest(LatestKind kind) const {
+    rows.latest_[{record.robot->ruri, kind}] = {&record, kind};
+  }
   /// A removal if there is no upsert.
   template <typename Body>
   void Present(PresentRows<Body>& present, const Body* upsert) const {
@@ -120,7 +121,7 @@ void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejec
 }
 
 void BatchRows::Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place) {
-  limited_.Add(record, range, place);
+  limited_.push_back({&record, &range, place});
   Raise(record.robot->ruri, record.session, record.seq, record.received_at);
 }
 
@@ -137,13 +138,16 @@ void BatchRows::Drop(const PresentKey& key) {
 }
 
 void BatchRows::AddGap(const GapItem& gap, std::int32_t place) {
-  gaps_.Add(gap, place);
+  Gap& row = gaps_[{gap.robot->ruri, gap.session, gap.first}];
+  // A gap that is reported several times keeps the first one's place.
+  if (row.item == nullptr) row = {&gap, 0, place};
+  row.last = std::max(row.last, gap.last);
   robots_with_gaps_.insert(gap.robot->ruri);
 }
 
 void BatchRows::AddPresence(const PresenceItem& item, const model::SessionId& session,
                             std::int32_t place) {
-  presence_.Add(item, place);
+  latest_presence_[item.robot->ruri] = presence_.emplace_back(PresenceChange{&item, place});
   Raise(kServerRuri, session, item.number, item.at);
 }
 
@@ -163,7 +167,7 @@ void BatchRows::MoveCursors(std::vector<StoreCall>& calls) const {
     seq.Int8(cursor.seq);
     last_used.Time(cursor.last_used);
   }
-  calls.push_back(StoreCallOf(kRaiseCursors, {&ruri, &session, &seq, &last_used}));
+  calls.push_back(StoreCallOf(kRaiseCursors, &ruri, &session, &seq, &last_used));
 }
 
 std::vector<StoreCall> BatchRows::TakeCalls() && {
@@ -172,12 +176,13 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   faults_.MoveInto<kFaultsActiveTable>(calls);
   shapes_.MoveInto<kShapesTable>(calls);
   objects_.MoveInto<kObjectsTable>(calls);
-  runs_.MoveInto(calls);
+  AddInsert<kMissionRunsTable>(runs_, calls);
   if (!robots_with_open_runs_.empty()) calls.push_back(CloseRunsOver(robots_with_open_runs_));
-  latest_.MoveInto(calls);
-  presence_.MoveInto(calls);
-  gaps_.MoveInto(calls);
-  limited_.MoveInto(calls);
+  AddInsert<kLatestTable>(latest_, calls);
+  AddInsert<kPresenceChangesTable>(presence_, calls);
+  AddInsert<kLatestPresenceTable>(latest_presence_, calls);
+  AddInsert<kGapsTable>(gaps_, calls);
+  AddInsert<kKeptRejectsTable>(limited_, calls);
   AddDeliveryCalls(deliveries_, calls);
   MoveCursors(calls);
   if (!robots_with_payloads_.empty()) {

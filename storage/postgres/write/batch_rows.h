@@ -12,11 +12,9 @@
 #include "storage/batch.h"
 #include "storage/commit_record.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/write/added_rows.h"
 #include "storage/postgres/write/delivery_rows.h"
-#include "storage/postgres/write/latest_rows.h"
-#include "storage/postgres/write/limited_rows.h"
 #include "storage/postgres/write/present_rows.h"
+#include "storage/postgres/write/table_rows.h"
 #include "storage/presence.h"
 #include "storage/present.h"
 #include "storage/remember.h"
@@ -68,11 +66,13 @@ class BatchRows final {
   PresentRows<model::Fault> faults_{PresentKind::kFault, rules_};
   PresentRows<model::ReportedShape> shapes_{PresentKind::kShape, rules_};
   PresentRows<model::Object> objects_{PresentKind::kObject, rules_};
-  MissionRunRows runs_;
-  LatestRows latest_;
-  PresenceRows presence_;
-  GapRows gaps_;
-  LimitedRows limited_;
+  // The latest of its key: a batch writes each key once, in order of the keys.
+  std::map<std::tuple<std::string_view, std::string_view, std::string_view>, MissionRun> runs_;
+  std::map<std::pair<std::string_view, LatestKind>, LatestReport> latest_;
+  std::vector<PresenceChange> presence_;
+  std::map<std::string_view, PresenceChange> latest_presence_;
+  std::map<std::tuple<std::string_view, model::SessionId, model::Seq>, Gap> gaps_;
+  std::vector<Limited> limited_;
   DeliveryChanges deliveries_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
   /// Robots of which a bound is to be kept after the writes.

@@ -32,7 +32,7 @@ void AddDeliveryCalls(const DeliveryChanges& changes, std::vector<StoreCall>& ca
         digest.Null();
       }
     }
-    calls.push_back(StoreCallOf(kInsert, {&client, &number, &packet_id, &digest}));
+    calls.push_back(StoreCallOf(kInsert, &client, &number, &packet_id, &digest));
   }
   if (changes.gone.empty()) return;
   Array client{Type::kText}, number{Type::kInt8};
@@ -40,7 +40,7 @@ void AddDeliveryCalls(const DeliveryChanges& changes, std::vector<StoreCall>& ca
     client.Text(hold->client_id);
     number.Int8(gone);
   }
-  calls.push_back(StoreCallOf(kErase, {&client, &number}));
+  calls.push_back(StoreCallOf(kErase, &client, &number));
 }
 
 void AddHoldCall(const Batch& batch, const ProcessId& process, std::vector<StoreCall>& calls) {
@@ -56,8 +56,7 @@ void AddHoldCall(const Batch& batch, const ProcessId& process, std::vector<Store
     clients.Text(client);
     epochs.Int8(epoch);
   }
-  calls.push_back(StoreCallOf(kHoldTopics, {&clients, &epochs}));
-  calls.back().parameters.Uuid(model::SessionId(process));
+  calls.push_back(StoreCallOf(kHoldTopics, &clients, &epochs, process));
 }
 
 }  // namespace uplink::storage::postgres

@@ -7,8 +7,8 @@
 #include "storage/bounds.h"
 #include "storage/expiry.h"
 #include "storage/postgres/tables/present_sql.h"
-#include "storage/postgres/write/rejection_row.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/read_row.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -59,9 +59,6 @@ constexpr std::string_view kReadRejected =
     " l.detail FROM uplinkd.kept_rejects AS l WHERE l.ruri = u.ruri AND l.session = u.session"
     " AND l.last >= u.seq AND l.entry >= s.first_entry ORDER BY l.last LIMIT 1) AS k"
     " WHERE k.first <= u.seq) AS q WHERE u.seq <= s.cursor_seq";
-std::string Text(const Result& result, int row, int column) {
-  return std::string(result.Bytes(row, column));
-}
 
 /// One call of a pipeline and what becomes of its answer.
 class Reads final {
@@ -73,8 +70,7 @@ class Reads final {
     takes_.push_back(std::move(take));
   }
   absl::Status Run(Connection& connection) {
-    const absl::StatusOr<std::vector<Result>> results =
-        connection.Run(calls_, "read what a batch touches");
+    const auto results = connection.Run(calls_, "read what a batch touches");
     if (!results.ok()) return results.status();
     for (std::size_t i = 0; i < takes_.size(); ++i) takes_[i]((*results)[i]);
     return absl::OkStatus();
@@ -103,12 +99,10 @@ void ReadLeases(const Slice& slice, const ProcessId& process, KnownRows& known, 
   if (clients.empty()) return;
   Array locked{Type::kText};
   for (const std::string_view client : clients) locked.Text(client);
-  StoreCall lock = StoreCallOf(kLockLeases, {&locked});
-  lock.parameters.Uuid(model::SessionId(process));
-  reads.Add(std::move(lock), [&known](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      if (!rows.Bool(row, 2)) continue;
-      known.leases[Text(rows, row, 0)] = static_cast<Epoch>(rows.Int(row, 1));
+  reads.Add(StoreCallOf(kLockLeases, &locked, process), [&known](const Result& rows) {
+    for (const ResultRow& row : rows) {
+      if (!row.Bool(2)) continue;
+      known.leases[TextIn(row, 0)] = static_cast<Epoch>(row.Int(1));
     }
   });
 }
@@ -122,12 +116,10 @@ void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, 
   }
   Array locked{Type::kText};
   for (const std::string_view ruri : robots) locked.Text(ruri);
-  StoreCall lock = StoreCallOf(kLockRobots, {&locked});
-  lock.parameters.Uuid(model::SessionId(process));
-  reads.Add(std::move(lock), [&known](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      if (!rows.Bool(row, 2)) continue;
-      known.robots[Text(rows, row, 0)].held_since = static_cast<Epoch>(rows.Int(row, 1));
+  reads.Add(StoreCallOf(kLockRobots, &locked, process), [&known](const Result& rows) {
+    for (const ResultRow& row : rows) {
+      if (!row.Bool(2)) continue;
+      known.robots[TextIn(row, 0)].held_since = static_cast<Epoch>(row.Int(1));
     }
   });
   reads.Add({kNextBatch, {}});
@@ -164,20 +156,14 @@ void ReadSessions(const Slice& slice, const ProcessId& process, KnownRows& known
     read_ruri.Text(key.first);
     read_session.Uuid(key.second);
   }
-  StoreCall insert = StoreCallOf(kInsertSessions, {&ruri, &session, &held, &used});
-  insert.parameters.Uuid(model::SessionId(process));
-  reads.Add(std::move(insert));
-  reads.Add(StoreCallOf(kReadSessions, {&read_ruri, &read_session}), [&known](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      known.sessions[{Text(rows, row, 0), rows.Uuid(row, 1)}].cursor =
-          static_cast<model::Seq>(rows.Int(row, 2));
+  reads.Add(StoreCallOf(kInsertSessions, &ruri, &session, &held, &used, process));
+  reads.Add(StoreCallOf(kReadSessions, &read_ruri, &read_session), [&known](const Result& rows) {
+    for (const ResultRow& row : rows) {
+      known.sessions[{TextIn(row, 0), row.Uuid(1)}].cursor = static_cast<model::Seq>(row.Int(2));
     }
   });
   if (!presence) return;
-  StoreCall trim{kTrimProcesses, {}};
-  trim.parameters.Uuid(batch.presence_session);
-  trim.parameters.Int8(static_cast<std::int64_t>(kServerSessionsMax) - 1);
-  reads.Add(std::move(trim));
+  reads.Add(StoreCallOf(kTrimProcesses, batch.presence_session, kServerSessionsMax - 1));
 }
 
 void ReadRejected(const Slice& slice, KnownRows& known, Reads& reads) {
@@ -189,15 +175,14 @@ void ReadRejected(const Slice& slice, KnownRows& known, Reads& reads) {
     seq.Int8(record.seq);
     place.Int4(static_cast<std::int32_t>(i));
   }
-  reads.Add(StoreCallOf(kReadRejected, {&ruri, &session, &seq, &place}),
-            [&known, &batch = *slice.batch](const Result& rows) {
-              for (int row = 0; row < rows.rows(); ++row) {
-                const CommitRecord& record =
-                    batch.records[static_cast<std::size_t>(rows.Int(row, 0))];
-                known.rejected[{record.robot->ruri, record.session, record.seq}] =
-                    ReadRejection(rows, row, 1);
-              }
-            });
+  reads.Add(
+      StoreCallOf(kReadRejected, &ruri, &session, &seq, &place),
+      [&known, &batch = *slice.batch](const Result& rows) {
+        for (const ResultRow& row : rows) {
+          const CommitRecord& record = batch.records[static_cast<std::size_t>(row.Int(0))];
+          known.rejected[{record.robot->ruri, record.session, record.seq}] = RejectionIn(row, 1);
+        }
+      });
 }
 
 /// The upserts of one robot in a slice.
@@ -226,26 +211,25 @@ void ReadPresent(PresentKind kind, Named& named, KnownRows& known, Reads& reads)
   const auto index = static_cast<std::size_t>(kind);
   const PresentSql& sql = PresentSqlOf(kind);
   const auto take_entries = [&entries = known.present[index]](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      entries[{Text(rows, row, 0), Text(rows, row, 1), Text(rows, row, 2)}] = rows.Int(row, 3);
+    for (const ResultRow& row : rows) {
+      entries[{TextIn(row, 0), TextIn(row, 1), TextIn(row, 2)}] = row.Int(3);
     }
   };
-  StoreCall read = StoreCallOf(sql.read.view(), {&named.ruri, &named.id});
-  if (sql.has_source) read.parameters.Add(std::move(named.source));
+  StoreCall read = StoreCallOf(sql.read.view(), &named.ruri, &named.id);
+  if (sql.has_source) read.parameters.Add(&named.source);
   reads.Add(std::move(read), take_entries);
-  reads.Add(StoreCallOf(sql.count.view(), {&counted}), [&known, index](const Result& rows) {
-    for (int row = 0; row < rows.rows(); ++row) {
-      const auto robot = known.robots.find(rows.Bytes(row, 0));
+  reads.Add(StoreCallOf(sql.count.view(), &counted), [&known, index](const Result& rows) {
+    for (const ResultRow& row : rows) {
+      const auto robot = known.robots.find(row.Bytes(0));
       // Rows of one that has none itself.
       if (robot == known.robots.end()) continue;
-      robot->second.counts[index] = static_cast<std::size_t>(rows.Int(row, 1));
+      robot->second.counts[index] = static_cast<std::size_t>(row.Int(1));
     }
   });
   const PresentBound& bound = BoundOf(kind);
   if (!bound.expires) return;
-  StoreCall expired = StoreCallOf(sql.expired.view(), {&near, &count, &by_ms});
-  expired.parameters.Int8(static_cast<std::int64_t>(bound.entries_max));
-  reads.Add(std::move(expired), take_entries);
+  reads.Add(StoreCallOf(sql.expired.view(), &near, &count, &by_ms, bound.entries_max),
+            take_entries);
 }
 
 void ReadAllPresent(const Slice& slice, const StoreRules& rules, KnownRows& known, Reads& reads) {

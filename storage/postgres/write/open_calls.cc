@@ -5,7 +5,7 @@
 
 #include "storage/bounds.h"
 #include "storage/postgres/tables/rejects_sql.h"
-#include "storage/postgres/write/stored_presence.h"
+#include "storage/postgres/write/holds.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/sql_text.h"
 
@@ -194,31 +194,13 @@ StoreCall EvictCall(const Wave& wave, std::span<const OpenRequest> requests,
       held_session.Uuid(held);
     }
   }
-  StoreCall call{kEvictSessions, {}};
-  call.parameters.Add(columns.Ruris());
-  call.parameters.Add(std::move(held_ruri));
-  call.parameters.Add(std::move(held_session));
-  call.parameters.Int8(static_cast<std::int64_t>(kSessionsPerRobotMax));
-  call.parameters.Uuid(model::SessionId(process));
-  call.parameters.Add(columns.Fleets());
-  return call;
+  return StoreCallOf(kEvictSessions, columns.Ruris(), &held_ruri, &held_session,
+                     kSessionsPerRobotMax, process, columns.Fleets());
 }
 
 /// Of a statement over the numbers above what is settled, up to so many of each robot.
 StoreCall RejectsCall(std::string_view sql, const Columns& columns, std::size_t most) {
-  StoreCall call{sql, {}};
-  call.parameters.Add(columns.Ruris());
-  call.parameters.Add(columns.Sessions());
-  call.parameters.Add(columns.Settled());
-  call.parameters.Int8(static_cast<std::int64_t>(most));
-  return call;
-}
-
-/// A statement that has the robots' RURIs alone.
-StoreCall RobotsCall(std::string_view sql, Array ruris) {
-  StoreCall call{sql, {}};
-  call.parameters.Add(std::move(ruris));
-  return call;
+  return StoreCallOf(sql, columns.Ruris(), columns.Sessions(), columns.Settled(), most);
 }
 
 }  // namespace
@@ -232,35 +214,17 @@ std::vector<StoreCall> CallsOf(const Wave& wave, std::span<const OpenRequest> re
     ruris.push_back(name);
     rejects_max = std::max(rejects_max, requests[index].rejects_max);
   }
-  StoreCall robots{kOpenRobots, {}};
-  robots.parameters.Add(columns.Ruris());
-  robots.parameters.Add(columns.Fleets());
-  robots.parameters.Add(columns.Times());
-  robots.parameters.Uuid(model::SessionId(process));
-  robots.parameters.Add(columns.Ended());
-  robots.parameters.Add(columns.Matched());
-  StoreCall sessions{kOpenSessions, {}};
-  sessions.parameters.Add(columns.Ruris());
-  sessions.parameters.Add(columns.Sessions());
-  sessions.parameters.Add(columns.Times());
-  sessions.parameters.Uuid(model::SessionId(process));
-  sessions.parameters.Add(columns.Settled());
-  sessions.parameters.Add(columns.Fleets());
-  std::vector<StoreCall> calls;
-  calls.push_back(std::move(robots));
-  calls.push_back(RobotsCall(kNumberNewRobots, columns.Ruris()));
-  calls.push_back({kNextBatch, {}});
-  calls.push_back(std::move(sessions));
-  calls.push_back(RejectsCall(kReadRejects.view(), columns, rejects_max));
-  calls.push_back(RejectsCall(kCountRejects, columns, kQuarantineRowsPerRobotMax));
-  calls.push_back(EvictCall(wave, requests, process));
-  StoreCall& forget = calls.emplace_back(StoreCall{kForgetKept, {}});
-  forget.parameters.Add(columns.Ruris());
-  forget.parameters.Add(columns.Sessions());
-  calls.push_back(ReadPresenceCall(ruris));
-  calls.push_back(RobotsCall(kReadLatestKinds, columns.Ruris()));
-  calls.push_back(RobotsCall(kReadFleets, columns.Matched()));
-  return calls;
+  return PipelineOf(StoreCallOf(kOpenRobots, columns.Ruris(), columns.Fleets(), columns.Times(),
+                                process, columns.Ended(), columns.Matched()),
+                    StoreCallOf(kNumberNewRobots, columns.Ruris()), StoreCallOf(kNextBatch),
+                    StoreCallOf(kOpenSessions, columns.Ruris(), columns.Sessions(), columns.Times(),
+                                process, columns.Settled(), columns.Fleets()),
+                    RejectsCall(kReadRejects.view(), columns, rejects_max),
+                    RejectsCall(kCountRejects, columns, kQuarantineRowsPerRobotMax),
+                    EvictCall(wave, requests, process),
+                    StoreCallOf(kForgetKept, columns.Ruris(), columns.Sessions()),
+                    ReadPresenceCall(ruris), StoreCallOf(kReadLatestKinds, columns.Ruris()),
+                    StoreCallOf(kReadFleets, columns.Matched()));
 }
 
 }  // namespace uplink::storage::postgres

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "storage/postgres/write/holds.h"
 #include "storage/postgres/write/open_calls.h"
-#include "storage/postgres/write/rejection_row.h"
-#include "storage/postgres/write/stored_presence.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/read_row.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -32,10 +32,10 @@ std::vector<Wave> WavesOf(std::span<const OpenRequest> requests) {
 /// Those of the wave that the store has in another fleet than their requests say.
 void TakeFleets(const Wave& wave, std::span<const OpenRequest> requests, const Result& fleets,
                 std::vector<OpenResult>& results) {
-  for (int row = 0; row < fleets.rows(); ++row) {
-    const auto found = wave.find(fleets.Bytes(row, 0));
+  for (const ResultRow& row : fleets) {
+    const auto found = wave.find(row.Bytes(0));
     UPLINK_CHECK(found != wave.end(), "an answer of a robot that was not asked for");
-    const std::string_view fleet = fleets.Bytes(row, 1);
+    const std::string_view fleet = row.Bytes(1);
     if (fleet == requests[found->second].robot->fleet) continue;
     results[found->second].other_fleet = std::string(fleet);
   }
@@ -44,54 +44,47 @@ void TakeFleets(const Wave& wave, std::span<const OpenRequest> requests, const R
 /// `answers` are those of CallsOf, from the first on.
 void Take(const Wave& wave, std::span<const OpenRequest> requests, std::span<const Result> answers,
           std::vector<OpenResult>& results) {
-  const auto result_of = [&](const Result& rows, int row) -> OpenResult& {
-    const auto found = wave.find(rows.Bytes(row, 0));
+  const auto result_of = [&](const ResultRow& row) -> OpenResult& {
+    const auto found = wave.find(row.Bytes(0));
     UPLINK_CHECK(found != wave.end(), "an answer of a robot that was not asked for");
     return results[found->second];
   };
   for (const auto& [name, index] : wave) results[index].taken = false;
-  const Result& robots = answers[kRobotsAnswer];
-  for (int row = 0; row < robots.rows(); ++row) {
-    const std::size_t index = wave.find(robots.Bytes(row, 0))->second;
+  for (const ResultRow& row : answers[kRobotsAnswer]) {
+    const std::size_t index = wave.find(row.Bytes(0))->second;
     OpenResult& result = results[index];
     result.taken = true;
-    if (!robots.Null(row, 3) && robots.Bytes(row, 3) != requests[index].robot->fleet) {
-      result.moved_from = std::string(robots.Bytes(row, 3));
+    if (!row.Null(3) && row.Bytes(3) != requests[index].robot->fleet) {
+      result.moved_from = std::string(row.Bytes(3));
     }
-    result.epoch = static_cast<Epoch>(robots.Int(row, 1));
-    result.held_since = static_cast<Epoch>(robots.Int(row, 2));
+    result.epoch = static_cast<Epoch>(row.Int(1));
+    result.held_since = static_cast<Epoch>(row.Int(2));
     result.was_known = result.epoch != 0;
   }
-  const Result& numbered = answers[kNewRobotsAnswer];
-  for (int row = 0; row < numbered.rows(); ++row) {
-    OpenResult& result = result_of(numbered, row);
-    result.epoch = result.held_since = static_cast<Epoch>(numbered.Int(row, 1));
+  for (const ResultRow& row : answers[kNewRobotsAnswer]) {
+    OpenResult& result = result_of(row);
+    result.epoch = result.held_since = static_cast<Epoch>(row.Int(1));
   }
-  const Result& sessions = answers[kSessionsAnswer];
-  for (int row = 0; row < sessions.rows(); ++row) {
-    result_of(sessions, row).cursor = static_cast<model::Seq>(sessions.Int(row, 1));
+  for (const ResultRow& row : answers[kSessionsAnswer]) {
+    result_of(row).cursor = static_cast<model::Seq>(row.Int(1));
   }
   TakePresence(answers[kPresenceAnswer], [&](std::string_view name, StoredPresence presence) {
     OpenResult& result = results[wave.find(name)->second];
     if (result.taken) result.presence = presence;
   });
-  const Result& rejects = answers[kRejectsAnswer];
-  for (int row = 0; row < rejects.rows(); ++row) {
-    const std::size_t index = wave.find(rejects.Bytes(row, 0))->second;
+  for (const ResultRow& row : answers[kRejectsAnswer]) {
+    const std::size_t index = wave.find(row.Bytes(0))->second;
     if (!results[index].taken) continue;
     if (results[index].rejects.size() == requests[index].rejects_max) continue;
-    results[index].rejects.push_back(
-        {static_cast<model::Seq>(rejects.Int(row, 1)), ReadRejection(rejects, row, 2)});
+    results[index].rejects.push_back(RejectIn(row, 1));
   }
-  const Result& latest = answers[kLatestKindsAnswer];
-  for (int row = 0; row < latest.rows(); ++row) {
-    OpenResult& result = result_of(latest, row);
-    if (result.taken) result.latest_kinds |= BitOf(static_cast<LatestKind>(latest.Int(row, 1)));
+  for (const ResultRow& row : answers[kLatestKindsAnswer]) {
+    OpenResult& result = result_of(row);
+    if (result.taken) result.latest_kinds |= BitOf(static_cast<LatestKind>(row.Int(1)));
   }
-  const Result& counts = answers[kRejectCountsAnswer];
-  for (int row = 0; row < counts.rows(); ++row) {
-    OpenResult& result = result_of(counts, row);
-    if (result.taken) result.rejects_total = static_cast<std::size_t>(counts.Int(row, 1));
+  for (const ResultRow& row : answers[kRejectCountsAnswer]) {
+    OpenResult& result = result_of(row);
+    if (result.taken) result.rejects_total = static_cast<std::size_t>(row.Int(1));
   }
   TakeFleets(wave, requests, answers[kFleetsAnswer], results);
 }

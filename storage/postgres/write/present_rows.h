@@ -88,9 +88,9 @@ class PresentRows final {
       by_ms.Int8(state.goes_if_expired_ms);
     }
     if (ruri.size() == 0) return;
-    StoreCall& call = calls.emplace_back(StoreCallOf(sql.remove.view(), {&ruri, &id}));
-    if (sql.has_source) call.parameters.Add(std::move(source));
-    if (expires) call.parameters.Add(std::move(by_ms));
+    StoreCall& call = calls.emplace_back(StoreCallOf(sql.remove.view(), &ruri, &id));
+    if (sql.has_source) call.parameters.Add(&source);
+    if (expires) call.parameters.Add(&by_ms);
   }
 
   const PresentKind kind_;

@@ -1,5 +1,6 @@
 #include "storage/postgres/write/retain.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,9 +12,38 @@
 #include "storage/postgres/write/transaction.h"
 #include "storage/retention.h"
 #include "storage/tables/lists.h"
+#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 namespace {
+
+constexpr std::string_view kDoingQuarantine = "keep the quarantine";
+/// Days that one call drops, before the journal's turn ends.
+constexpr std::size_t kDaysPerCallMax = 10;
+constexpr std::string_view kTake =
+    "SELECT day IS NOT NULL, first_at, taken, kept FROM uplinkd.take_quarantine("
+    "($1::timestamptz AT TIME ZONE 'UTC')::date, $2::timestamptz, $3::int)";
+constexpr std::string_view kDrop =
+    "SELECT uplinkd.drop_partitions('quarantine', ($1::timestamptz AT TIME ZONE 'UTC')::date)";
+/// What arrived outside the partitions of days. As take_quarantine, it keeps the Rejects that a
+/// Hello may still ask for.
+constexpr std::string_view kEraseDefault =
+    "WITH went AS (DELETE FROM uplinkd.quarantine_default WHERE ctid = ANY (ARRAY("
+    "SELECT ctid FROM uplinkd.quarantine_default WHERE received_at < $1::timestamptz"
+    " ORDER BY received_at, entry LIMIT $2::bigint))"
+    " RETURNING ruri, session, seq, entry, source, reason, field, detail),"
+    " kept AS (INSERT INTO uplinkd.kept_rejects"
+    " (ruri, session, last, first, entry, reason, field, detail)"
+    " SELECT q.ruri, q.session, q.seq, q.seq, q.entry, q.reason, q.field, q.detail FROM went AS q"
+    " CROSS JOIN LATERAL (SELECT l.first_entry, l.settled_seq FROM uplinkd.sessions AS l"
+    " WHERE l.ruri = q.ruri AND l.session = q.session ORDER BY l.part DESC LIMIT 1) AS s"
+    " WHERE q.source = 0 AND q.entry >= s.first_entry AND q.seq > s.settled_seq"
+    " ON CONFLICT DO NOTHING RETURNING 1)"
+    " SELECT (SELECT count(*) FROM went), (SELECT count(*) FROM kept)";
+
+std::size_t Count(const Result& result, int column) {
+  return static_cast<std::size_t>(result.Int(0, column));
+}
 
 constexpr std::string_view kDoing = "keep the histories";
 constexpr std::string_view kNow = "SELECT clock_timestamp()";
@@ -80,10 +110,8 @@ class Eraser final {
   absl::Status Drop(std::string_view history) {
     std::size_t dropped = kPartitionsPerCallMax;
     while (dropped == kPartitionsPerCallMax) {
-      StoreCall call{kDropPartitions, {}};
-      call.parameters.Text(history);
-      call.parameters.Time(until_);
-      const auto some = RunAlone(connection_, std::move(call), kDoing);
+      const auto some =
+          RunAlone(connection_, StoreCallOf(kDropPartitions, history, until_), kDoing);
       if (!some.ok()) return some.status();
       dropped = static_cast<std::size_t>(some->Int(0, 0));
       erased_.rows += dropped;
@@ -91,10 +119,7 @@ class Eraser final {
     return absl::OkStatus();
   }
   absl::Status Erase(std::string_view sql) {
-    StoreCall call{sql, {}};
-    call.parameters.Time(until_);
-    call.parameters.Int8(static_cast<std::int64_t>(kRetainRowsMax));
-    const auto result = RunAlone(connection_, std::move(call), kDoing);
+    const auto result = RunAlone(connection_, StoreCallOf(sql, until_, kRetainRowsMax), kDoing);
     if (!result.ok()) return result.status();
     return Add(Erased{.rows = result->written(), .more = result->written() == kRetainRowsMax});
   }
@@ -118,10 +143,8 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
   for (int day = 1; day <= kPartitionDaysAfter; ++day) days.push_back(day);
   for (int day = 1; day <= kPartitionDaysBefore; ++day) days.push_back(-day);
   for (const int day : days) {
-    StoreCall call{kMakePartitions, {}};
-    call.parameters.Time(now + std::chrono::days(day));
-    call.parameters.Int4(1);
-    const auto made = RunAlone(connection, std::move(call), kDoing);
+    const auto made =
+        RunAlone(connection, StoreCallOf(kMakePartitions, now + std::chrono::days(day), 1), kDoing);
     if (!made.ok()) return made.status();
   }
   return absl::OkStatus();
@@ -129,11 +152,9 @@ absl::Status MakePartitions(Connection& connection, SystemTime now) {
 
 /// The database's own clock.
 absl::StatusOr<SystemTime> DatabaseTime(Connection& connection) {
-  std::vector<StoreCall> calls;
-  calls.push_back({kNow, {}});
-  const auto answer = connection.Run(calls, kDoing);
+  const auto answer = connection.RunOne(StoreCallOf(kNow), kDoing);
   if (!answer.ok()) return answer.status();
-  return answer->front().Time(0, 0);
+  return answer->Time(0, 0);
 }
 
 absl::StatusOr<Erased> EraseAll(Connection& connection, SystemTime now, const StoreRules& rules,
@@ -157,6 +178,51 @@ absl::Status Told(const Connection& connection, const absl::Status& status) {
 }
 
 }  // namespace
+
+absl::StatusOr<Erased> QuarantineDays::Erase(Connection& connection, SystemTime until) {
+  Erased erased;
+  const absl::Status emptied = EmptyDays(connection, until, erased);
+  if (!emptied.ok()) return emptied;
+  const auto others =
+      RunAlone(connection, StoreCallOf(kEraseDefault, until, kRetainRowsMax), kDoingQuarantine);
+  if (!others.ok()) return others.status();
+  const std::size_t rows = Count(*others, 0);
+  erased.rows += rows;
+  erased.rejects_kept += Count(*others, 1);
+  if (rows == kRetainRowsMax) erased.more = true;
+  return erased;
+}
+
+absl::Status QuarantineDays::EmptyDays(Connection& connection, SystemTime until, Erased& erased) {
+  std::size_t rows = 0;
+  std::size_t days = 0;
+  while (rows < kRetainRowsMax && days < kDaysPerCallMax) {
+    const auto left = static_cast<std::int32_t>(kRetainRowsMax - rows);
+    const auto taken =
+        RunAlone(connection, StoreCallOf(kTake, until, since_, left), kDoingQuarantine);
+    if (!taken.ok()) return taken.status();
+    if (!taken->Bool(0, 0)) {
+      since_ = SystemTime();
+      return absl::OkStatus();
+    }
+    const std::size_t went = Count(*taken, 2);
+    const SystemTime looked_from = std::exchange(since_, went > 0 ? taken->Time(0, 1) : since_);
+    rows += went;
+    erased.rows += went;
+    erased.rejects_kept += Count(*taken, 3);
+    if (rows == kRetainRowsMax) break;
+    const auto dropped = RunAlone(connection, StoreCallOf(kDrop, until), kDoingQuarantine);
+    if (!dropped.ok()) return dropped.status();
+    days += Count(*dropped, 0);
+    erased.rows += Count(*dropped, 0);
+    if (Count(*dropped, 0) > 0) continue;
+    // A row that was committed late lies before what was looked at, or came just now.
+    since_ = SystemTime();
+    if (looked_from == SystemTime()) break;
+  }
+  erased.more = true;
+  return absl::OkStatus();
+}
 
 absl::StatusOr<Erased> RetainRows(Connection& connection, SystemTime now, const StoreRules& rules,
                                   QuarantineDays& days) {

@@ -9,48 +9,20 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
-#include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
-#include "tests/support/fake_trust.h"
 #include "tests/support/fault_proxy.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
 #include "tests/support/temp_folder.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
 using testing::FaultProxy;
-using testing::PostgresDatabase;
-using testing::PostgresShell;
 
 /// One robot and one session on a real database, as the role that serves.
-class PostgresBatchTest : public ::testing::Test {
+class PostgresBatchTest : public PostgresFixture {
  protected:
-  std::unique_ptr<PostgresStore> Store(std::uint8_t process) {
-    StoreOptions options;
-    options.url = database_.url();
-    return Store(process, std::move(options));
-  }
-  std::unique_ptr<PostgresStore> Store(std::uint8_t process, StoreOptions options) {
-    options.process = {process};
-    options.rules.clock = &trust_;
-    auto opened = PostgresStore::Open(std::move(options), clock_);
-    EXPECT_TRUE(opened.ok()) << opened.status();
-    return *std::move(opened);
-  }
-  OpenResult Open(PostgresStore& store) {
-    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
-    auto results = store.OpenStreams({&request, 1});
-    EXPECT_TRUE(results.ok()) << results.status();
-    return results.ok() ? results->front() : OpenResult();
-  }
-  CommitRecord Note(model::Seq seq, Epoch held_since, std::string text = "hello") const {
-    model::Message message;
-    message.message = std::move(text);
-    return {robot_,  session_, seq, held_since, FromUnixMs(kNowMs), test::RecordOf(message),
-            "bytes", 5};
-  }
   static std::vector<OutcomeKind> Kinds(const absl::StatusOr<std::vector<Outcome>>& outcomes) {
     EXPECT_TRUE(outcomes.ok()) << outcomes.status();
     std::vector<OutcomeKind> kinds;
@@ -58,19 +30,6 @@ class PostgresBatchTest : public ::testing::Test {
     for (const Outcome& outcome : *outcomes) kinds.push_back(outcome.kind);
     return kinds;
   }
-  static Batch BatchOf(std::vector<CommitRecord> records) {
-    Batch batch;
-    batch.records = std::move(records);
-    return batch;
-  }
-
-  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
-  const SystemClock clock_{};
-  testing::FakeTrust trust_;
-  PostgresDatabase database_;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
-  const model::SessionId session_{{7}};
 };
 
 TEST_F(PostgresBatchTest, ABatchWithoutTroubleIsWrittenAtOnce) {
@@ -88,12 +47,12 @@ TEST_F(PostgresBatchTest, ABatchWithoutTroubleIsWrittenAtOnce) {
 TEST_F(PostgresBatchTest, AConnectionThatEndsWithARollbackIsNotUsedAgain) {
   FaultProxy proxy(static_cast<std::uint16_t>(std::stoi(database_.cluster().port)));
   const testing::TempFolder folder;
-  StoreOptions options;
+  StoreOptions options = Options();
   options.url = "postgresql://uplinkd@127.0.0.1:" + std::to_string(proxy.port()) + "/" +
                 database_.name() + "?sslmode=disable&gssencmode=disable";
   options.password_file = folder.File("password");
   std::ofstream(options.password_file) << "uplinkd\n";
-  const auto store = Store(1, std::move(options));
+  const auto store = Store(std::move(options));
   const Epoch held = Open(*store).held_since;
   ASSERT_EQ(Kinds(store->Commit(BatchOf({Note(1, held)}))), std::vector{OutcomeKind::kStored});
   proxy.CutNextRollback();
@@ -117,22 +76,6 @@ TEST_F(PostgresBatchTest, RowsLieInThePartitionOfTheirDay) {
   EXPECT_EQ(database_.Shell().Read("SELECT tableoid::regclass, seq FROM uplinkd.messages"
                                    " ORDER BY seq"),
             "uplinkd.messages_20251121|1\nuplinkd.messages_default|2\n");
-}
-
-TEST_F(PostgresBatchTest, TheOlderOfTwoProcessesIsFenced) {
-  const auto older = Store(1);
-  const auto newer = Store(2);
-  const Epoch held_by_older = Open(*older).held_since;
-  EXPECT_EQ(Kinds(older->Commit(BatchOf({Note(1, held_by_older)}))),
-            std::vector{OutcomeKind::kStored});
-  const OpenResult taken = Open(*newer);
-  EXPECT_EQ(taken.cursor, 1U);
-  EXPECT_GT(taken.held_since, held_by_older);
-  EXPECT_EQ(Kinds(older->Commit(BatchOf({Note(2, held_by_older)}))),
-            std::vector{OutcomeKind::kFenced});
-  EXPECT_EQ(Kinds(newer->Commit(BatchOf({Note(2, taken.held_since)}))),
-            std::vector{OutcomeKind::kStored});
-  EXPECT_EQ(database_.Shell().Read("SELECT seq FROM uplinkd.messages ORDER BY seq"), "1\n2\n");
 }
 
 TEST_F(PostgresBatchTest, AnOpenThatWaitsForACommitSeesItsCursor) {

@@ -10,7 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/shared_items.h"
+#include "storage/postgres/parts.h"
 #include "tests/support/eventually.h"
 #include "tests/support/postgres_database.h"
 
@@ -39,7 +39,7 @@ class PostgresChangesTest : public ::testing::Test {
     if (items_ == nullptr) {
       StoreOptions options;
       options.url = database_.url();
-      items_ = *PostgresSharedItems::Make(options, clock_);
+      items_ = *MakeSharedItems(options, clock_);
     }
     return *items_;
   }
@@ -83,7 +83,7 @@ class PostgresChangesTest : public ::testing::Test {
   // Of the role that serves, two sessions.
   PostgresShell one_{database_.url()};
   PostgresShell other_{database_.url()};
-  std::unique_ptr<PostgresSharedItems> items_;
+  std::unique_ptr<SharedItems> items_;
   ChangePositions positions_;
 };
 

@@ -9,35 +9,21 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
-#include "storage/postgres/store.h"
-#include "storage/postgres/topic_leases.h"
+#include "storage/postgres/parts.h"
 #include "tests/support/eventually.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 // Leases on topics and deliveries where several connections write at once.
 namespace uplink::storage::postgres {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::PostgresDatabase;
-using testing::PostgresShell;
 
-class PostgresDeliveries : public ::testing::Test {
+class PostgresDeliveries : public PostgresFixture {
  protected:
-  StoreOptions Options(std::uint8_t process) const {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {process};
-    return options;
-  }
-  std::unique_ptr<PostgresStore> Store(std::uint8_t process) {
-    auto opened = PostgresStore::Open(Options(process), clock_);
-    EXPECT_TRUE(opened.ok()) << opened.status();
-    return *std::move(opened);
-  }
-  std::unique_ptr<PostgresTopicLeases> Leases(std::uint8_t process) {
-    auto made = PostgresTopicLeases::Make(Options(process), clock_);
+  std::unique_ptr<TopicLeases> Leases(std::uint8_t process) {
+    auto made = MakeTopicLeases(Options(process), clock_);
     EXPECT_TRUE(made.ok()) << made.status();
     return *std::move(made);
   }
@@ -80,10 +66,6 @@ class PostgresDeliveries : public ::testing::Test {
     return database_.Shell().Read(
         "SELECT client_id, number, packet_id FROM uplinkd.deliveries ORDER BY 1, 2");
   }
-
-  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
-  const SystemClock clock_{};
-  PostgresDatabase database_;
 };
 
 TEST_F(PostgresDeliveries, ACommitThatEndsASessionWaitsForNoOther) {

@@ -6,14 +6,12 @@
 
 #include "storage/postgres/horizon.h"
 #include "storage/postgres/link/connection.h"
-#include "tests/support/postgres_database.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
 using std::chrono::seconds;
-using testing::PostgresDatabase;
-using testing::PostgresShell;
 
 SteadyTime At(std::int64_t s) { return SteadyTime(seconds(s)); }
 
@@ -56,15 +54,11 @@ TEST(HorizonAgeTest, ForgetsHorizonsBeyondItsBoundAndNeverTheOldest) {
 }
 
 /// What a server says, asked as the role that serves, of what others hold.
-class PostgresHorizonTest : public ::testing::Test {
+class PostgresHorizonTest : public PostgresFixture {
  protected:
   void SetUp() override {
     shell_.Run("CREATE TABLE public.written (a int)");
-    ConnectionOptions options;
-    options.url = *ParseUrl(database_.url());
-    auto connection = Connection::Open(options, clock_);
-    ASSERT_TRUE(connection.ok()) << connection.status();
-    connection_ = *std::move(connection);
+    connection_ = Connect();
     Look();
   }
   /// After a write of somebody else, ten seconds after the last.
@@ -83,11 +77,8 @@ class PostgresHorizonTest : public ::testing::Test {
     return false;
   }
 
-  const SystemClock clock_{};
   SteadyTime now_ = At(0);
   HorizonAge age_;
-  PostgresDatabase database_;
-  PostgresShell shell_ = database_.Shell();
   std::unique_ptr<Connection> connection_;
 };
 

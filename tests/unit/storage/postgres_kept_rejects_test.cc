@@ -12,36 +12,22 @@
 #include "storage/bounds.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/link/link.h"
-#include "storage/postgres/store.h"
 #include "storage/postgres/write/open_calls.h"
-#include "tests/support/fake_trust.h"
-#include "tests/support/postgres_database.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::PostgresDatabase;
 
-class PostgresKeptRejects : public ::testing::Test {
+class PostgresKeptRejects : public PostgresFixture {
  protected:
-  void SetUp() override {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = kProcess;
-    options.rules.clock = &trust_;
-    auto opened = PostgresStore::Open(std::move(options), clock_);
-    ASSERT_TRUE(opened.ok()) << opened.status();
-    store_ = *std::move(opened);
-  }
+  void SetUp() override { store_ = Store(); }
   OpenRequest Request(std::uint8_t session, model::Seq settled = 0) {
     return {robot_, Session(session), settled, FromUnixMs(++now_ms_), {}};
   }
   void Open(std::uint8_t session, model::Seq settled = 0) {
-    const OpenRequest request = Request(session, settled);
-    const auto results = store_->OpenStreams({&request, 1});
-    ASSERT_TRUE(results.ok()) << results.status();
-    held_since_ = results->front().held_since;
+    held_since_ = PostgresFixture::Open(*store_, Request(session, settled)).held_since;
   }
   /// Numbers 1 to 3 of the session in one row, 4 in a row of its own.
   void OpenAndKeep(std::uint8_t session) {
@@ -63,14 +49,9 @@ class PostgresKeptRejects : public ::testing::Test {
   static model::SessionId Session(std::uint8_t number) { return model::SessionId({number}); }
 
   static constexpr ProcessId kProcess = {1};
-  const SystemClock clock_{};
-  testing::FakeTrust trust_;
-  PostgresDatabase database_;
   std::unique_ptr<PostgresStore> store_;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
   Epoch held_since_ = 0;
-  std::int64_t now_ms_ = 1'763'683'200'000;
+  std::int64_t now_ms_ = kNowMs;
 };
 
 TEST_F(PostgresKeptRejects, WhatItsOwnHelloConfirmedGoes) {
@@ -106,11 +87,7 @@ TEST_F(PostgresKeptRejects, ThoseOfAnEarlierSessionOfItsIdGoWhenOneBegins) {
 // A robot may have 10,000 rows in each of its sessions: an opening reads none but its session's.
 TEST_F(PostgresKeptRejects, AreLookedForByTheirKey) {
   std::deque<std::string> texts;  // As long as the connection.
-  ConnectionOptions options;
-  options.url = *ParseUrl(database_.url());
-  options.session_settings = SessionSettings(Purpose::kWrite, milliseconds(10'000));
-  auto connection = Connection::Open(options, clock_);
-  ASSERT_TRUE(connection.ok()) << connection.status();
+  const auto connection = Connect(SessionSettings(Purpose::kWrite, milliseconds(10'000)));
   const OpenRequest request = Request(1);
   const Wave wave = {{robot_->ruri, 0}};
   std::size_t looked = 0;
@@ -118,22 +95,19 @@ TEST_F(PostgresKeptRejects, AreLookedForByTheirKey) {
     if (call.sql.find("kept_rejects") == std::string_view::npos) continue;
     ++looked;
     const std::string& sql = texts.emplace_back("EXPLAIN (COSTS OFF) " + std::string(call.sql));
-    std::vector<StoreCall> calls;
-    calls.push_back({sql, std::move(call.parameters)});
-    const auto answers = (*connection)->Run(calls, "explain");
-    ASSERT_TRUE(answers.ok()) << answers.status();
-    const Result& plan = answers->front();
+    const auto plan = connection->RunOne({sql, std::move(call.parameters)}, "explain");
+    ASSERT_TRUE(plan.ok()) << plan.status();
     std::size_t searched = 0;
-    for (int row = 0; row < plan.rows(); ++row) {
-      const std::string line(plan.Bytes(row, 0));
+    for (int row = 0; row < plan->rows(); ++row) {
+      const std::string line(plan->Bytes(row, 0));
       if (line.find("Scan") == std::string::npos) continue;
       if (line.find("on kept_rejects") == std::string::npos) continue;
       // The rows that were found are deleted by where they lie.
       if (line.find("Tid Scan") != std::string::npos) continue;
       ++searched;
       EXPECT_THAT(line, HasSubstr("using kept_rejects_pkey")) << sql;
-      ASSERT_LT(row + 1, plan.rows());
-      EXPECT_THAT(std::string(plan.Bytes(row + 1, 0)), HasSubstr("AND (session = ")) << sql;
+      ASSERT_LT(row + 1, plan->rows());
+      EXPECT_THAT(std::string(plan->Bytes(row + 1, 0)), HasSubstr("AND (session = ")) << sql;
     }
     EXPECT_EQ(searched, 1U) << sql;
   }

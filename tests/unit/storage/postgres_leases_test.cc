@@ -5,27 +5,21 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/postgres/leases.h"
-#include "tests/support/postgres_database.h"
+#include "storage/postgres/parts.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
-class PostgresLeasesTest : public ::testing::Test {
+class PostgresLeasesTest : public PostgresFixture {
  protected:
   void SetUp() override {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {1};
-    auto leases = PostgresLeases::Make(options, clock_);
+    auto leases = MakeLeases(Options(), clock_);
     ASSERT_TRUE(leases.ok()) << leases.status();
     leases_ = *std::move(leases);
   }
 
-  const SystemClock clock_{};
-  testing::PostgresDatabase database_;
-  testing::PostgresShell shell_ = database_.Shell();
-  std::unique_ptr<PostgresLeases> leases_;
+  std::unique_ptr<Leases> leases_;
 };
 
 TEST_F(PostgresLeasesTest, OfTooManyThoseRenewedLastAreRead) {

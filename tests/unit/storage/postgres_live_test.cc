@@ -8,8 +8,7 @@
 
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/live_rows.h"
-#include "storage/postgres/store.h"
-#include "tests/support/postgres_database.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -17,26 +16,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class PostgresLiveTest : public ::testing::Test {
+class PostgresLiveTest : public PostgresFixture {
  protected:
-  void SetUp() override {
-    ConnectionOptions options;
-    options.url = *ParseUrl(database_.url());
-    auto connection = Connection::Open(options, clock_);
-    ASSERT_TRUE(connection.ok()) << connection.status();
-    connection_ = *std::move(connection);
-  }
+  void SetUp() override { connection_ = Connect(); }
   /// The epoch since which the process holds the robot then.
   Epoch Open(const ProcessId& process) {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = process;
-    auto store = PostgresStore::Open(std::move(options), clock_);
-    EXPECT_TRUE(store.ok()) << store.status();
-    const OpenRequest request{robot_, model::SessionId({7}), 0, clock_.System(), {}};
-    const auto opened = (*store)->OpenStreams({&request, 1});
-    EXPECT_TRUE(opened.ok()) << opened.status();
-    return opened.ok() ? opened->front().held_since : 0;
+    return PostgresFixture::Open(*Store(process.front())).held_since;
   }
   /// The places that were passed over.
   std::vector<std::size_t> Write(const LiveWriter& writer, Epoch held_since,
@@ -55,11 +40,7 @@ class PostgresLiveTest : public ::testing::Test {
                : "";
   }
 
-  const SystemClock clock_{};
-  testing::PostgresDatabase database_;
   std::unique_ptr<Connection> connection_;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
 };
 
 TEST_F(PostgresLiveTest, OneThatRunsLatePutsNothingOlderOverTheNext) {

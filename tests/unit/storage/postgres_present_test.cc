@@ -11,13 +11,11 @@
 #include "storage/bounds.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/link/link.h"
-#include "storage/postgres/store.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/known.h"
 #include "storage/postgres/write/transaction.h"
-#include "tests/support/fake_trust.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -26,28 +24,17 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Key;
-using testing::PostgresDatabase;
 
 /// A robot at its bound of shapes: `s1`, `s2`, ..., of which each expires a millisecond after the
 /// one before, the first at kNowMs + kLifeMs.
-class PostgresPresent : public ::testing::Test {
+class PostgresPresent : public PostgresFixture {
  protected:
   static constexpr ProcessId kProcess = {1};
-  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
   static constexpr std::int64_t kLifeMs = 60'000;
 
   void SetUp() override {
     rules_.clock = &trust_;
-    StoreOptions store;
-    store.url = database_.url();
-    store.process = kProcess;
-    store.rules = rules_;
-    auto opened = PostgresStore::Open(std::move(store), clock_);
-    ASSERT_TRUE(opened.ok()) << opened.status();
-    const OpenRequest request{robot_, {}, 0, FromUnixMs(kNowMs), {}};
-    const auto results = (*opened)->OpenStreams({&request, 1});
-    ASSERT_TRUE(results.ok()) << results.status();
-    held_since_ = results->front().held_since;
+    held_since_ = Open(*Store()).held_since;
     database_.Shell().Run(
         "INSERT INTO uplinkd.shapes (ruri, id, fleet, first_at, entry, received_at, expires_ms, "
         "name,"
@@ -55,12 +42,7 @@ class PostgresPresent : public ::testing::Test {
         " SELECT 'rcan://robots/a', 's' || i, 'f1', now(), i, now(), " +
         std::to_string(kNowMs + kLifeMs - 1) + " + i, '', 0, '', 0, 0, 0, 0, 0, '{}'" +
         " FROM generate_series(1, " + std::to_string(kShapesPerRobotMax) + ") AS s (i)");
-    ConnectionOptions options;
-    options.url = *ParseUrl(database_.url());
-    options.session_settings = SessionSettings(Purpose::kWrite, milliseconds(10'000));
-    auto connection = Connection::Open(options, clock_);
-    ASSERT_TRUE(connection.ok()) << connection.status();
-    connection_ = *std::move(connection);
+    connection_ = Connect(SessionSettings(Purpose::kWrite, milliseconds(10'000)));
   }
 
   /// What is known for an upsert of this shape that arrives `after_ms`.
@@ -85,13 +67,8 @@ class PostgresPresent : public ::testing::Test {
     return Key(KnownRows::Entry(robot_->ruri, id, std::string()));
   }
 
-  const SystemClock clock_{};
-  testing::FakeTrust trust_;
   StoreRules rules_;
-  PostgresDatabase database_;
   std::unique_ptr<Connection> connection_;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
   Epoch held_since_ = 0;
 };
 
@@ -123,16 +100,11 @@ TEST_F(PostgresPresent, WhatHasExpiredIsFoundByItsRobotAndTime) {
   ruri.Text(robot_->ruri);
   upserts.Int4(1);
   by_ms.Int8(kNowMs);
-  StoreCall call = StoreCallOf(sql, {&ruri, &upserts, &by_ms});
-  call.parameters.Int8(std::int64_t{1});
-  std::vector<StoreCall> calls;
-  calls.push_back(std::move(call));
-  const auto answers = connection_->Run(calls, "explain");
-  ASSERT_TRUE(answers.ok()) << answers.status();
+  const auto answer =
+      connection_->RunOne(StoreCallOf(sql, &ruri, &upserts, &by_ms, std::int64_t{1}), "explain");
+  ASSERT_TRUE(answer.ok()) << answer.status();
   std::string plan;
-  for (int row = 0; row < answers->front().rows(); ++row) {
-    plan += std::string(answers->front().Bytes(row, 0)) + "\n";
-  }
+  for (const ResultRow& row : *answer) plan += std::string(row.Bytes(0)) + "\n";
   // Whether any has.
   EXPECT_THAT(plan, HasSubstr("using shapes_by_robot_and_expiry"));
   connection_.reset();

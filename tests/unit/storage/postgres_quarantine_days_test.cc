@@ -8,30 +8,19 @@
 
 #include "schema/base/clock.h"
 #include "storage/bounds.h"
-#include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
-#include "tests/support/fake_trust.h"
-#include "tests/support/postgres_database.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
 using testing::Eventually;
-using testing::PostgresDatabase;
-using testing::PostgresShell;
 
-class PostgresQuarantineDays : public ::testing::Test {
+class PostgresQuarantineDays : public PostgresFixture {
  protected:
   void SetUp() override {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {1};
-    options.rules.clock = &trust_;
-    auto opened = PostgresStore::Open(std::move(options), clock_);
-    ASSERT_TRUE(opened.ok()) << opened.status();
-    store_ = *std::move(opened);
-    const OpenRequest request{robot_, session_, 0, FromUnixMs(kDayMs), {}};
-    ASSERT_TRUE(store_->OpenStreams({&request, 1}).ok());
+    store_ = Store();
+    Open(*store_);
     shell_.Run("UPDATE uplinkd.sessions SET cursor_seq = 100000, first_entry = 1 WHERE ruri = '" +
                robot_->ruri + "'");
   }
@@ -57,15 +46,7 @@ class PostgresQuarantineDays : public ::testing::Test {
     return shell_.Read("SELECT count(*) FROM uplinkd." + table);
   }
 
-  static constexpr std::int64_t kDayMs = 1'763'683'200'000;
-  const SystemClock clock_{};
-  testing::FakeTrust trust_;
-  PostgresDatabase database_;
-  PostgresShell shell_ = database_.Shell();
   std::unique_ptr<PostgresStore> store_;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
-  const model::SessionId session_{{7}};
 };
 
 TEST_F(PostgresQuarantineDays, ACallTakesASliceAndTheLastOneDropsTheDay) {

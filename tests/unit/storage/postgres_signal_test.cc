@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
-#include "storage/postgres/change_signal.h"
 #include "storage/postgres/link/connection.h"
+#include "storage/postgres/parts.h"
 #include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_trust.h"
@@ -31,12 +31,12 @@ constexpr milliseconds kNow{0};
 
 class PostgresSignalTest : public ::testing::Test {
  protected:
-  using Signal = std::unique_ptr<PostgresChangeSignal>;
+  using Signal = std::unique_ptr<ChangeSignal>;
 
   Signal Make(const Clock& clock) {
     StoreOptions options;
     options.url = database_.url();
-    return *PostgresChangeSignal::Make(options, clock);
+    return *MakeChangeSignal(options, clock);
   }
   /// One that listens by now.
   Signal Listening() {
@@ -202,7 +202,7 @@ TEST_F(PostgresSignalTest, AnEndIsPromptAndForGood) {
 TEST_F(PostgresSignalTest, AServerThatIsAwayIsAnErrorOfEachWait) {
   StoreOptions options;
   options.url = "postgresql://uplinkd@127.0.0.1:1/x";
-  const auto signal = PostgresChangeSignal::Make(options, clock_);
+  const auto signal = MakeChangeSignal(options, clock_);
   ASSERT_TRUE(signal.ok()) << signal.status();
   (*signal)->Tell();
   for (int i = 0; i < 2; ++i) {
@@ -217,7 +217,7 @@ TEST_F(PostgresSignalTest, AnotherDatabaseIsNotHeard) {
   PostgresDatabase elsewhere;
   StoreOptions options;
   options.url = elsewhere.url();
-  const auto there = *PostgresChangeSignal::Make(options, clock_);
+  const auto there = *MakeChangeSignal(options, clock_);
   const Signal here = Listening();
   TellNow(*there);
   EXPECT_FALSE(HasHeard(*here));

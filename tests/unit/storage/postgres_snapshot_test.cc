@@ -7,40 +7,23 @@
 
 #include "schema/base/clock.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/postgres/store.h"
 #include "tests/support/eventually.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
-using testing::PostgresDatabase;
-using testing::PostgresShell;
-
-constexpr std::int64_t kNowMs = 1'763'683'200'000;
-
-class PostgresSnapshotTest : public ::testing::Test {
+class PostgresSnapshotTest : public PostgresFixture {
  protected:
   /// Opens the robot and commits so many batches of one message, from `first` on, by a connection
   /// of its own.
   void CommitMany(model::Seq first, int batches) {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {1};
-    auto store = PostgresStore::Open(std::move(options), clock_);
-    ASSERT_TRUE(store.ok()) << store.status();
-    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
-    const auto opened = (*store)->OpenStreams({&request, 1});
-    ASSERT_TRUE(opened.ok()) << opened.status();
+    const auto store = Store();
+    const Epoch held = Open(*store).held_since;
     for (int i = 0; i < batches; ++i) {
-      model::Message message;
-      message.message = "hello";
-      Batch batch;
-      batch.records.push_back({robot_, session_, first + static_cast<model::Seq>(i),
-                               opened->front().held_since, FromUnixMs(kNowMs),
-                               test::RecordOf(message), "bytes", 5});
-      const auto outcomes = (*store)->Commit(batch);
+      const auto outcomes =
+          store->Commit(BatchOf({Note(first + static_cast<model::Seq>(i), held)}));
       ASSERT_TRUE(outcomes.ok()) << outcomes.status();
       ASSERT_EQ(outcomes->front().kind, OutcomeKind::kStored);
     }
@@ -58,13 +41,6 @@ class PostgresSnapshotTest : public ::testing::Test {
                     " FROM pg_statio_user_tables WHERE relname = '" +
                     table + "'"));
   }
-
-  const SystemClock clock_{};
-  PostgresDatabase database_;
-  PostgresShell shell_ = database_.Shell();
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
-  const model::SessionId session_{{7}};
 };
 
 TEST_F(PostgresSnapshotTest, ACommitReadsNoMorePagesForDeadVersionsOfItsCursor) {

@@ -6,42 +6,23 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
-#include "storage/postgres/store.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
-using testing::PostgresDatabase;
-using testing::PostgresShell;
-
 /// A store on a database whose triggers do what a server does that stands between us and the disk.
-class PostgresWarningTest : public ::testing::Test {
+class PostgresWarningTest : public PostgresFixture {
  protected:
   void SetUp() override {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {1};
-    auto opened = PostgresStore::Open(std::move(options), clock_);
-    ASSERT_TRUE(opened.ok()) << opened.status();
-    store_ = *std::move(opened);
+    store_ = Store();
     held_since_ = Open().held_since;
   }
-  OpenResult Open() {
-    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
-    auto results = store_->OpenStreams({&request, 1});
-    EXPECT_TRUE(results.ok()) << results.status();
-    return results.ok() ? results->front() : OpenResult();
-  }
+  OpenResult Open() { return PostgresFixture::Open(*store_); }
   absl::StatusOr<std::vector<Outcome>> Commit(const std::vector<model::Seq>& numbers) {
     Batch batch;
-    for (const model::Seq seq : numbers) {
-      model::Message message;
-      message.message = "hello";
-      batch.records.push_back({robot_, session_, seq, held_since_, FromUnixMs(kNowMs),
-                               test::RecordOf(message), "bytes", 5});
-    }
+    for (const model::Seq seq : numbers) batch.records.push_back(Note(seq, held_since_));
     return store_->Commit(batch);
   }
   /// A trigger of one statement that the role of the store runs.
@@ -62,16 +43,9 @@ class PostgresWarningTest : public ::testing::Test {
         statement);
   }
 
-  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
-  const SystemClock clock_{};
-  PostgresDatabase database_;
-  PostgresShell shell_ = database_.Shell();
   std::unique_ptr<PostgresStore> store_;
   Epoch held_since_ = 0;
   int triggers_ = 0;
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
-  const model::SessionId session_{{7}};
 };
 
 TEST_F(PostgresWarningTest, ACommitWithAWarningIsOfUnknownOutcome) {

@@ -7,34 +7,16 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
-#include "storage/postgres/store.h"
-#include "storage/postgres/topic_leases.h"
+#include "storage/postgres/parts.h"
 #include "tests/support/eventually.h"
-#include "tests/support/postgres_database.h"
 #include "tests/support/records.h"
+#include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
 namespace {
 
-using testing::PostgresDatabase;
-using testing::PostgresShell;
-
-class PostgresWentBackTest : public ::testing::Test {
+class PostgresWentBackTest : public PostgresFixture {
  protected:
-  std::unique_ptr<PostgresStore> Store(std::uint8_t process = 1) {
-    StoreOptions options;
-    options.url = database_.url();
-    options.process = {process};
-    auto opened = PostgresStore::Open(std::move(options), clock_);
-    EXPECT_TRUE(opened.ok()) << opened.status();
-    return *std::move(opened);
-  }
-  OpenResult Open(PostgresStore& store) {
-    const OpenRequest request{robot_, session_, 0, FromUnixMs(kNowMs), {}};
-    auto results = store.OpenStreams({&request, 1});
-    EXPECT_TRUE(results.ok()) << results.status();
-    return results.ok() ? results->front() : OpenResult();
-  }
   absl::StatusOr<std::vector<Outcome>> Commit(PostgresStore& store, model::Seq seq,
                                               Epoch held_since) {
     Batch batch;
@@ -57,14 +39,6 @@ class PostgresWentBackTest : public ::testing::Test {
         "SELECT setval('uplinkd.batches', 1, false), setval('uplinkd.epochs', 1, false),"
         " setval('uplinkd.forget_requests_number_seq', 1, false)");
   }
-
-  static constexpr std::int64_t kNowMs = 1'763'683'200'000;
-  const SystemClock clock_{};
-  PostgresDatabase database_;
-  PostgresShell shell_ = database_.Shell();
-  const RobotRef robot_ =
-      std::make_shared<const model::RobotId>(model::RobotId{"rcan://robots/a", "f1"});
-  const model::SessionId session_{{7}};
 };
 
 TEST_F(PostgresWentBackTest, NothingIsCommittedOverANewConnectionBeforeItWasCompared) {
@@ -119,10 +93,9 @@ TEST_F(PostgresWentBackTest, AConnectionThatBreaksAgainIsInDoubtAgain) {
 }
 
 TEST_F(PostgresWentBackTest, TheFirstConnectionIsInNoDoubt) {
-  StoreOptions options;
-  options.url = database_.url();
+  StoreOptions options = Options();
   options.connect_now = false;
-  const auto store = *PostgresStore::Open(std::move(options), clock_);
+  const auto store = Store(std::move(options));
   EXPECT_FALSE(store->InDoubt());
   EXPECT_EQ(Open(*store).cursor, 0U);
   EXPECT_FALSE(store->InDoubt());
@@ -161,10 +134,7 @@ TEST_F(PostgresWentBackTest, EpochsAreAboveAllThatRowsName) {
       " VALUES ('c', gen_random_uuid(), 700, true, now())");
   LeaveSequencesBehind();
   const auto store = Store();
-  StoreOptions options;
-  options.url = database_.url();
-  options.process = {1};
-  const auto leases = *PostgresTopicLeases::Make(options, clock_);
+  const auto leases = *MakeTopicLeases(Options(), clock_);
   const auto epoch = leases->Take({.client_id = "c", .prefixes = {""}, .at = FromUnixMs(kNowMs)});
   ASSERT_TRUE(epoch.ok()) << epoch.status();
   EXPECT_EQ(**epoch, 701U);

@@ -7,8 +7,8 @@
 
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/migrations.h"
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/schema.h"
-#include "storage/sqlite/shared_items.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::storage::sqlite {
@@ -33,7 +33,7 @@ TEST(SqliteChanges, ARowOfAnotherKeyHasEndedUnderTheOldOne) {
   ASSERT_TRUE(database.ok()) << database.status();
   ASSERT_TRUE(Migrate(**database, Migrations(), IfOlder::kMigrate).ok());
   ASSERT_TRUE((*database)->Execute(std::string(kRows)).ok());
-  auto items = SqliteSharedItems::Open(path);
+  auto items = OpenSharedItems(path);
   ASSERT_TRUE(items.ok()) << items.status();
   const auto positions = (*items)->Positions();
   ASSERT_TRUE(positions.ok()) << positions.status();

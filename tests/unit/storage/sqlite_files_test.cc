@@ -16,9 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "storage/sqlite/clock_marks.h"
 #include "storage/sqlite/file_lock.h"
-#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store.h"
@@ -357,8 +356,8 @@ TEST_F(SqliteOtherNames, AFileWithHardLinksIsRefusedByEachOfThem) {
   std::filesystem::create_hard_link(path_, other_);
   for (const std::string& name : {path_, other_}) {
     for (const absl::Status& refused :
-         {SqliteStore::Open(name, Options()).status(), SqliteClockMarks::Open(name).status(),
-          SqliteForgetStore::Open(name).status()}) {
+         {SqliteStore::Open(name, Options()).status(), OpenClockMarks(name).status(),
+          OpenForgetStore(name).status()}) {
       ExpectPrecondition(refused);
       EXPECT_THAT(Text(refused), AllOf(HasSubstr(name), HasSubstr("2 names (hard links)"),
                                        HasSubstr("remove the others")));
@@ -374,14 +373,14 @@ TEST_F(SqliteOtherNames, WhoWritesBesideAServerMustHaveItsName) {
   Make();
   const auto server = FileLock::Take(path_);
   ASSERT_TRUE(server.ok()) << server.status();
-  EXPECT_TRUE(SqliteClockMarks::Open(path_).ok()) << SqliteClockMarks::Open(path_).status();
-  EXPECT_TRUE(SqliteForgetStore::Open(path_).ok()) << SqliteForgetStore::Open(path_).status();
+  EXPECT_TRUE(OpenClockMarks(path_).ok()) << OpenClockMarks(path_).status();
+  EXPECT_TRUE(OpenForgetStore(path_).ok()) << OpenForgetStore(path_).status();
   std::filesystem::create_symlink(path_, folder_.File("link.db"));
-  EXPECT_TRUE(SqliteClockMarks::Open(folder_.File("link.db")).ok()) << "SQLite follows links";
+  EXPECT_TRUE(OpenClockMarks(folder_.File("link.db")).ok()) << "SQLite follows links";
 
   std::filesystem::rename(path_, other_);
   for (const absl::Status& refused :
-       {SqliteClockMarks::Open(other_).status(), SqliteForgetStore::Open(other_).status()}) {
+       {OpenClockMarks(other_).status(), OpenForgetStore(other_).status()}) {
     ExpectPrecondition(refused);
     EXPECT_THAT(Text(refused),
                 AllOf(HasSubstr(other_), HasSubstr("another name"), HasSubstr("store.url")));
@@ -391,7 +390,7 @@ TEST_F(SqliteOtherNames, WhoWritesBesideAServerMustHaveItsName) {
 TEST_F(SqliteOtherNames, WithoutAServerTheNameIsFreeAndNothingIsMade) {
   Make();
   std::filesystem::remove(path_ + ".lock");
-  EXPECT_TRUE(SqliteClockMarks::Open(path_).ok()) << SqliteClockMarks::Open(path_).status();
+  EXPECT_TRUE(OpenClockMarks(path_).ok()) << OpenClockMarks(path_).status();
   EXPECT_FALSE(std::filesystem::exists(path_ + ".lock"));
 }
 

@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "storage/sqlite/forget_store.h"
+#include "storage/sqlite/parts.h"
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/store.h"
 #include "storage/sqlite/store_files.h"
@@ -224,7 +224,7 @@ TEST_F(SqliteIntact, AStartOnADamagedFileSaysWhatToDoAndLeavesItAsItIs) {
     WriteZeros(path_, hole.from, static_cast<std::size_t>(hole.to - hole.from));
     fs::remove(Mark());
     const std::string before = BytesOf(path_);
-    expect(SqliteForgetStore::Open(path_).status(), before);
+    expect(OpenForgetStore(path_).status(), before);
     EXPECT_FALSE(fs::exists(Mark()));
     expect(OpenAgain(), before);
     EXPECT_EQ(fs::exists(Mark()), hole.ours) << "the next start reads all of it";
@@ -234,7 +234,7 @@ TEST_F(SqliteIntact, AStartOnADamagedFileSaysWhatToDoAndLeavesItAsItIs) {
 
 TEST_F(SqliteIntact, WhatADutyFindsDamagedEndsTheAcks) {
   Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
-  const auto forget = SqliteForgetStore::Open(path_, store_->damage());
+  const auto forget = OpenForgetStore(path_, store_->damage());
   ASSERT_TRUE(forget.ok()) << forget.status();
   const auto bytes = static_cast<std::int64_t>(fs::file_size(path_));
   WriteZeros(path_, 4'096, static_cast<std::size_t>(bytes - 4'096));

@@ -7,7 +7,7 @@
 #include <sqlite3.h>
 
 #include "storage/sqlite/errors.h"
-#include "storage/sqlite/lists.h"
+#include "storage/sqlite/pages.h"
 #include "storage/sqlite/store.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"

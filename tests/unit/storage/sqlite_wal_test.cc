@@ -11,7 +11,7 @@
 
 #include "storage/sqlite/reader.h"
 #include "storage/sqlite/store_files.h"
-#include "storage/sqlite/wal_state.h"
+#include "storage/sqlite/wal.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/unit/storage/fault_store.h"
 

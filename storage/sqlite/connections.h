@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/sqlite/damage.h"
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/store.h"
+
+namespace uplink::storage::sqlite {
+
+/// The writer's connection to a store: the file is checked, migrated and set up.
+///
+/// Errors: kFailedPrecondition above all, as of SqliteStore::Open.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> OpenWriter(const std::string& path,
+                                                                   const StoreOptions& options);
+
+/// How a start ends that `failed`. Damage is noted, so that the next start reads the whole file:
+/// kFailedPrecondition then, naming the file and what to do. Anything else stays as it is.
+[[nodiscard]] absl::Status StartFailed(Database& database, const absl::Status& failed);
+
+/// How long a call of such a connection waits for another writer of the file.
+inline constexpr milliseconds kBusyTimeout{5'000};
+
+/// A connection that only reads, beside the store's writer. The file must be there and migrated.
+/// What it finds damaged afterwards, `damage` is told.
+///
+/// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
+///         version, since a reader cannot migrate.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> OpenToRead(const std::string& path,
+                                                                   milliseconds busy_timeout,
+                                                                   DamagePtr damage);
+
+/// A connection for short writes beside the store's writer, which take no lock but SQLite's own.
+/// The file must be there and migrated; nothing is created. Damage: as with OpenToRead.
+///
+/// Goes as a whole: the database first.
+struct Beside {
+  /// That the file's server, if there is one, has it by the same name.
+  std::unique_ptr<FileLock> joined;
+  std::unique_ptr<Database> database;
+};
+
+/// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
+///         version, or another name of it (FileLock::Join).
+[[nodiscard]] absl::StatusOr<Beside> OpenBeside(const std::string& path, DamagePtr damage);
+
+/// A Part over a connection of its own, once its statements are prepared. Errors: as OpenBeside.
+template <typename Part, typename... Args>
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Part>> MakeBeside(const std::string& path,
+                                                               DamagePtr damage,
+                                                               const Args&... args) {
+  auto beside = OpenBeside(path, std::move(damage));
+  if (!beside.ok()) return beside.status();
+  auto part = std::make_unique<Part>(*std::move(beside), args...);
+  absl::Status prepared = part->Prepare();
+  if (!prepared.ok()) return prepared;
+  return part;
+}
+
+}  // namespace uplink::storage::sqlite
