@@ -11,14 +11,6 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-TEST_P(StoreContract, StoresEveryDurableKindAndRaisesTheCursor) {
-  Open();
-  EXPECT_THAT(Commit({Good(1, Fault("f")), Good(2), Good(7, model::EventTelemetry{})}),
-              ElementsAre(OutcomeKind::kStored, OutcomeKind::kStored, OutcomeKind::kStored));
-  EXPECT_EQ(CursorNow(), 7);
-  EXPECT_THAT(History(), SizeIs(1));
-}
-
 TEST_P(StoreContract, KeepsEveryFieldOfAFault) {
   Open();
   model::Fault fault = Fault("f");
@@ -30,15 +22,6 @@ TEST_P(StoreContract, KeepsEveryFieldOfAFault) {
   EXPECT_EQ(rows[0].robot, *robot_);
   EXPECT_EQ(rows[0].received_at, Time());
   EXPECT_FALSE(rows[0].raised_at.has_value());
-}
-
-TEST_P(StoreContract, TakesABatchThatIsSentAgainForDuplicates) {
-  Open();
-  const std::vector<storage::CommitRecord> records = {Good(1, Fault("f")), Good(2)};
-  Commit(records);
-  EXPECT_THAT(Commit(records), Each(OutcomeKind::kDuplicate));
-  EXPECT_THAT(History(), SizeIs(1));
-  EXPECT_EQ(CursorNow(), 2);
 }
 
 TEST_P(StoreContract, TakesTheSecondCopyWithinABatchForADuplicate) {
@@ -62,28 +45,9 @@ TEST_P(StoreContract, StoresANumberOnceThoughItIsSentAgainAfterMidnight) {
   record.received_at = Time(-1);
   Commit({record});
   record.received_at = Time(86'400'000);
-  EXPECT_THAT(Commit({record}), ElementsAre(OutcomeKind::kDuplicate));
+  EXPECT_THAT(Commit({record, At(86'400'000, Good(2))}),
+              ElementsAre(OutcomeKind::kDuplicate, OutcomeKind::kStored));
   EXPECT_THAT(History(), SizeIs(1));
-}
-
-TEST_P(StoreContract, KeepsNothingOfACommitThatFails) {
-  Open();
-  storage::Batch batch;
-  batch.records = {Good(1, Fault("f")), Bad(2)};
-  batch.gaps = {Gap(3, 4)};
-  store_->FailNextWrite(kProcess);
-  EXPECT_EQ(store_->Process(kProcess).Commit(batch).status().code(),
-            absl::StatusCode::kUnavailable);
-  EXPECT_EQ(CursorNow(), 0);
-  EXPECT_THAT(History(), SizeIs(0));
-  EXPECT_THAT(Active(), SizeIs(0));
-  EXPECT_THAT(Quarantine(), SizeIs(0));
-  EXPECT_THAT(Gaps(), SizeIs(0));
-
-  const std::vector<Outcome> again = Commit(batch);
-  ASSERT_THAT(again, SizeIs(2));
-  EXPECT_EQ(again[0].kind, OutcomeKind::kStored);
-  EXPECT_EQ(again[1].kind, OutcomeKind::kStored);
 }
 
 TEST_P(StoreContract, KeepsAllOfACommitWhoseAnswerIsLost) {
@@ -148,28 +112,6 @@ TEST_P(StoreContract, TakesABatchOfTenThousand) {
   storage::HistoryQuery query;
   query.page_size = storage::kPageSizeMax;
   EXPECT_THAT(History(query), SizeIs(storage::kPageSizeMax));
-}
-
-TEST_P(StoreContract, KeepsOddTextsAsTheyAre) {
-  const std::string odd = "' \" \\ ; -- %s \xF0\x9F\xA4\x96 \t\n {} \xE2\x80\xAE";
-  robot_ = Robot(odd, odd);
-  Open();
-  model::Fault fault = Fault(odd);
-  fault.source = odd;
-  fault.category = "";
-  fault.description = std::string(4096, 'x');
-  fault.suggested_action = odd;
-  Commit({Good(1, fault)});
-  storage::HistoryQuery query;
-  query.ruri = robot_->ruri;
-  query.fleet = odd;
-  const auto rows = History(query);
-  ASSERT_THAT(rows, SizeIs(1));
-  EXPECT_EQ(rows[0].fault, fault);
-  EXPECT_EQ(rows[0].robot, *robot_);
-  EXPECT_THAT(Active(query), SizeIs(1));
-  query.ruri += "x";
-  EXPECT_THAT(History(query), SizeIs(0));
 }
 
 TEST_P(StoreContract, FencesWhatIsCommittedForARobotThatHasNoRow) {

@@ -10,8 +10,7 @@
 #include "tests/contract/store_contract.h"
 #include "tests/unit/schema/samples.h"
 
-/// What every list of a durable kind does alike; those of faults, quarantine and gaps are in
-/// page_test.cc.
+/// What every list of a durable kind does alike.
 namespace uplink::testing {
 namespace {
 
@@ -31,7 +30,7 @@ struct Seen {
 
 struct List {
   PageKind kind;
-  /// What becomes row `item`; a presence change if there is none.
+  /// What becomes row `item`; of lists without one, Put knows.
   std::function<model::Body(int item)> body;
   std::function<absl::StatusOr<Page<Seen>>(storage::Reader& reader, const HistoryQuery& query)>
       read;
@@ -133,9 +132,40 @@ class ListContract : public StoreContract {
             }};
   }
 
+  static List FaultList(PageKind kind, storage::HistoryList<storage::FaultRow> read) {
+    return {kind, [](int item) { return Fault(std::to_string(item)); },
+            [read](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf((reader.*read)(query),
+                            [](const auto& row) { return std::stoi(row.fault.fault_id); });
+            }};
+  }
+
+  static List QuarantineList() {
+    return {PageKind::kQuarantine, nullptr, [](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf(reader.Quarantine({.rows = query}),
+                            [](const auto& row) { return std::stoi(row.payload); });
+            }};
+  }
+
+  static List GapList() {
+    return {PageKind::kGaps, nullptr, [](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf(reader.Gaps(query),
+                            [](const auto& row) { return static_cast<int>(row.first / 2); });
+            }};
+  }
+
   void ForEachList(const std::function<void(const List& list)>& test) {
-    const std::array lists = {EventList(), MessageList(), RunList(),     ReportList(),
-                              ShapeList(), ObjectList(),  PresenceList()};
+    const std::array lists = {FaultList(PageKind::kFaultHistory, &storage::Reader::FaultHistory),
+                              FaultList(PageKind::kFaultsActive, &storage::Reader::FaultsActive),
+                              QuarantineList(),
+                              GapList(),
+                              EventList(),
+                              MessageList(),
+                              RunList(),
+                              ReportList(),
+                              ShapeList(),
+                              ObjectList(),
+                              PresenceList()};
     for (const List& list : lists) {
       SCOPED_TRACE(static_cast<int>(list.kind));
       Fresh();
@@ -149,6 +179,14 @@ class ListContract : public StoreContract {
     storage::Batch batch;
     if (list.body) {
       batch.records = {At(after_ms, Of(std::move(robot), Good(++numbers_, list.body(item))))};
+    } else if (list.kind == PageKind::kQuarantine) {
+      storage::CommitRecord bad = Bad(++numbers_, std::to_string(item));
+      batch.records = {At(after_ms, Of(std::move(robot), std::move(bad)))};
+    } else if (list.kind == PageKind::kGaps) {
+      const auto first = static_cast<model::Seq>(2 * item + 1);
+      batch.gaps = {Gap(first, first)};
+      batch.gaps[0].robot = std::move(robot);
+      batch.gaps[0].seen_at = Time(after_ms);
     } else {
       batch.presence = {{std::move(robot), static_cast<model::Presence>(item % kItemsAtOneTime),
                          Time(after_ms), ++numbers_, held_since_}};
@@ -266,18 +304,31 @@ TEST_P(ListContract, RefusesOtherTokensAndSizes) {
       EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
       return std::string(status.message());
     };
+    Put(list, 0);
+    Put(list, 1);
     HistoryQuery query;
-    query.page_token = "junk";
-    EXPECT_THAT(refused(query), StartsWith("pageToken"));
-    query.page_token = EncodePageToken(PageKind::kQuarantine, {Time(), 7});
-    EXPECT_THAT(refused(query), StartsWith("pageToken"));
+    query.page_size = 1;
+    const std::string good = list.read(store_->reader(), query)->next_token;
+    std::string changed = good;
+    changed[10] = changed[10] == '0' ? '1' : '0';
+    const PageKind other = list.kind == PageKind::kGaps ? PageKind::kQuarantine : PageKind::kGaps;
+    for (const std::string& token :
+         {std::string("x"), std::string(good.size(), 'z'), good + "0", good.substr(1), changed,
+          std::string(1, '\0'), std::string(100'000, '0'), EncodePageToken(other, {Time(), 7})}) {
+      query.page_token = token;
+      EXPECT_THAT(refused(query), StartsWith("pageToken")) << token.substr(0, 100);
+    }
+    query.page_token = good;
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(0));
     query.page_token = "";
     for (const std::uint32_t size : {0U, storage::kPageSizeMax + 1}) {
       query.page_size = size;
       EXPECT_THAT(refused(query), StartsWith("pageSize"));
     }
-    query.page_size = storage::kPageSizeMax;
-    EXPECT_TRUE(list.read(store_->reader(), query).ok());
+    for (const std::uint32_t size : {1U, storage::kPageSizeMax}) {
+      query.page_size = size;
+      EXPECT_TRUE(list.read(store_->reader(), query).ok());
+    }
   });
 }
 
@@ -289,6 +340,18 @@ TEST_P(ListContract, HoldsWhatWasThereBeforeAReopening) {
     Put(list, 0);
     EXPECT_THAT(ItemsOf(list), ElementsAre(0, 2, 1)) << "written last of one time";
   });
+}
+
+TEST_P(ListContract, AFaultThatIsReportedAgainKeepsItsPlaceInAWalk) {
+  const List active = FaultList(PageKind::kFaultsActive, &storage::Reader::FaultsActive);
+  Fresh();
+  for (const int item : {0, 3, 6}) Put(active, item);
+  HistoryQuery query;
+  query.page_size = 2;
+  EXPECT_THAT(ItemsOf(active, query), ElementsAre(6, 3));
+  query.page_token = active.read(store_->reader(), query)->next_token;
+  Commit({At(100, Good(++numbers_, Fault("0")))});
+  EXPECT_THAT(ItemsOf(active, query), ElementsAre(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, ListContract, EveryStore(), NameOfKind);

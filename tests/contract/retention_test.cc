@@ -147,17 +147,6 @@ TEST_P(RetentionContract, ANumberOfADayThatWentIsNotStoredAgain) {
   EXPECT_THAT(Messages(), SizeIs(1));
 }
 
-TEST_P(RetentionContract, AReplayAcrossMidnightIsOneRow) {
-  Open();
-  Commit({At(-1, Good(1, Fault("f"))), At(-1, Good(2))});
-  // Sent again a moment later, which is the next day: other partitions, the same numbers.
-  EXPECT_THAT(Commit({At(0, Good(1, Fault("f"))), At(0, Good(2)), At(0, Good(3))}),
-              ElementsAre(storage::OutcomeKind::kDuplicate, storage::OutcomeKind::kDuplicate,
-                          storage::OutcomeKind::kStored));
-  EXPECT_THAT(Messages(), SizeIs(2));
-  EXPECT_THAT(History(), SizeIs(1));
-}
-
 TEST_P(RetentionContract, AClockThatNobodyVouchesForDeletesNothing) {
   FakeTrust trust(false);
   storage::StoreRules rules;
