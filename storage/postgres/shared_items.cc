@@ -1,7 +1,6 @@
 #include "storage/shared_items.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>

@@ -88,9 +88,9 @@ StoreFacts PostgresStore::facts() const {
           impl_->commits_in_doubt.load()};
 }
 
-template <typename Result, typename Work>
-absl::StatusOr<Result> PostgresStore::With(const Work& work) {
-  absl::StatusOr<Result> result = absl::AbortedError("not tried");
+template <typename Work>
+auto PostgresStore::With(const Work& work) -> std::invoke_result_t<Work, Connection&> {
+  std::invoke_result_t<Work, Connection&> result = absl::AbortedError("not tried");
   for (int tries = 0; tries < kTriesMax && absl::IsAborted(result.status()); ++tries) {
     const absl::StatusOr<Connection*> connection = impl_->Trusted();
     if (!connection.ok()) return connection.status();
@@ -107,7 +107,7 @@ absl::StatusOr<Result> PostgresStore::With(const Work& work) {
 absl::StatusOr<std::vector<OpenResult>> PostgresStore::OpenStreams(
     std::span<const OpenRequest> requests) {
   const StoreOptions& options = impl_->options;
-  return With<std::vector<OpenResult>>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return OpenAll(connection, requests, options.process, options.before_commit);
   });
 }
@@ -115,14 +115,14 @@ absl::StatusOr<std::vector<OpenResult>> PostgresStore::OpenStreams(
 absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
     std::span<const AdoptRequest> requests) {
   const StoreOptions& options = impl_->options;
-  return With<std::vector<AdoptResult>>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return AdoptAll(connection, requests, options.process, options.before_commit);
   });
 }
 
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   const StoreOptions& options = impl_->options;
-  return With<std::vector<Outcome>>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     BatchCommit commit(connection, batch, {options.process, options.rules}, options.before_commit);
     auto outcomes = commit.Run();
     if (outcomes.ok()) impl_->runs_closed += commit.runs_closed();
@@ -132,14 +132,14 @@ absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
 
 absl::StatusOr<Swept> PostgresStore::Sweep(SystemTime now) {
   const StoreOptions& options = impl_->options;
-  return With<Swept>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return SweepRows(connection, now, options.rules, options.before_commit);
   });
 }
 
 absl::StatusOr<std::size_t> PostgresStore::CloseRuns(SystemTime now) {
   if (!Vouches(impl_->options.rules.clock, now)) return 0;
-  return With<std::size_t>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return CloseOldRuns(connection, now, impl_->options.before_commit);
   });
 }
@@ -147,7 +147,7 @@ absl::StatusOr<std::size_t> PostgresStore::CloseRuns(SystemTime now) {
 std::size_t PostgresStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
 
 absl::StatusOr<Trimmed> PostgresStore::TrimQuarantine(std::span<const std::string> ruris) {
-  return With<Trimmed>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return postgres::TrimQuarantine(connection, ruris, impl_->options.before_commit);
   });
 }
@@ -160,7 +160,7 @@ absl::StatusOr<Erased> PostgresStore::Retain(SystemTime now) {
 
 absl::StatusOr<std::vector<std::size_t>> PostgresStore::Checkpoint(std::span<const LiveRow> rows) {
   const StoreOptions& options = impl_->options;
-  return With<std::vector<std::size_t>>([&](Connection& connection) {
+  return With([&](Connection& connection) {
     return WriteLive(connection, rows, {options.process, ++impl_->checkpoints},
                      options.before_commit);
   });

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -16,6 +17,8 @@
 #include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
+
+class Connection;
 
 struct StoreOptions {
   /// `postgresql://...`, without a password.
@@ -87,8 +90,8 @@ class PostgresStore final : public Store {
   explicit PostgresStore(std::unique_ptr<Impl> impl);
 
   /// Runs `work` with a connection, again where transactions stood in each other's way.
-  template <typename Result, typename Work>
-  absl::StatusOr<Result> With(const Work& work);
+  template <typename Work>
+  auto With(const Work& work) -> std::invoke_result_t<Work, Connection&>;
 
   std::unique_ptr<Impl> impl_;
 };

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -53,11 +54,11 @@ class Database final {
   [[nodiscard]] absl::StatusOr<std::unique_ptr<Statement>> Prepare(std::string_view sql);
 
   /// Runs `work` in a transaction of its own; all or nothing.
-  template <typename Result, typename Work>
-  [[nodiscard]] absl::StatusOr<Result> InTransaction(const Work& work) {
+  template <typename Work>
+  [[nodiscard]] auto InTransaction(const Work& work) -> std::invoke_result_t<Work> {
     absl::Status status = Execute("BEGIN IMMEDIATE");
     if (!status.ok()) return status;
-    absl::StatusOr<Result> result = work();
+    auto result = work();
     status = result.status();
     if (status.ok()) status = Execute("COMMIT");
     if (status.ok()) return result;

@@ -1,7 +1,5 @@
 #include "storage/sqlite/deciding_tables.h"
 
-#include <algorithm>
-
 #include "schema/base/check.h"
 #include "storage/read_row.h"
 

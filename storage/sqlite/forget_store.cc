@@ -1,6 +1,5 @@
 #include "storage/forget_store.h"
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -140,7 +139,7 @@ class SqliteRobotRemoval final : public RobotRemoval {
   }
   absl::StatusOr<std::optional<EntryBound>> Remove(std::string_view ruri, Epoch epoch) override {
     using Bound = std::optional<EntryBound>;
-    return database_.InTransaction<Bound>([&]() -> absl::StatusOr<Bound> {
+    return database_.InTransaction([&]() -> absl::StatusOr<Bound> {
       const auto hold = HoldOf(ruri);
       if (!hold.ok()) return hold.status();
       if ((*hold ? (*hold)->epoch : 0) != epoch) return std::nullopt;
@@ -154,7 +153,7 @@ class SqliteRobotRemoval final : public RobotRemoval {
     });
   }
   absl::StatusOr<std::size_t> RemoveHistories(std::string_view ruri, EntryBound below) override {
-    return database_.InTransaction<std::size_t>([&]() -> absl::StatusOr<std::size_t> {
+    return database_.InTransaction([&]() -> absl::StatusOr<std::size_t> {
       std::size_t removed = 0;
       for (const std::unique_ptr<Statement>& removal : history_removals_) {
         const absl::StatusOr<std::size_t> rows =

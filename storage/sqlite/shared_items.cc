@@ -1,6 +1,5 @@
 #include "storage/shared_items.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>

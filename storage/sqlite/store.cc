@@ -72,15 +72,15 @@ absl::Status SqliteStore::Impl::Prepare() {
   return prepare.status();
 }
 
-template <typename Result, typename Work>
-absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
+template <typename Work>
+auto SqliteStore::InTransaction(const Work& work) -> std::invoke_result_t<Work> {
   // Before, so that nothing is written where no start would find it, nor over a WAL that another
   // program began anew; and after, since that alone says of this commit that a start finds it.
   absl::Status status = impl_->files->Check();
   if (status.ok()) status = impl_->files->CheckRoom();
   if (status.ok()) status = impl_->begin->Run();
   if (!status.ok()) return impl_->files->DamageOr(status);
-  absl::StatusOr<Result> result = work();
+  auto result = work();
   status = result.status();
   const StoreOptions& options = impl_->options;
   if (status.ok() && options.before_commit) status = options.before_commit();
@@ -98,7 +98,7 @@ absl::StatusOr<Result> SqliteStore::InTransaction(const Work& work) {
 absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
     std::span<const OpenRequest> requests) {
   using Results = std::vector<OpenResult>;
-  auto results = InTransaction<Results>([&]() -> absl::StatusOr<Results> {
+  auto results = InTransaction([&]() -> absl::StatusOr<Results> {
     Results all;
     all.reserve(requests.size());
     for (const OpenRequest& request : requests) {
@@ -185,7 +185,7 @@ absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
 absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
     std::span<const AdoptRequest> requests) {
   using Results = std::vector<AdoptResult>;
-  return InTransaction<Results>([&]() -> absl::StatusOr<Results> {
+  return InTransaction([&]() -> absl::StatusOr<Results> {
     Results results(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {
       auto adopted = impl_->tables.deciding.AdoptRobot(requests[i], impl_->options.process);
@@ -204,7 +204,7 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     const CommitTerms terms{impl_->options.process, impl_->options.rules, *impl_->files};
     BatchCommit commit(*impl_->database, impl_->tables, terms, isolation);
-    auto written = InTransaction<std::vector<Outcome>>([&] { return commit.Write(batch); });
+    auto written = InTransaction([&] { return commit.Write(batch); });
     if (!written.ok()) return written;
     impl_->runs_closed += commit.runs_closed();
     impl_->files->NoteEntry(commit.next_entry());
@@ -222,7 +222,7 @@ absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
 absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
   const bool vouches = Vouches(impl_->options.rules.clock, now);
   const std::int64_t until_ms = UnixMs(now - kExpiredKept);
-  return InTransaction<Swept>([&]() -> absl::StatusOr<Swept> {
+  return InTransaction([&]() -> absl::StatusOr<Swept> {
     Swept swept;
     for (const PresentKind kind : kItemKinds) {
       if (!vouches) break;
@@ -240,20 +240,19 @@ absl::StatusOr<Swept> SqliteStore::Sweep(SystemTime now) {
 
 absl::StatusOr<std::size_t> SqliteStore::CloseRuns(SystemTime now) {
   if (!Vouches(impl_->options.rules.clock, now)) return 0;
-  return InTransaction<std::size_t>(
-      [&] { return impl_->tables.retention.CloseOld(now - kOpenRunAgeMax, now); });
+  return InTransaction([&] { return impl_->tables.retention.CloseOld(now - kOpenRunAgeMax, now); });
 }
 
 std::size_t SqliteStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
 
 absl::StatusOr<Trimmed> SqliteStore::TrimQuarantine(std::span<const std::string> ruris) {
-  return InTransaction<Trimmed>([&] { return impl_->tables.set_aside.TrimQuarantine(ruris); });
+  return InTransaction([&] { return impl_->tables.set_aside.TrimQuarantine(ruris); });
 }
 
 absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
   const StoreRules& rules = impl_->options.rules;
   if (!Vouches(rules.clock, now)) return Erased();
-  return InTransaction<Erased>([&]() -> absl::StatusOr<Erased> {
+  return InTransaction([&]() -> absl::StatusOr<Erased> {
     Erased erased;
     absl::Status status;
     if (const auto kept = FirstDayKept(now, rules.retain_history)) {
@@ -268,7 +267,7 @@ absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
 }
 
 absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const LiveRow> rows) {
-  return InTransaction<std::vector<std::size_t>>([&]() -> absl::StatusOr<std::vector<std::size_t>> {
+  return InTransaction([&]() -> absl::StatusOr<std::vector<std::size_t>> {
     std::vector<std::size_t> passed_over;
     for (std::size_t place = 0; place < rows.size(); ++place) {
       const auto written = impl_->tables.live.Upsert(rows[place], impl_->options.process);
@@ -280,7 +279,7 @@ absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const
 }
 
 absl::StatusOr<std::vector<FoundRobot>> SqliteStore::Compare(std::span<const ToldRobot> robots) {
-  return InTransaction<std::vector<FoundRobot>>([&]() -> absl::StatusOr<std::vector<FoundRobot>> {
+  return InTransaction([&]() -> absl::StatusOr<std::vector<FoundRobot>> {
     std::vector<FoundRobot> found;
     found.reserve(robots.size());
     for (const ToldRobot& robot : robots) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -86,8 +87,8 @@ class SqliteStore final : public Store {
   absl::Status EvictSessions(const OpenRequest& request);
 
   /// Runs `work` in a transaction of its own; all or nothing.
-  template <typename Result, typename Work>
-  absl::StatusOr<Result> InTransaction(const Work& work);
+  template <typename Work>
+  auto InTransaction(const Work& work) -> std::invoke_result_t<Work>;
 
   std::unique_ptr<Impl> impl_;
 };

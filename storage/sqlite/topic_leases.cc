@@ -25,17 +25,18 @@ class SqliteTopicLeases final : public TopicLeases {
   absl::StatusOr<std::optional<Epoch>> Take(const TakeRequest& request) override {
     absl::Status bad = CheckRequest(request);
     if (!bad.ok()) return bad;
-    return InTransaction<std::optional<Epoch>>([&] { return TakeInTransaction(request); });
+    return beside_.database->InTransaction([&] { return TakeInTransaction(request); });
   }
   absl::Status Release(std::string_view client_id) override {
-    return InTransaction<bool>([&]() -> absl::StatusOr<bool> {
-             const auto held = release_->Select(client_id, process_).Count();
-             if (!held.ok()) return held.status();
-             if (*held == 0) return false;
-             absl::Status dropped = drop_prefixes_->Run(client_id);
-             if (!dropped.ok()) return dropped;
-             return true;
-           })
+    return beside_.database
+        ->InTransaction([&]() -> absl::StatusOr<bool> {
+          const auto held = release_->Select(client_id, process_).Count();
+          if (!held.ok()) return held.status();
+          if (*held == 0) return false;
+          absl::Status dropped = drop_prefixes_->Run(client_id);
+          if (!dropped.ok()) return dropped;
+          return true;
+        })
         .status();
   }
   absl::StatusOr<std::vector<TopicLease>> Read() override {
@@ -46,14 +47,10 @@ class SqliteTopicLeases final : public TopicLeases {
     return leases;
   }
   absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) override {
-    return InTransaction<DeliveryMemory>([&] { return ReadMemory(client_id); });
+    return beside_.database->InTransaction([&] { return ReadMemory(client_id); });
   }
 
  private:
-  template <typename Result, typename Work>
-  absl::StatusOr<Result> InTransaction(const Work& work) {
-    return beside_.database->InTransaction<Result>(work);
-  }
   absl::StatusOr<std::optional<Epoch>> TakeInTransaction(const TakeRequest& request);
   absl::StatusOr<Epoch> DrawEpoch();
   absl::Status End(const TopicLease& lease);

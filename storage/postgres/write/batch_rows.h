@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "storage/present.h"
 #include "storage/remember.h"
 #include "storage/store_rules.h"
+#include "storage/tables/lists.h"
 
 namespace uplink::storage::postgres {
 

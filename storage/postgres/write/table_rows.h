@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -10,10 +7,7 @@
 
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/tables/insert.h"
-#include "storage/tables/latest.h"
 #include "storage/tables/lists.h"
-#include "storage/tables/missions.h"
-#include "storage/tables/set_aside.h"
 
 // What a batch writes to tables, by table. Views and pointers lead into the batch.
 namespace uplink::storage::postgres {
