@@ -15,6 +15,7 @@ namespace {
 
 using storage::OutcomeKind;
 using ::testing::Each;
+using ::testing::Ne;
 using ::testing::SizeIs;
 
 class AllKindsContract : public StoreContract {
@@ -88,19 +89,13 @@ class AllKindsContract : public StoreContract {
 TEST_P(AllKindsContract, AreWrittenOnce) {
   Open();
   const storage::Batch batch = Mixed();
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_EQ(outcome.kind, OutcomeKind::kStored);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(OutcomeKind::kStored));
   ExpectMixedOnce();
   EXPECT_EQ(CursorNow(), batch.records.size());
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_NE(outcome.kind, OutcomeKind::kStored);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(Ne(OutcomeKind::kStored)));
   ExpectMixedOnce();
   store_->Reopen();
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_NE(outcome.kind, OutcomeKind::kStored);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(Ne(OutcomeKind::kStored)));
   ExpectMixedOnce();
 }
 
@@ -121,9 +116,7 @@ TEST_P(AllKindsContract, LeaveNothingOfACommitThatFails) {
   EXPECT_EQ(store_->Process(kProcess).Commit(batch).status().code(),
             absl::StatusCode::kUnavailable);
   ExpectNothing();
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_EQ(outcome.kind, OutcomeKind::kStored);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(OutcomeKind::kStored));
   ExpectMixedOnce();
 }
 
@@ -131,9 +124,7 @@ TEST_P(AllKindsContract, LeaveNothingOfAHoldThatHasPassed) {
   Open();
   storage::Batch batch = Mixed();
   Open(Request(), kOther);
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_EQ(outcome.kind, OutcomeKind::kFenced);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(OutcomeKind::kFenced));
   ExpectNothing();
 }
 

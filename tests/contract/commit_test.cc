@@ -119,7 +119,7 @@ TEST_P(StoreContract, FencesWhatIsCommittedForARobotThatHasNoRow) {
   storage::Batch batch;
   batch.records = {Good(3, Fault("f")), Bad(4)};
   batch.gaps = {Gap(1, 2)};
-  for (const Outcome& outcome : Commit(batch)) EXPECT_EQ(outcome.kind, OutcomeKind::kFenced);
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(OutcomeKind::kFenced));
   EXPECT_EQ(*store_->reader().RobotCount(), 0U) << "a batch makes no robot";
   const storage::OpenResult result = Open();
   EXPECT_FALSE(result.was_known);

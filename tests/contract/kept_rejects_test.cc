@@ -142,12 +142,7 @@ TEST_P(KeptRejectsContract, ARangeOfAHoldThatIsOverIsFenced) {
 TEST_P(KeptRejectsContract, TheyGoWithTheirSessionAndAreNotThoseOfALaterOneOfItsId) {
   Open();
   Commit({Limited(1, 3), Bad(4)});
-  for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
-    storage::OpenRequest request = Request();
-    request.session = Session(static_cast<std::uint8_t>(100 + i));
-    request.at = Time(i);
-    Open(request);
-  }
+  EvictSession();
   EXPECT_THAT(Read(0, 100), IsEmpty());
   EXPECT_THAT(Told(), IsEmpty());
   Commit({Good(1), Limited(2, 3)});
@@ -176,12 +171,7 @@ TEST_P(KeptRejectsContract, ThoseOfSessionsThatStayOutliveAnEviction) {
 TEST_P(KeptRejectsContract, ALaterSessionOfItsIdKeepsItsOwn) {
   Fresh();
   Commit({Limited(1, 3)});
-  for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
-    storage::OpenRequest request = Request();
-    request.session = Session(static_cast<std::uint8_t>(100 + i));
-    request.at = Time(i);
-    Open(request);
-  }
+  EvictSession();
   Open();
   Commit({Good(1), Bad(3)});
   EXPECT_GT(Retain(15 * kDayMs), 0U);
@@ -263,12 +253,7 @@ TEST_P(KeptRejectsContract, SoDoThoseOfADayForWhichNoStoreMadeRoom) {
 TEST_P(KeptRejectsContract, ThoseOfASessionThatIsNotKeptDoNot) {
   Fresh();
   Commit({Bad(1)});
-  for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
-    storage::OpenRequest request = Request();
-    request.session = Session(static_cast<std::uint8_t>(100 + i));
-    request.at = Time(i);
-    Open(request);
-  }
+  EvictSession();
   EXPECT_GT(Retain(15 * kDayMs), 0U);
   EXPECT_THAT(Told(), IsEmpty());
   EXPECT_THAT(Read(0, 100), IsEmpty());

@@ -31,15 +31,6 @@ class QuarantineBoundContract : public StoreContract {
     }
     Commit(std::move(records));
   }
-  /// The store forgets the fixture's session: newer ones take its place.
-  void EvictSession() {
-    for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
-      storage::OpenRequest request = Request();
-      request.session = Session(static_cast<std::uint8_t>(100 + i));
-      request.at = Time(i);
-      Open(request);
-    }
-  }
   storage::Trimmed Trim(const std::vector<std::string>& ruris) {
     const auto trimmed = store_->Process(kProcess).TrimQuarantine(ruris);
     EXPECT_TRUE(trimmed.ok()) << trimmed.status();

@@ -95,6 +95,15 @@ storage::OpenResult StoreContract::Open(const storage::OpenRequest& request, std
   return results->front();
 }
 
+void StoreContract::EvictSession() {
+  for (std::uint8_t i = 1; i <= storage::kSessionsPerRobotMax; ++i) {
+    storage::OpenRequest request = Request();
+    request.session = Session(static_cast<std::uint8_t>(100 + i));
+    request.at = Time(i);
+    Open(request);
+  }
+}
+
 void StoreContract::OpenAlso(const std::vector<storage::RobotRef>& robots) {
   std::vector<storage::OpenRequest> requests(robots.size(), Request());
   for (std::size_t i = 0; i < robots.size(); ++i) requests[i].robot = robots[i];

@@ -66,6 +66,10 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   storage::OpenResult Open(const storage::OpenRequest& request, std::uint8_t process = kProcess);
   storage::OpenResult Open() { return Open(Request()); }
 
+  /// Opens as many other sessions as a robot may have, each later than the last: the fixture's,
+  /// used longest ago, is forgotten.
+  void EvictSession();
+
   /// Opens streams of other robots, too. Commit gives what comes of them under the fixture's hold
   /// their own.
   void OpenAlso(const std::vector<storage::RobotRef>& robots);
@@ -77,6 +81,11 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
                                        std::uint8_t process = kProcess);
   std::vector<storage::OutcomeKind> Commit(std::vector<storage::CommitRecord> records,
                                            std::uint8_t process = kProcess);
+  static std::vector<storage::OutcomeKind> KindsOf(const std::vector<storage::Outcome>& outcomes) {
+    std::vector<storage::OutcomeKind> kinds;
+    for (const storage::Outcome& outcome : outcomes) kinds.push_back(outcome.kind);
+    return kinds;
+  }
   void CommitGaps(std::vector<storage::GapItem> gaps);
   storage::GapItem Gap(model::Seq first, model::Seq last) const;
 

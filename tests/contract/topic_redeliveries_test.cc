@@ -119,9 +119,7 @@ TEST_P(RedeliveryContract, NothingOfItIsKeptWithoutTheRows) {
   EXPECT_FALSE(store_->Process(kProcess).Commit(batch).ok());
   EXPECT_THAT(Memory().known, ElementsAre(Of(1, 7, 1)));
   EXPECT_THAT(Messages(), SizeIs(1));
-  for (const storage::Outcome& outcome : Commit(batch)) {
-    EXPECT_EQ(outcome.kind, OutcomeKind::kDuplicate);
-  }
+  EXPECT_THAT(KindsOf(Commit(batch)), Each(OutcomeKind::kDuplicate));
   EXPECT_THAT(Memory().known, ElementsAre(Of(1, 7, 1))) << "the same again changes nothing";
 }
 
@@ -265,9 +263,7 @@ TEST_P(RedeliveryContract, GoesOnWithWhoeverTakesTheLease) {
   Narrow(1);
   storage::Batch late = BatchOf({Ends(Of(4, 9, 3), Good(2))});
   late.deliveries = {{hold_, {Lost(5), Ended(6, 7)}}};
-  for (const storage::Outcome& outcome : Commit(late)) {
-    EXPECT_EQ(outcome.kind, OutcomeKind::kFenced);
-  }
+  EXPECT_THAT(KindsOf(Commit(late)), Each(OutcomeKind::kFenced));
   EXPECT_THAT(Memory().known, ElementsAre(Of(2, 7, 1), Of(3, 8, 2)));
   EXPECT_THAT(Messages(), SizeIs(1));
 }
