@@ -45,7 +45,7 @@ FOREIGN = (
     Foreign("Boost.Beast", re.compile(r"^boost/beast"), ("server/http/", "tools/", "tests/")),
     Foreign(
         "Boost",
-        re.compile(r"^boost/(?!json)"),
+        re.compile(r"^boost/(?!json|beast)"),
         ("server/front/", "server/http/", "server/loop/", "server/mqtt/", "tools/", "tests/"),
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),

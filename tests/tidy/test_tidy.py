@@ -55,7 +55,7 @@ class ForeignTest(RuleTest):
         ("<capnp/message.h>", "schema/decode.cc", "server/session/a.cc"),
         ("<kj/exception.h>", "schema/decode.cc", "tools/a.cc"),
         ('"schema/uplink.capnp.h"', "schema/decode.cc", "server/view/a.cc"),
-        ("<boost/beast/core.hpp>", "server/http/a.cc", "server/session/a.cc"),
+        ("<boost/beast/core.hpp>", "server/http/a.cc", "server/loop/a.cc"),
         ("<boost/asio.hpp>", "server/loop/a.cc", "server/run/app.cc"),
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/run/app.cc"),
