@@ -7,10 +7,12 @@
 
 #include "storage/forget_requests.h"
 #include "storage/numbers.h"
+#include "storage/presence.h"
 #include "storage/reader.h"
+#include "storage/rejects.h"
 #include "storage/robot_hold.h"
+#include "storage/rows.h"
 #include "storage/topic_leases.h"
-#include "storage/types.h"
 
 // What a row of a statement says, for every store. A Row gives its columns by their place: Null,
 // Int, Bool, Time, Uuid, Bytes. `column` is the first that is read.

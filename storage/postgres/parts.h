@@ -48,7 +48,7 @@ inline constexpr milliseconds kSignalCallMax{2'000};
 /// lets those that notify commit one after the other, in the whole cluster.
 ///
 /// Errors: kResourceExhausted as well, if there is no descriptor. Of a call: the caller pauses
-///         (storage/backoff.h).
+///         (schema/base/backoff.h).
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ChangeSignal>> MakeChangeSignal(
     const StoreOptions& options, const Clock& clock);
 

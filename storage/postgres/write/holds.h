@@ -8,9 +8,11 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "storage/adopt.h"
 #include "storage/compare.h"
+#include "storage/identity.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/presence.h"
 
 namespace uplink::storage::postgres {
 

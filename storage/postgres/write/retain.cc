@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "storage/bounds.h"
+#include "storage/lists.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/retention.h"
+#include "storage/store_rules.h"
 #include "storage/tables/lists.h"
-#include "storage/types.h"
 
 namespace uplink::storage::postgres {
 namespace {

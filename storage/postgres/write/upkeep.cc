@@ -6,11 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "storage/bounds.h"
 #include "storage/numbers.h"
 #include "storage/postgres/tables/present_sql.h"
 #include "storage/postgres/write/transaction.h"
+#include "storage/rows.h"
 #include "storage/shared_items.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 namespace uplink::storage::postgres {
 namespace {

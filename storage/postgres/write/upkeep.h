@@ -12,8 +12,9 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/bounds.h"
 #include "storage/postgres/link/connection.h"
-#include "storage/types.h"
+#include "storage/store_rules.h"
 
 // What keeps a store to its bounds and ages, but for histories (retain.h). `before_commit`: as in
 // RunAndCommitFor.
