@@ -91,6 +91,15 @@ TEST_F(CallTest, ASourceStaysKnownAsLongAsARobotStreamsFromIt) {
   EXPECT_TRUE(SourceIsKnown());
 }
 
+TEST_F(CallTest, ItsConnectionEndsWithTheLastOneOnceItDrains) {
+  wire_.Receive(OpenRelay(1));
+  bench_.Drain(std::chrono::seconds(10));
+  EXPECT_TRUE(wire_.open());
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  EXPECT_FALSE(wire_.open());
+  EXPECT_EQ(wire_.answers().goaways().back().code, 0U);
+}
+
 TEST_F(CallTest, ADrainTellsTheStreamsOfAConnectionOneAfterTheOther) {
   constexpr std::uint32_t kStreams = transport::kStreamsPerCertificateMax;
   for (std::uint32_t i = 0; i < kStreams; ++i) wire_.Receive(OpenRelay(2 * i + 1));

@@ -74,13 +74,6 @@ TEST(MessageReader, KeepsWhatIsNotTaken) {
   EXPECT_THAT(TakeAll(reader), ElementsAre("two", "three"));
 }
 
-TEST(MessageReader, PopSaysHowManyBytesWereTaken) {
-  MessageReader reader(kBytesMax);
-  const std::string bytes = Framed("four");
-  reader.Add(bytes);
-  EXPECT_EQ(reader.Pop(), kPrefixBytes + 4);
-}
-
 TEST(MessageReader, AMessageAtTheLimitIsOneAndALongerOneIsNot) {
   MessageReader reader(kBytesMax);
   const std::string at = Prefix(kBytesMax);

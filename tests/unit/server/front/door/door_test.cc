@@ -159,17 +159,6 @@ TEST_F(DoorTest, TheServersOwnHandshakeWaitsForNobodyAndTakesNobodysPlace) {
   EXPECT_EQ(admitted_.size(), 4U);
 }
 
-TEST(DoorBook, PlacesAreBounded) {
-  transport::RelayProbe probe;
-  DoorBook book({.connections_max = 2, .lingers_max = 1}, probe, nullptr);
-  EXPECT_TRUE(book.Enter());
-  EXPECT_TRUE(book.Enter());
-  EXPECT_FALSE(book.Enter());
-  book.Leave();
-  EXPECT_TRUE(book.Enter());
-  EXPECT_EQ(probe.connections.value(), 2);
-}
-
 DoorLimits LimitsFor(std::size_t descriptors, ProxyHeaders headers = ProxyHeaders::kNone) {
   return DoorLimitsFor(
       {.streams_max = 40'000, .descriptors_max = descriptors, .reserved = 256, .headers = headers});

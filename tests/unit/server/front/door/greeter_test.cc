@@ -20,10 +20,7 @@
 namespace uplink::front {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::LocalProxyHeader;
 using testing::ProxyHeaderBytes;
 using testing::ProxyHeaderFor;
 using ::testing::SizeIs;
@@ -81,13 +78,6 @@ class GreeterTest : public ::testing::Test {
     while (context_.poll() > 0) {
     }
   }
-  /// What a visitor has left to read.
-  static std::string Rest(const Visitor& visitor) {
-    std::array<char, 1000> bytes{};
-    const ssize_t count =
-        ::recv(visitor.descriptor.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-    return {bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
-  }
   [[nodiscard]] std::int64_t turned_away() const {
     return probe_.turned_away_total[static_cast<std::size_t>(TurnedAway::kProxyHeader)].value();
   }
@@ -108,50 +98,6 @@ class GreeterTest : public ::testing::Test {
                      .hand = [this](Visitor visitor) { handed_.push_back(std::move(visitor)); }});
 };
 
-TEST_F(GreeterTest, NothingIsReadFromWhoIsNoLoadBalancer) {
-  const std::string header = ProxyHeaderFor("203.0.113.7");
-  const Peer peer = Arrive("192.0.2.9", header);
-  ASSERT_THAT(handed_, SizeIs(1));
-  EXPECT_EQ(handed_[0].origin.text, "192.0.2.9:1234");
-  EXPECT_EQ(Rest(handed_[0]), header);
-}
-
-TEST_F(GreeterTest, TheHeaderNamesTheSourceAndWhatFollowsStays) {
-  const Peer peer = Arrive(kLoadBalancer, ProxyHeaderFor("203.0.113.7", 99) + "hello");
-  ASSERT_THAT(handed_, SizeIs(1));
-  EXPECT_EQ(handed_[0].origin.text, "203.0.113.7:99");
-  EXPECT_EQ(handed_[0].origin.source.ToText(), "203.0.113.7");
-  EXPECT_FALSE(handed_[0].origin.health_check);
-  EXPECT_EQ(Rest(handed_[0]), "hello");
-  EXPECT_EQ(waiting(), 0);
-}
-
-TEST_F(GreeterTest, AHeaderMayComeByteByByte) {
-  const Peer peer = Arrive(kLoadBalancer);
-  const std::string header = ProxyHeaderFor("2001:db8::7", 99);
-  for (const char& byte : header) {
-    EXPECT_THAT(handed_, IsEmpty());
-    EXPECT_EQ(waiting(), 1);
-    peer.Send({&byte, 1});
-    Turn();
-  }
-  ASSERT_THAT(handed_, SizeIs(1));
-  EXPECT_EQ(handed_[0].origin.text, "[2001:db8::7]:99");
-  EXPECT_EQ(waiting(), 0);
-  // It is whole, and the other context may watch it.
-  boost::asio::io_context other;
-  boost::asio::posix::stream_descriptor watch(other);
-  boost::system::error_code error;
-  watch.assign(handed_[0].descriptor.Release(), error);
-  EXPECT_FALSE(error);
-  peer.Send("x");
-  bool readable = false;
-  watch.async_wait(boost::asio::posix::stream_descriptor::wait_read,
-                   [&](const boost::system::error_code& failed) { readable = !failed; });
-  other.run();
-  EXPECT_TRUE(readable);
-}
-
 TEST_F(GreeterTest, WhoSaysNothingAndLeavesMakesNoNoise) {
   Peer before_it_is_seen = Arrive(kLoadBalancer);
   before_it_is_seen.Leave();
@@ -167,33 +113,12 @@ TEST_F(GreeterTest, WhoSaysNothingAndLeavesMakesNoNoise) {
   EXPECT_THAT(handed_, IsEmpty());
 }
 
-TEST_F(GreeterTest, AHealthCheckIsTheLoadBalancersOwn) {
-  const Peer peer = Arrive(kLoadBalancer, LocalProxyHeader());
-  ASSERT_THAT(handed_, SizeIs(1));
-  EXPECT_EQ(handed_[0].origin.text, "192.0.2.8:1234");
-  EXPECT_TRUE(handed_[0].origin.health_check);
-  book_.Note(TurnedAway::kNoCertificate, handed_[0].origin, clock_.Steady());
-  EXPECT_THAT(lines_, IsEmpty());
-}
-
 TEST_F(GreeterTest, WhoseAddressStaysUntoldComesFromTheLoadBalancer) {
   const Peer peer = Arrive(
       kLoadBalancer, ProxyHeaderBytes(testing::kProxyRelayed, testing::kProxyUnspec, "whatever"));
   ASSERT_THAT(handed_, SizeIs(1));
   EXPECT_EQ(handed_[0].origin.text, "192.0.2.8:1234");
   EXPECT_FALSE(handed_[0].origin.health_check);
-}
-
-TEST_F(GreeterTest, AWrongHeaderIsTurnedAwayInTheLoadBalancersName) {
-  const Peer peer = Arrive(kLoadBalancer, "PROXY TCP4 203.0.113.7 127.0.0.1 4711 7443\r\n");
-  EXPECT_TRUE(peer.IsClosed());
-  EXPECT_EQ(turned_away(), 1);
-  ASSERT_THAT(lines_, SizeIs(1));
-  EXPECT_THAT(lines_[0], HasSubstr("connection_turned_away source=192.0.2.8 peer=192.0.2.8:1234"));
-  EXPECT_THAT(lines_[0], HasSubstr("why=proxy_header"));
-  for (int i = 0; i < 20; ++i) Arrive(kLoadBalancer, "x");
-  EXPECT_EQ(turned_away(), 21);
-  EXPECT_THAT(lines_, SizeIs(SourceLines::kLinesPerKind));
 }
 
 TEST_F(GreeterTest, WhoLeavesInTheMiddleOfAHeaderIsTurnedAway) {
@@ -251,16 +176,6 @@ TEST_F(GreeterTest, WhatTheSystemSaidBeforeSomebodyWentIsForgotten) {
   Turn();
   EXPECT_THAT(handed_, IsEmpty());
   EXPECT_EQ(turned_away(), 1);
-}
-
-TEST_F(GreeterTest, WhoWaitsAtItsEndIsClosed) {
-  const Peer silent = Arrive(kLoadBalancer);
-  const Peer half = Arrive(kLoadBalancer, "\r\n\r\n");
-  greeter_.reset();
-  EXPECT_TRUE(silent.IsClosed());
-  EXPECT_TRUE(half.IsClosed());
-  EXPECT_EQ(waiting(), 0);
-  EXPECT_EQ(turned_away(), 0);
 }
 
 }  // namespace

@@ -75,15 +75,6 @@ TEST(HandshakeQueue, OneSourceUsesEveryPlaceThatNobodyElseWants) {
   EXPECT_EQ(queue.waiting(), 0U);
 }
 
-TEST(HandshakeQueue, TheOneOfASmallSourceIsServedBeforeTheThousandsOfABigOne) {
-  HandshakeQueue queue({.under_way_max = 4, .waiting_max = 10'000});
-  ArriveMany(queue, 0, 5'000, kA);
-  ASSERT_THAT(TakeAll(queue), ElementsAre(0, 1, 2, 3));
-  ArriveMany(queue, 9'000, 1, kB);
-  queue.Ended(0);
-  EXPECT_EQ(queue.Next(kNow), 9'000U);
-}
-
 TEST(HandshakeQueue, TheSourceWithTheFewestUnderWayIsNext) {
   HandshakeQueue queue({.under_way_max = 4, .waiting_max = 100});
   ArriveMany(queue, 10, 5, kA);
@@ -174,12 +165,6 @@ TEST(HandshakeQueue, ASourceThatBecomesKnownTakesAllThatWaitWithIt) {
   EXPECT_EQ(queue.Next(kNow), 20U);
 }
 
-TEST(HandshakeQueue, RefusesNobodyUpToItsBound) {
-  HandshakeQueue queue({.under_way_max = 1, .waiting_max = 3});
-  ArriveMany(queue, 1, 3, kA);
-  EXPECT_EQ(queue.waiting(), 3U);
-}
-
 TEST(HandshakeQueue, PastItRefusesTheNewestOfTheSourceThatHasTheMost) {
   HandshakeQueue queue({.under_way_max = 1, .waiting_max = 3});
   ArriveMany(queue, 1, 2, kA);
@@ -218,23 +203,6 @@ TEST(HandshakeQueue, StrangersKeepAFourthOfThoseThatMayWait) {
   EXPECT_EQ(queue.Arrive(5, kB, Rank::kStranger, kNow), 4U);
   EXPECT_EQ(queue.Arrive(6, kA, Rank::kKnown, kNow), 6U);
   EXPECT_EQ(queue.Arrive(7, kC, Rank::kStranger, kNow), 7U) << "it would be more than a fourth";
-}
-
-TEST(HandshakeQueue, OneThatWaitsMayEnd) {
-  HandshakeQueue queue({.under_way_max = 2, .waiting_max = 10});
-  ArriveMany(queue, 1, 3, kA);
-  queue.Ended(2);
-  EXPECT_EQ(queue.waiting(), 2U);
-  EXPECT_THAT(TakeAll(queue), ElementsAre(1, 3));
-}
-
-TEST(HandshakeQueue, OneThatIsUnderWayMayEnd) {
-  HandshakeQueue queue({.under_way_max = 2, .waiting_max = 10});
-  ArriveMany(queue, 1, 1, kA);
-  ASSERT_EQ(queue.Next(kNow), 1U);
-  queue.Ended(1);
-  EXPECT_EQ(queue.under_way(), 0U);
-  EXPECT_EQ(queue.sources(), 0U);
 }
 
 TEST(HandshakeQueue, AnUnknownOneMayEnd) {

@@ -27,14 +27,6 @@ void AddStreaming(KeyTable& table, std::uint64_t count) {
   }
 }
 
-TEST(KeyTable, KeepsAKeysConnectionsUpToItsMaximum) {
-  KeyTable table;
-  EXPECT_EQ(table.Add(Digest(1), 1, 2, kNow), std::nullopt);
-  EXPECT_EQ(table.Add(Digest(1), 2, 2, kNow), std::nullopt);
-  EXPECT_EQ(table.connections(), 2U);
-  EXPECT_EQ(table.keys(), 1U);
-}
-
 TEST(KeyTable, PastItTheOldestWithoutAStreamGoes) {
   KeyTable table;
   AddStreaming(table, 4);

@@ -21,12 +21,6 @@ void Stream(KnownSources& sources, const SourceAddress& source, SteadyTime end) 
   sources.Leave(source, end);
 }
 
-TEST(KnownSources, KnowsNobodyAtFirst) {
-  const KnownSources sources;
-  EXPECT_FALSE(sources.IsKnown(From(1), kNow));
-  EXPECT_EQ(sources.size(), 0U);
-}
-
 TEST(KnownSources, KnowsASourceForAnHour) {
   KnownSources sources;
   Stream(sources, From(1), kNow);

@@ -1,6 +1,7 @@
 #include "server/front/door/proxy_header.h"
 
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -54,20 +55,17 @@ Read ReadWhole(std::string_view bytes) {
 }
 
 TEST(ProxyHeader, SaysForWhomTheConnectionIs) {
-  const Read ipv4 = ReadWhole(ProxyHeaderFor("203.0.113.7", 5555));
-  EXPECT_EQ(ipv4.result, Result::kRelayed);
-  EXPECT_EQ(ipv4.origin.text, "203.0.113.7:5555");
-  EXPECT_EQ(ipv4.origin.source.ToText(), "203.0.113.7");
-  const Read ipv6 = ReadWhole(ProxyHeaderFor("2001:db8:1:2:3:4:5:6", 65535));
-  EXPECT_EQ(ipv6.result, Result::kRelayed);
-  EXPECT_EQ(ipv6.origin.text, "[2001:db8:1:2:3:4:5:6]:65535");
-  EXPECT_EQ(ipv6.origin.source.ToText(), "2001:db8:1:2::/64");
-}
-
-TEST(ProxyHeader, Ipv4InIpv6IsIpv4) {
-  const Read read = ReadWhole(ProxyHeaderFor("::ffff:203.0.113.7", 5555));
-  EXPECT_EQ(read.origin.text, "203.0.113.7:5555");
-  EXPECT_EQ(read.origin.source.ToText(), "203.0.113.7");
+  for (const auto& [header, text, source] :
+       {std::tuple{ProxyHeaderFor("203.0.113.7", 5555), "203.0.113.7:5555", "203.0.113.7"},
+        std::tuple{ProxyHeaderFor("2001:db8:1:2:3:4:5:6", 65535), "[2001:db8:1:2:3:4:5:6]:65535",
+                   "2001:db8:1:2::/64"},
+        std::tuple{ProxyHeaderFor("::ffff:203.0.113.7", 5555), "203.0.113.7:5555",
+                   "203.0.113.7"}}) {
+    const Read read = ReadWhole(header);
+    EXPECT_EQ(read.result, Result::kRelayed);
+    EXPECT_EQ(read.origin.text, text);
+    EXPECT_EQ(read.origin.source.ToText(), source);
+  }
 }
 
 TEST(ProxyHeader, WantsTheFixedPartAndThenExactlyTheRest) {
@@ -141,14 +139,13 @@ TEST(ProxyHeader, TheFirstWrongByteOfTheSignatureEndsIt) {
   }
 }
 
-TEST(ProxyHeader, VersionOneIsNone) {
-  EXPECT_EQ(ReadWhole("PROXY TCP4 203.0.113.7 127.0.0.1 4711 7443\r\n").result, Result::kInvalid);
-  EXPECT_EQ(ReadWhole("PROXY UNKNOWN\r\n").result, Result::kInvalid);
-}
-
-TEST(ProxyHeader, TlsIsNone) {
-  EXPECT_EQ(ReadWhole(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03", 11)).result,
-            Result::kInvalid);
+TEST(ProxyHeader, VersionOneAndTlsAreNone) {
+  for (const std::string& bytes :
+       {std::string("PROXY TCP4 203.0.113.7 127.0.0.1 4711 7443\r\n"),
+        std::string("PROXY UNKNOWN\r\n"),
+        std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03", 11)}) {
+    EXPECT_EQ(ReadWhole(bytes).result, Result::kInvalid);
+  }
 }
 
 TEST(ProxyHeader, EveryOtherVersionAndCommandIsInvalid) {

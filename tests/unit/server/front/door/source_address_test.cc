@@ -103,11 +103,5 @@ TEST(SourceAddress, NeighboursHashApart) {
   EXPECT_GT(hashes.size(), 990U);
 }
 
-TEST(SourceAddress, IsAKeyOfStandardContainers) {
-  std::unordered_set<SourceAddress> sources{SourceAddress::Of(Ipv4("192.0.2.1"))};
-  EXPECT_TRUE(sources.contains(SourceAddress::Of(Ipv6("::ffff:192.0.2.1"))));
-  EXPECT_FALSE(sources.contains(SourceAddress()));
-}
-
 }  // namespace
 }  // namespace uplink::front

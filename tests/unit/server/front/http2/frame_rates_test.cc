@@ -73,14 +73,6 @@ TEST_P(FrameRatesOfAKind, APeerWithManyStreamsHasABurstForThemWhereTheyCostIt) {
       << "one more per second for each stream";
 }
 
-TEST(FrameRates, ManyStreamsMayBeOpenedAndResetAtOnce) {
-  constexpr std::uint32_t kStreams = 256;
-  FrameRates rates(kStreams);
-  for (const FrameKind kind : {FrameKind::kHeaders, FrameKind::kReset, FrameKind::kEmptyData}) {
-    EXPECT_EQ(TakeAtOnce(rates, kind, kStreams, kNow), kStreams) << LimitOf(kind).label;
-  }
-}
-
 TEST(FrameRates, EachStreamOfAGatewayMayBeOpenedAndResetOnceASecondForEver) {
   constexpr std::uint32_t kStreams = 256;
   FrameRates rates(kStreams);
