@@ -150,6 +150,9 @@ TEST_F(HttpRequestsTest, WhoDoesNotWaitIsNotTold) {
   EXPECT_EQ(Ask(kLivez + expect + "Content-Length: " + most + "\r\n\r\n").status, 100);
   ExpectRefused(
       kLivez + expect + "Content-Length: " + std::to_string(kBodyBytesMax + 1) + "\r\n\r\n", 413);
+  EXPECT_EQ(Ask(kLivez + ("Content-Length: " + most + "\r\n\r\n") + std::string(kBodyBytesMax, 'x'))
+                .status,
+            200);
   RawConnection old(port_);
   old.Send("GET /livez HTTP/1.0\r\n" + expect + "Content-Length: 3\r\n\r\n");
   old.Send("abc");
@@ -164,6 +167,20 @@ TEST_F(HttpRequestsTest, OneEmptyLineBeforeARequestIsSkipped) {
   }
   ExpectRefused("\r\n\r\n", 400);
   ExpectRefused("\n", 400);
+}
+
+TEST_F(HttpRequestsTest, WhatIsNotHttpIs400) {
+  const std::string tls = "\x16\x03\x01 this is no request\r\n\r\n";
+  EXPECT_THAT(Ask(tls).body, HasSubstr("INVALID_ARGUMENT"));
+  ExpectRefused(tls, 400);
+}
+
+TEST_F(HttpRequestsTest, TheHeaderNamesOneHostWhereTheVersionHasIt) {
+  EXPECT_EQ(Ask("GET /api/v1/status HTTP/1.0\r\n\r\n").status, 200);
+  EXPECT_EQ(Ask("GET /livez HTTP/1.1\r\n\r\n").status, 400);
+  EXPECT_EQ(Ask("GET /livez HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n").status, 400);
+  EXPECT_EQ(Ask("GET /livez HTTP/1.1\r\nHost: rebound.example\r\n\r\n").status, 200);
+  EXPECT_EQ(Ask("GET /api/v1/status HTTP/1.1\r\nHost: rebound.example\r\n\r\n").status, 421);
 }
 
 TEST_F(HttpRequestsTest, EachAnswerHasADateAndSaysHowLongItsConnectionIsKept) {

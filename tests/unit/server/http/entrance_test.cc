@@ -148,36 +148,5 @@ TEST_F(EntranceTest, APageOfAnotherSiteIsShownNoData) {
   EXPECT_EQ(status("/api/v1/status"), 403);
 }
 
-TEST_F(EntranceTest, TheHostOfAnAbsoluteTargetTakesThePlaceOfTheHeader) {
-  entrance_.Open(world_.site);
-  EXPECT_EQ(StatusUnder("rebound.example", "http://localhost/api/v1/status"), 200);
-  EXPECT_EQ(StatusUnder("localhost", "http://rebound.example/api/v1/status"), 421);
-  EXPECT_EQ(StatusUnder("localhost", "http:///livez"), 400);
-  EXPECT_EQ(Ask("http://rebound.example/api/v1/status").run().status, 421) << "HTTP/1.0";
-}
-
-TEST_F(EntranceTest, ARequestThatNeedsAHostAndHasNoneIs400) {
-  entrance_.Open(world_.site);
-  Request request{Method::kGet, "/livez"};
-  EXPECT_EQ(entrance_.Resolve(request).run().status, 200) << "HTTP/1.0";
-  request.host_required = true;
-  EXPECT_EQ(entrance_.Resolve(request).run().status, 400);
-}
-
-TEST_F(EntranceTest, AConnectionForMonitoringShowsNothingElse) {
-  entrance_.Open(world_.site);
-  Request request{Method::kGet, "/api/v1/status"};
-  request.monitoring_only = true;
-  const Response refused = entrance_.Resolve(request).run();
-  EXPECT_EQ(refused.status, 503);
-  EXPECT_TRUE(refused.closes);
-  for (const char* target : {"/livez", "/readyz", "/metrics", "/metrics/robots"}) {
-    request.target = target;
-    const Response response = entrance_.Resolve(request).run();
-    EXPECT_EQ(response.status, 200) << target;
-    EXPECT_FALSE(response.closes);
-  }
-}
-
 }  // namespace
 }  // namespace uplink::http

@@ -238,12 +238,6 @@ TEST_F(ScopeUpdatesTest, TheParameterAtFaultIsNamed) {
   }
 }
 
-TEST_F(ScopeUpdatesTest, WithoutTheStoreThereIsNoAnswer) {
-  world_.reader.SetAway(true);
-  EXPECT_EQ(Get(path_).status, 503);
-  EXPECT_EQ(Get("/api/v1/quarantine").status, 503);
-}
-
 class AllQuarantineTest : public ListsTest {
  protected:
   void Reject(const std::string& ruri, const std::string& topic) {

@@ -1,13 +1,18 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/server_world.h"
 
 namespace uplink::http {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kGoldenFile = "tests/unit/server/http/metrics.golden";
 
@@ -38,13 +43,15 @@ TEST(Scrape, HoldsEveryMetricOfTheCatalogue) {
   }
 }
 
+void ExpectLines(const std::string& text, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) EXPECT_THAT(text, HasSubstr("\n" + line + "\n"));
+}
+
 TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
-  testing::ServerWorld world;
-  const std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_robots_limit 5\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_journal_bytes_limit 268435456\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_http_connections_limit 4\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_http_reads_waiting_limit 64\n"), std::string::npos);
+  const testing::ServerWorld world;
+  ExpectLines(world.ScrapeText(),
+              {"uplinkd_robots_limit 5", "uplinkd_journal_bytes_limit 268435456",
+               "uplinkd_http_connections_limit 4", "uplinkd_http_reads_waiting_limit 64"});
 }
 
 TEST(Scrape, EveryWordOfDegradedHasItsSeries) {
@@ -77,11 +84,10 @@ TEST(Scrape, StreamsThatAreHeldBackAddUpByReason) {
 
 TEST(Scrape, EachShardOfTheJournalHasItsFigures) {
   const testing::ServerWorld world;
-  const std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_journal_shard_records{shard=\"0\"} 0\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_journal_shard_bytes{shard=\"0\"} 0\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_journal_shard_oldest_seconds{shard=\"0\"} 0\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_journal_shard_bytes_limit 268435456\n"), std::string::npos);
+  ExpectLines(world.ScrapeText(), {"uplinkd_journal_shard_records{shard=\"0\"} 0",
+                                   "uplinkd_journal_shard_bytes{shard=\"0\"} 0",
+                                   "uplinkd_journal_shard_oldest_seconds{shard=\"0\"} 0",
+                                   "uplinkd_journal_shard_bytes_limit 268435456"});
 }
 
 TEST(Scrape, SaysWhatTheStoresDiskHasLeftAndWhatIsDoneAboutIt) {
@@ -91,36 +97,29 @@ TEST(Scrape, SaysWhatTheStoresDiskHasLeftAndWhatIsDoneAboutIt) {
       .free_min = 100,
       .state = store::SpaceState::kStopped,
       .robots_limited = 3};
-  std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_store_free_bytes 49\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_free_min_bytes 100\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_disk_bytes 1000\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_wal_bytes 12\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_stopped 1\n"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_robots_limited 3\n"), std::string::npos);
+  ExpectLines(world.ScrapeText(),
+              {"uplinkd_store_free_bytes 49", "uplinkd_store_free_min_bytes 100",
+               "uplinkd_store_disk_bytes 1000", "uplinkd_store_wal_bytes 12",
+               "uplinkd_store_stopped 1", "uplinkd_store_robots_limited 3"});
   // A store that has no WAL beside its file.
   world.space_view.space->wal_bytes = std::nullopt;
-  EXPECT_EQ(world.ScrapeText().find("uplinkd_store_wal_bytes"), std::string::npos);
+  EXPECT_THAT(world.ScrapeText(), Not(HasSubstr("uplinkd_store_wal_bytes")));
   // What is not known has no series: an alert that compares it is silent.
   world.space_view = {};
-  text = world.ScrapeText();
-  EXPECT_EQ(text.find("uplinkd_store_free_bytes"), std::string::npos);
-  EXPECT_EQ(text.find("uplinkd_store_disk_bytes"), std::string::npos);
-  EXPECT_NE(text.find("uplinkd_store_stopped 0\n"), std::string::npos);
+  const std::string text = world.ScrapeText();
+  EXPECT_THAT(text, Not(HasSubstr("uplinkd_store_free_bytes")));
+  EXPECT_THAT(text, Not(HasSubstr("uplinkd_store_disk_bytes")));
+  ExpectLines(text, {"uplinkd_store_stopped 0"});
 }
 
 TEST(Scrape, CountsWhatTheJournalStoredAndSwept) {
   testing::ServerWorld world;
   world.journal_probe.presence_changes[static_cast<std::size_t>(model::Presence::kOffline)].Add(3);
   world.journal_probe.expired_deleted.Add(4);
-  const std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"online\"} 0\n"),
-            std::string::npos);
-  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"offline\"} 3\n"),
-            std::string::npos);
-  EXPECT_NE(text.find("uplinkd_presence_changes_total{presence=\"unknown\"} 0\n"),
-            std::string::npos);
-  EXPECT_NE(text.find("uplinkd_expired_deleted_total 4\n"), std::string::npos);
+  ExpectLines(world.ScrapeText(), {"uplinkd_presence_changes_total{presence=\"online\"} 0",
+                                   "uplinkd_presence_changes_total{presence=\"offline\"} 3",
+                                   "uplinkd_presence_changes_total{presence=\"unknown\"} 0",
+                                   "uplinkd_expired_deleted_total 4"});
 }
 
 TEST(Scrape, NeverNamesARobot) {

@@ -92,13 +92,6 @@ TEST_F(SiteTest, ReadyzFollowsACertificateThatWasReplaced) {
   EXPECT_EQ(Get("/readyz").body, R"({"degraded":[]})");
 }
 
-TEST_F(SiteTest, MetricsAreTextOfVersion004) {
-  const Response response = Get("/metrics");
-  EXPECT_EQ(response.status, 200);
-  EXPECT_EQ(response.content_type, "text/plain; version=0.0.4; charset=utf-8");
-  EXPECT_THAT(response.body, HasSubstr("uplinkd_uplinks_received_total 0\n"));
-}
-
 TEST_F(SiteTest, StatusNamesWhatIsDegraded) {
   world_.journal_probe.store_failing.Set(1);
   const Response response = Get("/api/v1/status");
@@ -165,9 +158,9 @@ TEST_F(SiteTest, AReadWhileTheStoreIsAwayIs503) {
        {"/api/v1/faults", "/api/v1/faults?active=true", "/api/v1/robots/rcan%3A%2F%2Fa/quarantine",
         "/api/v1/robots/rcan%3A%2F%2Fa/gaps", "/api/v1/robots/rcan%3A%2F%2Fa/events",
         "/api/v1/robots/rcan%3A%2F%2Fa/messages", "/api/v1/robots/rcan%3A%2F%2Fa/presence",
-        "/api/v1/missions", "/api/v1/shapes", "/api/v1/objects",
-        "/api/v1/robots?parts=motion,settings", "/api/v1/robots?parts=agentInfo",
-        "/api/v1/robots?parts=uiCapabilities"}) {
+        "/api/v1/missions", "/api/v1/shapes", "/api/v1/objects", "/api/v1/scope-updates",
+        "/api/v1/quarantine", "/api/v1/robots?parts=motion,settings",
+        "/api/v1/robots?parts=agentInfo", "/api/v1/robots?parts=uiCapabilities"}) {
     const Response response = Get(target);
     EXPECT_EQ(response.status, 503) << target;
     EXPECT_THAT(response.body, HasSubstr(R"("code":"UNAVAILABLE")"));
