@@ -9,7 +9,7 @@ namespace uplink::loop {
 class WakeInbox {
  public:
   virtual ~WakeInbox() = default;
-  /// Session::OnWake of that stream runs soon on its thread; several wakes may become one.
+  /// OnWake of that stream runs soon on its thread; several wakes may become one.
   virtual void Wake(std::uint64_t stream) = 0;
 };
 
