@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "storage/bounds.h"
 #include "storage/open_run.h"
 #include "storage/refusal.h"
 #include "storage/sqlite/database.h"

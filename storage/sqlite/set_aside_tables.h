@@ -14,6 +14,7 @@
 #include "schema/model/ids.h"
 #include "storage/commit_record.h"
 #include "storage/rejects.h"
+#include "storage/retention.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
 

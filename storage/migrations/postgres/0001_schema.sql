@@ -18,7 +18,7 @@ CREATE TABLE schema_migrations (
 CREATE SEQUENCE batches;
 
 -- Every epoch comes from here, whether a stream opens or a robot is adopted: none is ever given twice,
--- so that a robot whose row went and was made anew stands above whoever held it before.
+-- so that a robot whose row went and was made anew stands above its former holder.
 CREATE SEQUENCE epochs;
 
 -- The processes that serve this store, each with its lease: a counter that it raises every few
@@ -45,7 +45,7 @@ CREATE TABLE clock_mark (
 -- since another process had the robot. A hold is one process's since one epoch: a store that went back
 -- (a failover to a standby that lagged) gives epochs a second time, and its rows name older ones than
 -- their holders know. holder_silent: the robot's holder fell silent since its last OpenStream, and may
--- live with a stream of it: whoever adopts it next gives it as long as the first adopter did.
+-- live with a stream of it: the next adopter gives it as long as the first adopter did.
 CREATE TABLE robots (
   ruri text COLLATE "C" NOT NULL PRIMARY KEY,
   fleet text COLLATE "C" NOT NULL,
@@ -59,12 +59,12 @@ CREATE TABLE robots (
 
 -- cursor_seq: the last number that is committed. first_entry: quarantine rows below it belong to an
 -- evicted session that had the same id. settled_seq: the highest Hello.settled_seq of the session:
--- nobody asks for quarantine rows at or below it.
+-- no reader asks for quarantine rows at or below it.
 --
 -- A cursor's row is found in as many steps as ever while a long transaction elsewhere keeps all its
 -- dead versions: it moves to a new key every 64 numbers (part), and is looked for from the greatest key
 -- down, where the version that counts is. At most 64 numbers' dead versions stand before it. Within 64
--- numbers it is changed in place. A session has one row: whoever adds one has locked the robot's row.
+-- numbers it is changed in place. A session has one row: a transaction locks the robot's row before it adds one.
 CREATE TABLE sessions (
   ruri text COLLATE "C" NOT NULL,
   session uuid NOT NULL,
@@ -447,11 +447,11 @@ CREATE TABLE deliveries (
 
 -- Which shapes and objects of scope fleet (1) or world (2) changed, for servers that hand them on to
 -- other robots: upserts, deletes, what is swept, what goes with its robot, and what is narrowed to
--- another scope. Triggers note it, whoever writes. A change names its item alone; what became of that is read
+-- another scope. Triggers note each write. A change names its item alone; what became of that is read
 -- from the item's own table.
 --
 -- A writer is a session with the database, which draws its id with its first change. Its changes have
--- numbers from 1 without a hole, in the order of its commits: whoever remembers a number per writer
+-- numbers from 1 without a hole, in the order of its commits: a reader that remembers a number per writer
 -- misses no transaction that commits late, while one of another writer passes it. No row of these
 -- tables is ever changed, since a long transaction elsewhere would keep all the dead versions: the
 -- last number of a writer is looked for in its changes, from the greatest down.
@@ -472,7 +472,7 @@ CREATE TABLE changes (
   PRIMARY KEY (writer, number)
 );
 
--- Functions: locks and premises that must hold against a second process, and bounds for whoever has the
+-- Functions: locks and premises that must hold against a second process, and bounds on the
 -- server's role.
 
 -- What a batch needs decided before its first write, in one call: locks the robots' rows in order of
@@ -560,8 +560,8 @@ $$;
 -- such a day that lie in the default partition move into it, unless they are so many that moving them
 -- would hold up the server: then the day stays there. Runs as the owner, since the server's role may
 -- not create tables. Waits for a lock longer than deadlock_timeout, so that autovacuum makes way. A
--- day more than 31 days after today, or more than 10,000 before it, is refused: a clock that is wrong, or
--- whoever got hold of the server's role, would fill the catalogue with tables that nothing drops.
+-- day more than 31 days after today, or more than 10,000 before it, is refused: a wrong clock, or
+-- a stolen server's role, would fill the catalogue with tables that nothing drops.
 CREATE FUNCTION make_partitions(first_day date, days integer)
 RETURNS integer LANGUAGE plpgsql SECURITY DEFINER
 SET search_path = uplinkd, pg_temp SET lock_timeout = '1500ms' SET timezone = 'UTC' AS $$
@@ -699,7 +699,7 @@ END $$;
 
 -- Raises every sequence above what rows name of it, where it is left behind: logical replication copies
 -- rows and no sequences. An entry below its session's first hides a Reject, an epoch that was given before
--- is somebody's, and a number of a request that is there already is refused. Returns whether anything was
+-- has a holder, and a number of a request that is there already is refused. Returns whether anything was
 -- behind. Runs as the owner, since the server's role may draw from a sequence and not set it. Called at each
 -- connect, so of a table with an index of times it looks at the newest row alone; where these show that
 -- `batches` is behind, it is raised by 2^30 more, for rows that are older by their times.
@@ -744,7 +744,7 @@ BEGIN
   RETURN true;
 END $$;
 
--- Whoever may run them is granted so by name.
+-- Each role that may run them is granted so by name.
 REVOKE EXECUTE ON ALL FUNCTIONS IN SCHEMA uplinkd FROM PUBLIC;
 
 -- Takes the lease of all these prefixes for the client id and returns its epoch; NULL, and nothing is
@@ -773,7 +773,7 @@ BEGIN
     RETURN NULL;
   END IF;
   -- The leases that change, in the order in which commits hold theirs, and before their prefixes, as
-  -- whoever gives one up does.
+  -- a release does.
   PERFORM FROM uplinkd.topic_clients AS c
     WHERE (c.client_id = client AND (c.released OR c.process <> taker))
       OR (c.client_id <> client AND EXISTS (SELECT 1 FROM uplinkd.topic_prefixes AS p
@@ -943,7 +943,7 @@ CREATE TRIGGER robots_moved AFTER UPDATE OF fleet ON robots
   FOR EACH ROW WHEN (OLD.fleet <> NEW.fleet) EXECUTE FUNCTION move_items();
 
 -- TRUNCATE passes over the triggers of rows: what went is not known. A writer whose first change has
--- number 2 has a hole, and whoever finds a hole reads all items anew.
+-- number 2 has a hole, and a reader that finds a hole reads all items anew.
 CREATE FUNCTION note_truncation() RETURNS trigger LANGUAGE plpgsql AS $$
 DECLARE
   mine uuid := gen_random_uuid();

@@ -1,7 +1,7 @@
 -- oldest: 1
 -- Names of tables and columns are those of PostgreSQL. Times are Unix milliseconds, UTC, of the
 -- server's clock, if not said otherwise; those of robots (sampled_ms, expires_ms) are as they came, 0
--- where there is none. Enumerations are the numbers of the wire, those included that nobody knows yet.
+-- where there is none. Enumerations are the numbers of the wire, unknown ones included.
 -- Texts of JSON hold an object by the specification's names. `entry` numbers rows in the order of
 -- writing, over all tables; it breaks ties between equal times. fleet: the robot's when the row was
 -- written.
@@ -22,7 +22,7 @@ INSERT INTO entries (id, next_entry) VALUES (0, 1);
 
 -- The last epoch that was given. Every epoch comes from here, whether a stream opens or a robot is
 -- adopted: none is ever given twice, so that a robot whose row went and was made anew stands above
--- whoever held it before.
+-- its former holder.
 CREATE TABLE epochs (
   id INTEGER NOT NULL PRIMARY KEY CHECK (id = 0),
   last INTEGER NOT NULL
@@ -52,7 +52,7 @@ CREATE TABLE robots (
 
 -- cursor_seq: the last number that is committed. first_entry: quarantine rows below it belong to an
 -- evicted session that had the same id. settled_seq: the highest Hello.settled_seq of the session:
--- nobody asks for quarantine rows at or below it.
+-- no reader asks for quarantine rows at or below it.
 CREATE TABLE sessions (
   ruri TEXT NOT NULL,
   session BLOB NOT NULL,
@@ -418,7 +418,7 @@ CREATE TABLE deliveries (
 
 -- Which shapes and objects of scope fleet (1) or world (2) changed, for the server, which hands them on
 -- to other robots: upserts, deletes, what is swept, what goes with its robot, and what is narrowed to
--- another scope. Triggers note it, whoever writes. A change names its item alone; what became of that is read
+-- another scope. Triggers note each write. A change names its item alone; what became of that is read
 -- from the item's own table.
 --
 -- The numbers are those of the commits, without a hole: one transaction writes at a time, and a

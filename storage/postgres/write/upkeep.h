@@ -14,6 +14,7 @@
 #include "schema/base/clock.h"
 #include "storage/bounds.h"
 #include "storage/postgres/link/connection.h"
+#include "storage/retention.h"
 #include "storage/store_rules.h"
 
 // What keeps a store to its bounds and ages, but for histories (retain.h). `before_commit`: as in
