@@ -3,19 +3,18 @@
 #include <cstdlib>
 #include <memory>
 #include <random>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include "metrics/catalogue.h"
 #include "metrics/rcan/series.h"
 #include "schema/base/clock.h"
+#include "server/config/flags.h"
 #include "server/config/load.h"
 #include "server/health/process.h"
 #include "server/log/journal_stream.h"
@@ -35,7 +34,7 @@ constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitWrongUse = 2;
 
-struct Flags {
+struct Arguments {
   std::string config_file = "/etc/uplinkd/uplinkd.toml";
   bool check_config = false;
   bool print_config = false;
@@ -65,8 +64,8 @@ config::LoadResult Load(const std::string& path) {
   return config::WithFiles(config::LoadConfig(path, config::ProcessEnvironment()));
 }
 
-int CheckConfig(const Flags& flags) {
-  config::LoadResult result = Load(flags.config_file);
+int CheckConfig(const Arguments& arguments) {
+  config::LoadResult result = Load(arguments.config_file);
   if (result.readable) {
     for (config::Problem& problem :
          config::ExpiredFiles(*result.readable, SystemClock().System())) {
@@ -78,13 +77,13 @@ int CheckConfig(const Flags& flags) {
   }
   PrintProblems(result.problems);
   if (!result.problems.empty()) return kExitWrongUse;
-  fmt::print("{}: good\n", flags.config_file);
+  fmt::print("{}: good\n", arguments.config_file);
   return kExitDone;
 }
 
-int PrintConfig(const Flags& flags) {
+int PrintConfig(const Arguments& arguments) {
   const config::LoadResult result =
-      config::LoadConfig(flags.config_file, config::ProcessEnvironment());
+      config::LoadConfig(arguments.config_file, config::ProcessEnvironment());
   PrintProblems(result.problems);
   if (!result.ok()) return kExitWrongUse;
   fmt::print("{}", config::PrintConfig(*result.config));
@@ -108,8 +107,8 @@ std::unique_ptr<log::Logger> MakeLogger(const config::LogConfig& config, const C
 }
 
 /// Serves until it is told to stop; the exit code.
-int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& machine_clock,
-            log::Logger& logger) {
+int ServeBy(const Arguments& arguments, const config::LoadResult& loaded,
+            const Clock& machine_clock, log::Logger& logger) {
   store::MarkedClock clock(machine_clock);
   const SystemBootClock boot_clock;
   for (const config::Note& note : loaded.notes) {
@@ -117,7 +116,7 @@ int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& m
   }
   std::mt19937_64 random(std::random_device{}());
   auto app = run::App::Start({.config = *loaded.config,
-                              .read_config = [path = flags.config_file] { return Load(path); },
+                              .read_config = [path = arguments.config_file] { return Load(path); },
                               .logger = logger,
                               .clock = clock,
                               .boot_clock = boot_clock,
@@ -132,8 +131,8 @@ int ServeBy(const Flags& flags, const config::LoadResult& loaded, const Clock& m
   return (*app)->Run();
 }
 
-int Serve(const Flags& flags) {
-  const config::LoadResult loaded = Load(flags.config_file);
+int Serve(const Arguments& arguments) {
+  const config::LoadResult loaded = Load(arguments.config_file);
   PrintProblems(loaded.problems);
   if (!loaded.ok()) return kExitWrongUse;
   const std::size_t descriptors = run::SetUpProcess();
@@ -142,7 +141,7 @@ int Serve(const Flags& flags) {
   logger->Info("starting", {{"version", UPLINK_VERSION},
                             {"descriptors_max", descriptors},
                             {"memory_bytes_max", health::MemoryMax()}});
-  const int code = ServeBy(flags, loaded, machine_clock, *logger);
+  const int code = ServeBy(arguments, loaded, machine_clock, *logger);
   // The log's end waits for its reader for kFlushWait; in a write that blocks (WriteAll) for ever.
   const run::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
   logger.reset();
@@ -150,36 +149,25 @@ int Serve(const Flags& flags) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App cli("Telemetry ingestion for robot fleets", "uplinkd");
-  Flags flags;
-  cli.set_version_flag("--version", "uplinkd " UPLINK_VERSION);
-  cli.add_option("--config", flags.config_file, "The configuration file")->capture_default_str();
-  auto* check = cli.add_flag("--check-config", flags.check_config,
-                             "Report every problem of the configuration; exit 0 or 2");
-  auto* print = cli.add_flag("--print-config", flags.print_config,
-                             "Print the effective configuration, secrets masked");
-  auto* metrics =
-      cli.add_flag("--print-metrics", flags.print_metrics, "Print the metrics as a table");
-  check->excludes(print)->excludes(metrics);
-  print->excludes(metrics);
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::ostringstream asked;
-    std::ostringstream wrong;
-    const int code = cli.exit(error, asked, wrong);
-    fmt::print("{}", asked.str());
-    Complain(log::Level::kError, wrong.str());
-    return code == 0 ? kExitDone : kExitWrongUse;
-  }
-  if (flags.print_metrics) {
+  config::Flags flags("Telemetry ingestion for robot fleets", "uplinkd", UPLINK_VERSION);
+  Arguments arguments;
+  flags.Add({"--config", "The configuration file"}, arguments.config_file);
+  flags.AddSwitch({"--check-config", "Report every problem of the configuration; exit 0 or 2"},
+                  arguments.check_config);
+  flags.AddSwitch({"--print-config", "Print the effective configuration, secrets masked"},
+                  arguments.print_config);
+  flags.AddSwitch({"--print-metrics", "Print the metrics as a table"}, arguments.print_metrics);
+  flags.AtMostOne({"--check-config", "--print-config", "--print-metrics"});
+  const auto complain = [](std::string_view text) { Complain(log::Level::kError, text); };
+  if (const auto code = flags.Parse(argc, argv, complain)) return *code;
+  if (arguments.print_metrics) {
     fmt::print("{}\n{}", metrics::CatalogueTable(),
                metrics::rcan::SeriesTable(config::RcanConfig().subsystem));
     return kExitDone;
   }
-  if (flags.check_config) return CheckConfig(flags);
-  if (flags.print_config) return PrintConfig(flags);
-  return Serve(flags);
+  if (arguments.check_config) return CheckConfig(arguments);
+  if (arguments.print_config) return PrintConfig(arguments);
+  return Serve(arguments);
 }
 
 }  // namespace

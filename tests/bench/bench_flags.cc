@@ -4,7 +4,7 @@
 
 namespace uplink::bench {
 
-void BenchFlags::AddTo(testing::Flags& flags) {
+void BenchFlags::AddTo(config::Flags& flags) {
   flags.Add({"--json", "Where the figures go as JSON"}, json);
   flags.Add({"--commit", "What is measured"}, commit);
   flags.Add({"--rounds"}, rounds, {1, 1000});

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "server/config/flags.h"
 #include "tests/bench/figures.h"
-#include "tests/support/flags.h"
 
 namespace uplink::bench {
 
@@ -15,9 +15,9 @@ struct BenchFlags {
   int rounds = 1;
   int seconds = 1;
 
-  void AddTo(testing::Flags& flags);
+  void AddTo(config::Flags& flags);
 };
-inline constexpr testing::FlagRange kSecondsRange{1, 600};
+inline constexpr config::FlagRange kSecondsRange{1, 600};
 
 /// Prints the heading and the table, and keeps the rows where `--json` says: the exit code.
 [[nodiscard]] int Publish(const BenchFlags& flags, const std::string& heading,

@@ -102,7 +102,7 @@ class DecodeBench final {
 
 int Run(int argc, char** argv) {
   BenchFlags arguments{.rounds = 5, .seconds = 1};
-  testing::Flags flags("Benchmark of decoding and judging", "uplink_bench_decode");
+  config::Flags flags("Benchmark of decoding and judging", "uplink_bench_decode");
   arguments.AddTo(flags);
   flags.Add({"--seconds", "For a figure, all rounds together"}, arguments.seconds, kSecondsRange);
   if (const auto code = flags.Parse(argc, argv)) return *code;

@@ -344,7 +344,7 @@ class RelayBench final {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  testing::Flags flags("Benchmarks of the relay", "uplink_bench_relay");
+  config::Flags flags("Benchmarks of the relay", "uplink_bench_relay");
   flags.AddChoice({"what"}, arguments.what, {"relay", "connect", "memory"});
   arguments.AddTo(flags);
   flags.Add({"--only", "Scenarios; all if none is named"}, arguments.only);

@@ -183,7 +183,7 @@ class ScrapeBench {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  testing::Flags flags("Benchmark of the robots' scrape", "uplink_bench_scrape");
+  config::Flags flags("Benchmark of the robots' scrape", "uplink_bench_scrape");
   arguments.AddTo(flags);
   flags.Add({"--series"}, arguments.series, {1000, 1'000'000});
   if (const auto code = flags.Parse(argc, argv)) return *code;

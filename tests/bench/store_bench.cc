@@ -184,8 +184,8 @@ void AddRelayRows(const Arguments& arguments, std::vector<Row>& rows) {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  constexpr auto kRequired = testing::Flag::Need::kRequired;
-  testing::Flags flags("Benchmarks of the stores", "uplink_bench_store");
+  constexpr auto kRequired = config::Flag::Need::kRequired;
+  config::Flags flags("Benchmarks of the stores", "uplink_bench_store");
   flags.Add({"--url", "A migrated PostgreSQL database", kRequired}, arguments.url);
   flags.Add({"--folder", "An empty folder for SQLite files", kRequired}, arguments.folder);
   arguments.AddTo(flags);

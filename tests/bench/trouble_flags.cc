@@ -3,21 +3,21 @@
 namespace uplink::bench {
 namespace {
 
-void AddTo(testing::Flags& parser, const std::vector<std::string>& scenarios, int robots_max,
-           TroubleFlags& flags) {
+void AddTo(config::Flags& parser, const std::vector<std::string>& scenarios,
+           const config::FlagRange& robots, TroubleFlags& flags) {
   flags.AddTo(parser);
   parser.AddChoices({"--only", "Scenarios; all if none is named"}, flags.only, scenarios);
   parser.Add({"--server-bin", "The uplinkd that is measured; this build's if none is named"},
              flags.server_bin);
-  parser.Add({"--robots", "Well-behaved ones"}, flags.robots, {1, robots_max});
+  parser.Add({"--robots", "Well-behaved ones"}, flags.robots, robots);
 }
 
 }  // namespace
 
 std::optional<int> ParseFairFlags(int argc, const char* const* argv,
                                   const std::vector<std::string>& scenarios, FairFlags& flags) {
-  testing::Flags parser("Well-behaved robots beside one that is not", "uplink_bench_fair");
-  AddTo(parser, scenarios, 5000, flags);
+  config::Flags parser("Well-behaved robots beside one that is not", "uplink_bench_fair");
+  AddTo(parser, scenarios, {1, 5000}, flags);
   parser.AddChoice({"--store"}, flags.store, {"sqlite", "postgres"});
   parser.Add({"--seconds", "Of each of the two windows of a scenario"}, flags.seconds,
              kSecondsRange);
@@ -29,8 +29,8 @@ std::optional<int> ParseFairFlags(int argc, const char* const* argv,
 std::optional<int> ParseHostileFlags(int argc, const char* const* argv,
                                      const std::vector<std::string>& scenarios,
                                      HostileFlags& flags) {
-  testing::Flags parser("A server under attack, beside an honest robot", "uplink_bench_hostile");
-  AddTo(parser, scenarios, 100, flags);
+  config::Flags parser("A server under attack, beside an honest robot", "uplink_bench_hostile");
+  AddTo(parser, scenarios, {1, 100}, flags);
   parser.Add({"--seconds", "Without the attack and with it; some attacks need more"}, flags.seconds,
              kSecondsRange);
   return parser.Parse(argc, argv);

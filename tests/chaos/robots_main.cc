@@ -11,9 +11,9 @@
 #include <grpc/support/log.h>
 
 #include "schema/base/clock.h"
+#include "server/config/flags.h"
 #include "tests/chaos/acked_file.h"
 #include "tests/chaos/script.h"
-#include "tests/support/flags.h"
 #include "tests/support/test_agent.h"
 #include "tools/pki/directory.h"
 
@@ -148,8 +148,8 @@ absl::Status Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   uplink::chaos::Arguments arguments;
-  uplink::testing::Flags flags("Robots of the crash campaign; they run until they are killed");
-  flags.Add({"--port", "The relay's port on loopback", uplink::testing::Flag::Need::kRequired},
+  uplink::config::Flags flags("Robots of the crash campaign; they run until they are killed");
+  flags.Add({"--port", "The relay's port on loopback", uplink::config::Flag::Need::kRequired},
             arguments.port);
   flags.Add({"--pki", "Folder with the authority"}, arguments.pki);
   flags.Add({"--acked", "The file of acks"}, arguments.acked);

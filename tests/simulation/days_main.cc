@@ -3,13 +3,13 @@
 
 #include <fmt/core.h>
 
+#include "server/config/flags.h"
 #include "tests/simulation/days.h"
-#include "tests/support/flags.h"
 
 int main(int argc, char** argv) {
   uplink::simulation::DaysOptions options;
-  uplink::testing::Flags flags("Days of presence, expiry and retention by a manual clock",
-                               "uplink_simulate_days");
+  uplink::config::Flags flags("Days of presence, expiry and retention by a manual clock",
+                              "uplink_simulate_days");
   flags.Add({"--days"}, options.days, {1, 250});
   flags.Add({"--robots"}, options.robots, {1, 100});
   flags.Add({"--history-days"}, options.history_days, {1, 365});

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "server/config/flags.h"
 #include "tests/simulation/holders_world.h"
-#include "tests/support/flags.h"
 
 namespace uplink::simulation {
 namespace {
@@ -65,8 +65,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   names.reserve(uplink::simulation::kTroubles.size());
   for (const auto& [name, trouble] : uplink::simulation::kTroubles) names.emplace_back(name);
-  uplink::testing::Flags flags("Presence with several server processes on one store",
-                               "uplink_simulate_holders");
+  uplink::config::Flags flags("Presence with several server processes on one store",
+                              "uplink_simulate_holders");
   flags.Add({"--seed", "First seed"}, arguments.seed);
   flags.Add({"--seeds", "How many seeds, each one more than the last"}, arguments.seeds);
   flags.AddChoice({"--trouble", "What happens"}, arguments.trouble, names);

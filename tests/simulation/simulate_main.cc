@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "server/config/flags.h"
 #include "tests/simulation/backends.h"
 #include "tests/simulation/sqlite_backend.h"
-#include "tests/support/flags.h"
 
 namespace uplink::simulation {
 namespace {
@@ -77,8 +77,7 @@ int RunSeeds(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   uplink::simulation::Arguments arguments;
-  uplink::testing::Flags flags(
-      "The deterministic simulation of agents, streams, journal and store");
+  uplink::config::Flags flags("The deterministic simulation of agents, streams, journal and store");
   flags.Add({"--seed", "First seed"}, arguments.seed);
   flags.Add({"--seeds", "How many seeds, each one more than the last"}, arguments.seeds);
   flags.Add({"--steps", "Steps with faults, before everything must settle"}, arguments.steps);

@@ -60,7 +60,7 @@ class ForeignTest(RuleTest):
         ("<boost/json.hpp>", "schema/json/a.cc", "storage/sqlite/a.cc"),
         ("<toml++/toml.h>", "server/config/load.cc", "server/run/app.cc"),
         ("<mosquitto.h>", "tools/uplink-fleet/broker/a.cc", "server/mqtt/a.cc"),
-        ("<CLI/CLI.hpp>", "server/main.cc", "server/run/app.cc"),
+        ("<CLI/CLI.hpp>", "server/config/flags.cc", "server/main.cc"),
         ("<prometheus/counter.h>", "metrics/registry.cc", "server/session/a.cc"),
     )
 

@@ -1,11 +1,12 @@
 #include "tools/uplink-fleet/twin_flags.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <absl/status/status.h>
 #include <fmt/core.h>
 
@@ -27,22 +28,30 @@ std::string WhyNoUrl(std::string_view server_says) {
   return fmt::format("--cyberwave: the URL{}", why);
 }
 
+config::FlagForm IsFile() {
+  return {"FILE", [](const std::string& text) {
+            std::error_code error;
+            const std::filesystem::file_status status = std::filesystem::status(text, error);
+            if (!std::filesystem::exists(status)) return "File does not exist: " + text;
+            return std::filesystem::is_directory(status) ? "File is actually a directory: " + text
+                                                         : std::string();
+          }};
+}
+
 }  // namespace
 
-TwinFlags::TwinFlags(CLI::App& app) {
-  app.add_option("--cyberwave", url_,
-                 "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST[:PORT], in "
-                 "place of robots; of the other flags --http, --robots, --for, --settle-for, "
-                 "--seed and --report count");
-  app.add_option("--mqtt-username", options_.broker.username, "The twins' user at the broker");
-  app.add_option("--mqtt-password-file", password_file_, "File with that user's password")
-      ->check(CLI::ExistingFile);
-  app.add_option("--mqtt-ca", options_.broker.ca_file, "PEM of who vouches for the broker")
-      ->check(CLI::ExistingFile);
-  app.add_option("--cyberwave-prefix", options_.prefix, "What stands before cyberwave/ in topics");
-  app.add_option("--twin-rate", options_.rate_hz, "Messages per second and twin")
-      ->capture_default_str()
-      ->check(CLI::Range(kTwinRateMin, kTwinRateMax));
+TwinFlags::TwinFlags(config::Flags& flags) {
+  flags.Add({"--cyberwave",
+             "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST[:PORT], in "
+             "place of robots; of the other flags --http, --robots, --for, --settle-for, "
+             "--seed and --report count"},
+            url_);
+  flags.Add({"--mqtt-username", "The twins' user at the broker"}, options_.broker.username);
+  flags.Add({"--mqtt-password-file", "File with that user's password"}, password_file_, IsFile());
+  flags.Add({"--mqtt-ca", "PEM of who vouches for the broker"}, options_.broker.ca_file, IsFile());
+  flags.Add({"--cyberwave-prefix", "What stands before cyberwave/ in topics"}, options_.prefix);
+  flags.Add({"--twin-rate", "Messages per second and twin"}, options_.rate_hz,
+            {kTwinRateMin, kTwinRateMax});
 }
 
 absl::StatusOr<std::optional<TwinSwarmOptions>> TwinFlags::Read(std::size_t twins) const {

@@ -6,19 +6,16 @@
 
 #include <absl/status/statusor.h>
 
+#include "server/config/flags.h"
 #include "tools/uplink-fleet/run/run_options.h"
-
-namespace CLI {
-class App;
-}
 
 namespace uplink::synthetic {
 
-/// The flags of twins behind a broker. The application writes into it when it reads the command
-/// line, so it stays where it is until then.
+/// The flags of twins behind a broker. Flags::Parse writes into it, so it stays where it is until
+/// then.
 class TwinFlags {
  public:
-  explicit TwinFlags(CLI::App& app);
+  explicit TwinFlags(config::Flags& flags);
   TwinFlags(const TwinFlags&) = delete;
   TwinFlags& operator=(const TwinFlags&) = delete;
 

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <string_view>
 
 #include <absl/status/status.h>
 
-// NOLINTNEXTLINE(readability-identifier-naming): the library's own
-namespace CLI {
-class App;
-}
+#include "server/config/flags.h"
 
 namespace uplink::ctl {
 
@@ -17,17 +13,14 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitWrongUse = 2;
 
-/// What the parsed command line asks for; runs after parsing and returns the exit code.
-using Action = std::function<int()>;
-
-/// Adds the noun `pki` and its verbs; the chosen verb puts its work into `action`.
-void AddPki(CLI::App& app, Action& action);
+/// Adds the noun `pki` and its verbs.
+void AddPki(config::Flags& program);
 
 /// Adds the noun `config` and its verbs.
-void AddConfig(CLI::App& app, Action& action);
+void AddConfig(config::Flags& program);
 
 /// Adds the noun `store` and its verbs.
-void AddStore(CLI::App& app, Action& action);
+void AddStore(config::Flags& program);
 
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "schema/base/clock.h"
@@ -38,13 +37,12 @@ int Check(const std::string& path) {
 
 }  // namespace
 
-void AddConfig(CLI::App& app, Action& action) {
-  CLI::App* const noun = app.add_subcommand("config", "The server's configuration file");
-  noun->require_subcommand(1);
-  CLI::App* const check = noun->add_subcommand("check", "Report every problem of a file at once");
+void AddConfig(config::Flags& program) {
+  config::Flags& noun = program.AddCommand("config", "The server's configuration file");
   const auto path = std::make_shared<std::string>();
-  check->add_option("FILE", *path, "The configuration file")->required();
-  check->callback([path, &action] { action = [path] { return Check(*path); }; });
+  noun.AddCommand("check", "Report every problem of a file at once",
+                  [path] { return Check(*path); })
+      .Add({"FILE", "The configuration file", config::Flag::Need::kRequired}, *path);
 }
 
 }  // namespace uplink::ctl

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <iostream>
@@ -6,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "tools/uplinkctl/command.h"
@@ -28,41 +26,29 @@ bool SaysYes(std::string_view question) {
 
 namespace {
 
-bool Names(const CLI::App& app, std::string_view name) {
-  return std::ranges::any_of(app.get_subcommands({}),
-                             [name](const CLI::App* each) { return each->get_name() == name; });
-}
-
 /// What the first arguments name wrongly: the library would say that a noun or a verb is missing.
-std::string WrongName(const CLI::App& app, std::span<char* const> arguments) {
+std::string WrongName(const config::Flags& program, std::span<char* const> arguments) {
   if (arguments.empty() || arguments[0][0] == '-') return {};
   const std::string noun = arguments[0];
-  if (!Names(app, noun)) return "no such noun: " + noun + " (uplinkctl --help names them)";
+  const config::Flags* const verbs = program.Command(noun);
+  if (verbs == nullptr) return "no such noun: " + noun + " (uplinkctl --help names them)";
   if (arguments.size() < 2 || arguments[1][0] == '-') return {};
   const std::string verb = arguments[1];
-  if (Names(*app.get_subcommand(noun), verb)) return {};
+  if (verbs->Command(verb) != nullptr) return {};
   return noun + " has no verb " + verb + " (uplinkctl " + noun + " --help names them)";
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("Operate uplinkd and look into it", "uplinkctl");
-  app.set_version_flag("--version", "uplinkctl " UPLINK_VERSION);
-  app.require_subcommand(1);
-  Action action;
-  AddPki(app, action);
-  AddConfig(app, action);
-  AddStore(app, action);
+  config::Flags program("Operate uplinkd and look into it", "uplinkctl", UPLINK_VERSION);
+  AddPki(program);
+  AddConfig(program);
+  AddStore(program);
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
-  if (const std::string wrong = WrongName(app, arguments.subspan(1)); !wrong.empty()) {
+  if (const std::string wrong = WrongName(program, arguments.subspan(1)); !wrong.empty()) {
     fmt::print(stderr, "uplinkctl: {}\n", wrong);
     return kExitWrongUse;
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitDone : kExitWrongUse;
-  }
-  return action ? action() : kExitWrongUse;
+  return program.Parse(argc, argv).value_or(kExitWrongUse);
 }
 
 }  // namespace

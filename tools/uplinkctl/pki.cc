@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <absl/status/statusor.h>
 #include <fmt/core.h>
 
@@ -26,6 +25,7 @@ struct Request {
   int days = pki::kDaysDefault;
   bool force = false;
   std::vector<std::string> hosts;
+  std::string ruri;
   std::vector<std::string> ruris;
   std::string role = "viewer";
   int count = 0;
@@ -83,12 +83,12 @@ absl::Status Issue(const Request& request, const absl::StatusOr<pki::Profile>& p
 
 absl::Status IssueRobots(const Request& request) {
   if (request.count == 0) {
-    if (request.ruris.empty()) return absl::InvalidArgumentError("--ruri is required");
-    return Issue(request, pki::RobotProfile(request.ruris.front(), request.fleet, request.name));
+    if (request.ruri.empty()) return absl::InvalidArgumentError("--ruri is required");
+    return Issue(request, pki::RobotProfile(request.ruri, request.fleet, request.name));
   }
   const auto authority = pki::Directory(request.directory).LoadAuthority();
   if (!authority.ok()) return authority.status();
-  const std::string prefix = request.ruris.empty() ? kRuriPrefixDefault : request.ruris.front();
+  const std::string prefix = request.ruri.empty() ? kRuriPrefixDefault : request.ruri;
   for (int i = 1; i <= request.count; ++i) {
     const std::string name = fmt::format("robot-{:04}", i);
     absl::Status status =
@@ -99,106 +99,93 @@ absl::Status IssueRobots(const Request& request) {
   return absl::OkStatus();
 }
 
-CLI::App* AddVerb(CLI::App& noun, const SharedRequest& request, const std::string& verb,
-                  const std::string& description) {
-  CLI::App* const app = noun.add_subcommand(verb, description);
-  app->add_option("--dir", request->directory, "Folder of the files")->capture_default_str();
-  app->add_option("--days", request->days, "Days that the certificate is valid")
-      ->capture_default_str()
-      ->check(CLI::Range(1, pki::kDaysMax));
-  app->add_flag("--force", request->force, "Replace files that are already there");
-  return app;
+struct Verb {
+  std::string name;
+  std::string about;
+  absl::Status (*work)(const Request&);
+};
+
+config::Flags& AddVerb(config::Flags& noun, const SharedRequest& request, const Verb& verb) {
+  config::Flags& flags = noun.AddCommand(
+      verb.name, verb.about, [request, work = verb.work] { return ExitOf(work(*request)); });
+  flags.Add({"--dir", "Folder of the files"}, request->directory);
+  flags.Add({"--days", "Days that the certificate is valid"}, request->days, {1, pki::kDaysMax});
+  flags.AddSwitch({"--force", "Replace files that are already there"}, request->force);
+  return flags;
 }
 
-void AddFleet(CLI::App* app, const SharedRequest& request, const std::string& meaning) {
-  app->add_option("--fleet", request->fleet, meaning)->capture_default_str();
+void AddName(config::Flags& flags, Request& request, const std::string& name) {
+  request.name = name;
+  flags.Add({"--name", "Name of the files, and for people in the certificate"}, request.name);
 }
 
-void AddName(CLI::App* app, const SharedRequest& request, const std::string& name) {
-  request->name = name;
-  app->add_option("--name", request->name, "Name of the files, and for people in the certificate")
-      ->capture_default_str();
-}
-
-void AddInit(CLI::App& noun, Action& action) {
+void AddInit(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
   request->days = pki::kAuthorityDaysDefault;
   request->name = "uplinkd development authority";
-  CLI::App* const app = AddVerb(noun, request, "init", "Make an authority: ca.crt and ca.key");
-  app->add_option("--common-name", request->name, "The authority's name, for people")
-      ->capture_default_str();
-  app->callback([request, &action] { action = [request] { return ExitOf(Init(*request)); }; });
+  AddVerb(noun, request, {"init", "Make an authority: ca.crt and ca.key", Init})
+      .Add({"--common-name", "The authority's name, for people"}, request->name);
 }
 
-void AddServer(CLI::App& noun, Action& action) {
+void AddServer(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
-  CLI::App* const app = AddVerb(noun, request, "server", "Make the server's certificate");
-  AddName(app, request, "server");
-  app->add_option("--host", request->hosts, "DNS name or IP address that robots dial (repeatable)")
-      ->required()
-      ->take_all();
-  app->callback([request, &action] {
-    action = [request] { return ExitOf(Issue(*request, pki::ServerProfile(request->hosts))); };
-  });
+  const auto work = [](const Request& asked) {
+    return Issue(asked, pki::ServerProfile(asked.hosts));
+  };
+  config::Flags& flags = AddVerb(noun, request, {"server", "Make the server's certificate", work});
+  AddName(flags, *request, "server");
+  flags.Add({"--host", "DNS name or IP address that robots dial (repeatable)",
+             config::Flag::Need::kRequired},
+            request->hosts);
 }
 
-void AddRobot(CLI::App& noun, Action& action) {
+void AddRobot(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
-  CLI::App* const app =
-      AddVerb(noun, request, "robot", "Make the certificate of one or more robots");
-  AddName(app, request, "robot");
-  AddFleet(app, request, "Fleet that owns the robot");
-  app->add_option("--ruri", request->ruris,
-                  "The robot's RURI, rcan://...; with --count what comes before /robot-0001")
-      ->expected(1);
-  app->add_option("--count", request->count, "Make that many: robot-0001, robot-0002, ...")
-      ->check(CLI::Range(1, kCountMax))
-      ->excludes("--name");
-  app->callback(
-      [request, &action] { action = [request] { return ExitOf(IssueRobots(*request)); }; });
+  config::Flags& flags =
+      AddVerb(noun, request, {"robot", "Make the certificate of one or more robots", IssueRobots});
+  AddName(flags, *request, "robot");
+  flags.Add({"--fleet", "Fleet that owns the robot"}, request->fleet);
+  flags.Add({"--ruri", "The robot's RURI, rcan://...; with --count what comes before /robot-0001"},
+            request->ruri);
+  flags.Add({"--count", "Make that many: robot-0001, robot-0002, ..."}, request->count,
+            {1, kCountMax});
+  flags.AtMostOne({"--count", "--name"});
 }
 
-void AddGateway(CLI::App& noun, Action& action) {
+void AddGateway(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
-  CLI::App* const app = AddVerb(noun, request, "gateway", "Make a gateway's certificate");
-  AddName(app, request, "gateway");
-  AddFleet(app, request, "Fleet of the gateway's robots");
-  app->add_option("--ruri", request->ruris,
-                  "Robot that it may speak for (repeatable); none: all of the fleet")
-      ->take_all();
-  app->callback([request, &action] {
-    action = [request] {
-      return ExitOf(
-          Issue(*request, pki::GatewayProfile(request->ruris, request->fleet, request->name)));
-    };
-  });
+  const auto work = [](const Request& asked) {
+    return Issue(asked, pki::GatewayProfile(asked.ruris, asked.fleet, asked.name));
+  };
+  config::Flags& flags = AddVerb(noun, request, {"gateway", "Make a gateway's certificate", work});
+  AddName(flags, *request, "gateway");
+  flags.Add({"--fleet", "Fleet of the gateway's robots"}, request->fleet);
+  flags.Add({"--ruri", "Robot that it may speak for (repeatable); none: all of the fleet"},
+            request->ruris);
 }
 
-void AddOperator(CLI::App& noun, Action& action) {
+void AddOperator(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
-  CLI::App* const app = AddVerb(noun, request, "operator", "Make an operator's certificate");
-  AddName(app, request, "operator");
-  AddFleet(app, request, "Fleet that the operator may see; *: all");
-  app->add_option("--role", request->role, "viewer, operator or admin")->capture_default_str();
-  app->callback([request, &action] {
-    action = [request] {
-      return ExitOf(
-          Issue(*request, pki::OperatorProfile(request->role, request->fleet, request->name)));
-    };
-  });
+  const auto work = [](const Request& asked) {
+    return Issue(asked, pki::OperatorProfile(asked.role, asked.fleet, asked.name));
+  };
+  config::Flags& flags =
+      AddVerb(noun, request, {"operator", "Make an operator's certificate", work});
+  AddName(flags, *request, "operator");
+  flags.Add({"--fleet", "Fleet that the operator may see; *: all"}, request->fleet);
+  flags.Add({"--role", "viewer, operator or admin"}, request->role);
 }
 
 }  // namespace
 
-void AddPki(CLI::App& app, Action& action) {
-  CLI::App* const noun =
-      app.add_subcommand("pki", "Certificates for development and small fleets (ECDSA P-256)");
-  noun->require_subcommand(1);
-  AddInit(*noun, action);
-  AddServer(*noun, action);
-  AddRobot(*noun, action);
-  AddOperator(*noun, action);
-  AddGateway(*noun, action);
+void AddPki(config::Flags& program) {
+  config::Flags& noun =
+      program.AddCommand("pki", "Certificates for development and small fleets (ECDSA P-256)");
+  AddInit(noun);
+  AddServer(noun);
+  AddRobot(noun);
+  AddOperator(noun);
+  AddGateway(noun);
 }
 
 }  // namespace uplink::ctl

@@ -3,7 +3,6 @@
 #include <string_view>
 #include <variant>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "schema/base/clock.h"
@@ -107,45 +106,40 @@ int Status(const Arguments& arguments) {
 
 }  // namespace
 
-void AddStore(CLI::App& app, Action& action) {
-  CLI::App* const noun = app.add_subcommand(
+void AddStore(config::Flags& program) {
+  config::Flags& noun = program.AddCommand(
       "store", "The store: its schema, its robots, and the clock that it trusts");
-  noun->require_subcommand(1);
   const auto arguments = std::make_shared<Arguments>();
-  const auto add = [&](const char* name, const char* text, const char* urls) {
-    CLI::App* const verb = noun->add_subcommand(name, text);
-    CLI::Option_group* const target = verb->add_option_group("target");
-    target->add_option("--config", arguments->config, "The server's configuration file");
-    target->add_option("--url", arguments->url, urls);
-    target->require_option(1);
-    verb->add_option("--password-file", arguments->password_file,
-                     "A file whose first line is the password");
+  const auto add = [&](const char* name, const char* text, const char* urls,
+                       int (*work)(const Arguments&)) -> config::Flags& {
+    config::Flags& verb =
+        noun.AddCommand(name, text, [arguments, work] { return work(*arguments); });
+    verb.Add({"--config", "The server's configuration file"}, arguments->config);
+    verb.Add({"--url", urls}, arguments->url);
+    verb.ExactlyOne("target", {"--config", "--url"});
+    verb.Add({"--password-file", "A file whose first line is the password"},
+             arguments->password_file);
     return verb;
   };
   constexpr const char* kDatabase = "postgresql://owner@host:port/database";
   constexpr const char* kAny = "postgresql://owner@host:port/database, or sqlite:///path";
-  CLI::App* const migrate =
-      add("migrate", "Apply the steps that are missing, as the owner", kDatabase);
-  migrate->add_option("--grant-to", arguments->grant_to,
-                      "The role that the server logs in as: it may read and write, and no more");
-  migrate->callback([arguments, &action] { action = [arguments] { return Migrate(*arguments); }; });
-  CLI::App* const status = add(
-      "status", "Show the server and the schema of a PostgreSQL database; 1 if steps are missing",
-      kDatabase);
-  status->callback([arguments, &action] { action = [arguments] { return Status(*arguments); }; });
-  CLI::App* const clock =
-      add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny);
-  clock->add_flag("--confirm", arguments->confirm,
-                  "Vouch for it: the store's mark becomes this machine's time");
-  clock->add_flag("--yes", arguments->yes, "Do not ask first");
-  CLI::App* const forget =
-      add("forget", "Delete all that the store has of a robot; 1 if the robot stays", kAny);
-  forget->add_option("ruri", arguments->ruri, "The robot: rcan://...")->required();
-  forget->add_flag("--end-stream", arguments->end_stream,
-                   "End the robot's stream first, and wait for its records");
-  forget->add_flag("--yes", arguments->yes, "Do not ask first");
-  forget->callback([arguments, &action] { action = [arguments] { return Forget(*arguments); }; });
-  clock->callback([arguments, &action] { action = [arguments] { return Clock(*arguments); }; });
+  add("migrate", "Apply the steps that are missing, as the owner", kDatabase, Migrate)
+      .Add(
+          {"--grant-to", "The role that the server logs in as: it may read and write, and no more"},
+          arguments->grant_to);
+  add("status", "Show the server and the schema of a PostgreSQL database; 1 if steps are missing",
+      kDatabase, Status);
+  config::Flags& clock =
+      add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny, Clock);
+  clock.AddSwitch({"--confirm", "Vouch for it: the store's mark becomes this machine's time"},
+                  arguments->confirm);
+  clock.AddSwitch({"--yes", "Do not ask first"}, arguments->yes);
+  config::Flags& forget =
+      add("forget", "Delete all that the store has of a robot; 1 if the robot stays", kAny, Forget);
+  forget.Add({"ruri", "The robot: rcan://...", config::Flag::Need::kRequired}, arguments->ruri);
+  forget.AddSwitch({"--end-stream", "End the robot's stream first, and wait for its records"},
+                   arguments->end_stream);
+  forget.AddSwitch({"--yes", "Do not ask first"}, arguments->yes);
 }
 
 }  // namespace uplink::ctl

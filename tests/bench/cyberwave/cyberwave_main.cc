@@ -301,8 +301,8 @@ std::vector<Row> RowsOf(const Arguments& arguments) {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  constexpr auto kRequired = testing::Flag::Need::kRequired;
-  testing::Flags flags("Benchmark of reading a fleet's MQTT broker", "uplink_bench_cyberwave");
+  constexpr auto kRequired = config::Flag::Need::kRequired;
+  config::Flags flags("Benchmark of reading a fleet's MQTT broker", "uplink_bench_cyberwave");
   flags.Add({"--url", "A migrated PostgreSQL database", kRequired}, arguments.url);
   arguments.AddTo(flags);
   flags.AddChoice({"--only", "One scenario"}, arguments.only, {"joints", "events", "ack", "depth"});

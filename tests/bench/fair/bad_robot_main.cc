@@ -13,8 +13,8 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
+#include "server/config/flags.h"
 #include "tests/bench/fair/misbehaviour.h"
-#include "tests/support/flags.h"
 #include "tools/uplink-fleet/run/signals.h"
 
 namespace uplink::bench {
@@ -81,9 +81,9 @@ int Misbehave(const Arguments& arguments, const Misdeed& misdeed) {
 }
 
 int Run(int argc, char** argv) {
-  using Need = testing::Flag::Need;
+  using Need = config::Flag::Need;
   Arguments arguments;
-  testing::Flags flags("The bad robot of ./dev bench fair", "uplink_bench_bad_robot");
+  config::Flags flags("The bad robot of ./dev bench fair", "uplink_bench_bad_robot");
   flags.Add({"--misdeed", "The scenario's name", Need::kRequired}, arguments.misdeed);
   flags.Add({"--ruri", "Its own", Need::kRequired}, arguments.ruri);
   flags.Add({"--folder", "Holds ca.crt, bad.crt and bad.key", Need::kRequired}, arguments.folder);
