@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "schema/base/check.h"
+#include "storage/bounds.h"
 
 namespace uplink::testing {
 

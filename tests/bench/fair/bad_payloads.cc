@@ -28,14 +28,15 @@ std::uint32_t EntryAt(const std::string& table, std::size_t index) {
 /// The same message in exactly `bytes`: its last segment ends with words that nothing refers to.
 /// Source: "Serialization Over a Stream" of Cap'n Proto's encoding: the number of segments less
 /// one, then the words of each.
-std::string PaddedTo(std::string payload, std::size_t bytes) {
+std::string PaddedTo(const std::string& payload, std::size_t bytes) {
   UPLINK_CHECK(payload.size() <= bytes && bytes % kWordBytes == 0, "the padding has room");
   const std::size_t last = EntryAt(payload, 0) + 1;
   const auto words = static_cast<std::uint32_t>((bytes - payload.size()) / kWordBytes);
   const std::uint32_t entry = EntryAt(payload, last) + words;
-  std::memcpy(payload.data() + last * kTableEntryBytes, &entry, kTableEntryBytes);
-  payload.resize(bytes);
-  return payload;
+  std::string padded(bytes, '\0');
+  payload.copy(padded.data(), payload.size());
+  std::memcpy(padded.data() + last * kTableEntryBytes, &entry, kTableEntryBytes);
+  return padded;
 }
 
 std::string TextMessage(char letter) {
