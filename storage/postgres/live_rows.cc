@@ -39,9 +39,8 @@ constexpr SqlText kUpsert = UpsertSql();
 // The lengths are known without reading the bytes.
 constexpr SqlText ReadSql() {
   SqlText sql = {"SELECT ", kColumns.view(),
-                 ", found FROM (SELECT *, count(*) OVER () AS found, sum(bytes) OVER (ORDER BY "
-                 "ruri) - bytes AS before FROM ("
-                 "SELECT *, 0"};
+                 ", found FROM (SELECT *, count(*) OVER () AS found,"
+                 " sum(bytes) OVER (ORDER BY ruri) - bytes AS before FROM (SELECT *, 0"};
   for (const LivePartRow& part : kLiveParts) {
     sql.Add({" + coalesce(octet_length(", part.column, "), 0)"});
   }

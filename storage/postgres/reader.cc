@@ -66,7 +66,6 @@ constexpr std::string_view kLatest =
     "SELECT kind, received_at, body FROM uplinkd.latest"
     " WHERE ruri = $1::text AND ($2::int >> kind) & 1 = 1 ORDER BY kind";
 
-/// Reads a row of kRobots.
 /// What `read` makes of each row of the answer.
 template <typename Read>
 auto ReadAll(Connection& connection, StoreCall call, const Read& read)
@@ -74,6 +73,18 @@ auto ReadAll(Connection& connection, StoreCall call, const Read& read)
   const auto rows = connection.RunOne(std::move(call), "read");
   if (!rows.ok()) return rows.status();
   return rows->All(read);
+}
+
+/// An answer a robot, in one round trip.
+absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
+                                               std::span<const std::string> ruris,
+                                               LatestKindSet kinds) {
+  std::vector<StoreCall> calls;
+  calls.reserve(ruris.size());
+  for (const std::string& ruri : ruris) {
+    calls.push_back(StoreCallOf(kLatest, ruri, static_cast<std::int32_t>(kinds)));
+  }
+  return connection.Run(calls, "read");
 }
 
 }  // namespace
@@ -224,6 +235,7 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
   });
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                \
   absl::StatusOr<Page<Row>> PostgresReader::Name(const Query& query) { \
     return pool_->With([&query](Connection& connection) {              \
@@ -242,11 +254,7 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
     while (latest.complete < ruris.size() && bytes < kPageBytesMax) {
       const std::size_t left = ruris.size() - latest.complete;
       const auto some = ruris.subspan(latest.complete, std::min(kRobotsPerTrip, left));
-      std::vector<StoreCall> calls;
-      for (const std::string& ruri : some) {
-        calls.push_back(StoreCallOf(kLatest, ruri, static_cast<std::int32_t>(kinds)));
-      }
-      const auto results = connection.Run(calls, "read");
+      const auto results = ReadLatest(connection, some, kinds);
       if (!results.ok()) return results.status();
       for (std::size_t i = 0; i < some.size() && bytes < kPageBytesMax; ++i) {
         for (const ResultRow& row : (*results)[i]) {

@@ -208,6 +208,7 @@ absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
   });
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the arguments are names of types and functions
 #define UPLINK_LIST(Name, number, Row, Query, retained)                                         \
   absl::StatusOr<Page<Row>> SqliteReader::Name(const Query& query) {                            \
     return pool_->With(                                                                         \

@@ -147,8 +147,8 @@ class RobotRows final {
       set.Expect(key, row);
       told.Expect(key, row);
       if (!wrong.told) continue;
-      const std::string text = TextOf(model::ToText(wrong.told->reason), wrong.told->field);
-      told.Find(key, HashOf(text), [&text] { return text; });
+      std::string text = TextOf(model::ToText(wrong.told->reason), wrong.told->field);
+      told.Find(key, HashOf(text), [&text] { return std::move(text); });
     }
     told.Finish();
     for (const v1::Quarantined& row : stored_.quarantine) {

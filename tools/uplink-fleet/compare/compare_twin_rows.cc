@@ -220,9 +220,9 @@ class TwinRows final {
     if (IsThinned(row)) return;
     std::optional<std::uint64_t> number = MarkIn(twin_.options(), row.payload());
     if (!number && !of_no_robot) number = EmptyIn(row);
-    const std::string text = TextOf(row, of_no_robot);
+    std::string text = TextOf(row, of_no_robot);
     if (number) {
-      set.Find(std::to_string(*number), HashOf(text), [&text] { return text; });
+      set.Find(std::to_string(*number), HashOf(text), [&text] { return std::move(text); });
       return;
     }
     // Nobody's rows are of all twins; what has a mark of another run is its own.
@@ -240,13 +240,13 @@ class TwinRows final {
       const std::string key = std::to_string(number);
       if (set.Found(key)) continue;
       std::vector<v1::Quarantined>& rows = wrong.of_no_robot ? nobody : own;
-      const std::string text = TextOf(wrong);
+      std::string text = TextOf(wrong);
       const auto row =
           std::ranges::find_if(rows, [&text, &wrong = wrong](const v1::Quarantined& each) {
             return IsThinned(each) && TextOf(each, wrong.of_no_robot) == text;
           });
       if (row == rows.end()) continue;
-      set.Find(key, HashOf(text), [&text] { return text; });
+      set.Find(key, HashOf(text), [&text] { return std::move(text); });
       rows.erase(row);
     }
     for (const v1::Quarantined& row : own) {

@@ -229,6 +229,7 @@ Publication LiveValues::Of(Side side, std::string_view path) {
 
 std::vector<Publication> LiveValues::All() {
   std::vector<Publication> all;
+  all.reserve(std::size(kKinds));
   for (const LiveKind& kind : kKinds) all.push_back(Say(kind));
   return all;
 }

@@ -28,9 +28,10 @@ model::UiCapabilities Capabilities() {
                  .range = model::Range{.min = 0, .max = 4000},
                  .display_hint = model::DisplayHint::kGauge}};
   const auto declare = [&ui](const char* key, model::Value value) -> model::SettingDescriptor& {
+    const model::ValueType type = model::TypeOf(value);
     return ui.settings.emplace_back(model::SettingDescriptor{.key = key,
                                                              .label = key,
-                                                             .value_type = model::TypeOf(value),
+                                                             .value_type = type,
                                                              .default_value = std::move(value),
                                                              .range = std::nullopt,
                                                              .step = std::nullopt});
