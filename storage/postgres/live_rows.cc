@@ -14,19 +14,22 @@ namespace {
 
 constexpr SqlText kColumns = LiveColumns();
 
+constexpr std::string_view kHeldBy =
+    ") JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.held_since = u.held_since"
+    " AND r.owner = ";
+
 // What did not change keeps its bytes: those that the database stores apart are not even read. In
-// order of the keys, so that two processes do not lock each other out. Whoever adopts a robot
-// meanwhile waits, and then reads what was written. A call that was given up and runs late finds
-// what came after it.
+// order of the keys, so that two processes do not lock each other out. A process that adopts
+// a robot meanwhile waits, and then reads what was written. A call that was given up and runs late
+// finds what came after it.
 constexpr SqlText UpsertSql() {
   const SqlText names = ColumnNames(kLiveTable);
   constexpr std::size_t kProcess = kLiveTable.columns.size() + 1;
   SqlText sql = {"INSERT INTO uplinkd.live AS t (", names.view(),
                  ", store_call, written_at) SELECT u.*, "};
   sql.AddParameter(kProcess + 1, "bigint");
-  sql.Add({", now() FROM unnest(", ArraysSql(kLiveTable).view(), ") AS u (", names.view(),
-           ") JOIN uplinkd.robots AS r ON r.ruri = u.ruri AND r.held_since = u.held_since"
-           " AND r.owner = "});
+  sql.Add(
+      {", now() FROM unnest(", ArraysSql(kLiveTable).view(), ") AS u (", names.view(), kHeldBy});
   sql.AddParameter(kProcess, "uuid");
   sql.Add({" ORDER BY r.ruri FOR SHARE OF r", ConflictSql(kLiveTable).view(),
            ", written_at = excluded.written_at, store_call = excluded.store_call"

@@ -87,6 +87,16 @@ absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
   return connection.Run(calls, "read");
 }
 
+/// Adds a robot's rows; returns their bytes.
+std::size_t TakeLatest(const Result& rows, const std::string& ruri, std::vector<LatestRow>& all) {
+  std::size_t bytes = 0;
+  for (const ResultRow& row : rows) {
+    bytes += row.TextBytes();
+    all.push_back(LatestIn(row, ruri));
+  }
+  return bytes;
+}
+
 }  // namespace
 
 /// The connections of a reader that no read uses now. Thread-safe.
@@ -257,10 +267,7 @@ absl::StatusOr<Reader::LatestRows> PostgresReader::Latest(std::span<const std::s
       const auto results = ReadLatest(connection, some, kinds);
       if (!results.ok()) return results.status();
       for (std::size_t i = 0; i < some.size() && bytes < kPageBytesMax; ++i) {
-        for (const ResultRow& row : (*results)[i]) {
-          bytes += row.TextBytes();
-          latest.rows.push_back(LatestIn(row, some[i]));
-        }
+        bytes += TakeLatest((*results)[i], some[i], latest.rows);
         ++latest.complete;
       }
     }
