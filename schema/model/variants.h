@@ -46,7 +46,7 @@ enum class Variant : std::uint8_t {
 #undef UPLINK_VARIANT
 };
 
-#define UPLINK_VARIANT(Member, name, Body, settling) +1  // NOLINT(bugprone-macro-parentheses)
+#define UPLINK_VARIANT(Member, name, Body, settling) +1  // NOLINT(bugprone-macro-parentheses): sum
 inline constexpr std::size_t kVariants = UPLINK_VARIANTS(UPLINK_VARIANT);
 #undef UPLINK_VARIANT
 
