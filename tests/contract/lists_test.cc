@@ -183,7 +183,7 @@ class ListContract : public StoreContract {
       storage::CommitRecord bad = Bad(++numbers_, std::to_string(item));
       batch.records = {At(after_ms, Of(std::move(robot), std::move(bad)))};
     } else if (list.kind == PageKind::kGaps) {
-      const auto first = static_cast<model::Seq>(2 * item + 1);
+      const auto first = 2 * static_cast<model::Seq>(item) + 1;
       batch.gaps = {Gap(first, first)};
       batch.gaps[0].robot = std::move(robot);
       batch.gaps[0].seen_at = Time(after_ms);

@@ -83,6 +83,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
                                            std::uint8_t process = kProcess);
   static std::vector<storage::OutcomeKind> KindsOf(const std::vector<storage::Outcome>& outcomes) {
     std::vector<storage::OutcomeKind> kinds;
+    kinds.reserve(outcomes.size());
     for (const storage::Outcome& outcome : outcomes) kinds.push_back(outcome.kind);
     return kinds;
   }
