@@ -34,12 +34,13 @@ TEST_F(Messages, MayBeCutAnywhere) {
 TEST_F(Messages, ThoseThatBreakTheRulesOfGrpcAreInternal) {
   const std::string hello = HelloMessage(1);
   const std::string last = http2::Data(1, "", http2::kEndStream);
+  const std::pair<std::string, std::string> kinds[] = {
+      {http2::Data(1, hello.substr(0, hello.size() - 1)) + last, "within a message"},
+      {http2::Data(1, hello + Prefix(7).substr(0, 4)) + last, "within a message"},
+      {http2::Data(1, hello + Prefix(3, '\1') + "abc"), "flagged as compressed"},
+      {http2::Data(1, Prefix(3, '\xFF') + "abc"), ""}};
   int robot = 10;
-  for (const auto& [bytes, words] :
-       {std::pair{http2::Data(1, hello.substr(0, hello.size() - 1)) + last, "within a message"},
-        std::pair{http2::Data(1, hello + Prefix(7).substr(0, 4)) + last, "within a message"},
-        std::pair{http2::Data(1, hello + Prefix(3, '\1') + "abc"), "flagged as compressed"},
-        std::pair{http2::Data(1, Prefix(3, '\xFF') + "abc"), ""}}) {
+  for (const auto& [bytes, words] : kinds) {
     RawHttp2 client(ClientOf(world_, RobotKeys(world_, ++robot)));
     ASSERT_TRUE(client.Begin());
     client.Send(OpenRelay(1) + bytes);
