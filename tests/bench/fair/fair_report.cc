@@ -133,7 +133,7 @@ std::string FairTable(const std::vector<FairResult>& results, double share_mib) 
 std::vector<Row> FairRows(const std::vector<FairResult>& results, double share_mib) {
   std::vector<Row> rows;
   for (const auto& [name, line] : LinesOf(results)) {
-    const auto count = [&](const char* figure, const char* unit, double value) {
+    const auto count = [&rows, &name = name](const char* figure, const char* unit, double value) {
       rows.push_back(RowOf(name + figure, unit, value));
     };
     rows.push_back(RowOf(name + "_ack_p50", "ms", line.p50));
