@@ -56,7 +56,8 @@ constexpr std::string_view kSilent =
     " AND (r.owner = $2::uuid OR o.process IS NULL OR o.released"
     " OR o.renewed_at < now() - make_interval(hours => $3::int))"
     " AND r.ruri > $5::text ORDER BY r.ruri LIMIT $4::bigint";
-// Stands in for a row that is missing: whoever opens a stream meanwhile waits for the commit.
+// Stands in for a row that is missing: a process that opens a stream meanwhile waits for the
+// commit.
 constexpr std::string_view kStandIn =
     "INSERT INTO uplinkd.robots (ruri, fleet, epoch, held_since, owner, first_seen, last_seen)"
     " VALUES ($1::text, '', 0, 0, '00000000-0000-0000-0000-000000000000', now(), now())"

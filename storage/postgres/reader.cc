@@ -75,7 +75,7 @@ auto ReadAll(Connection& connection, StoreCall call, const Read& read)
   return rows->All(read);
 }
 
-/// An answer a robot, in one round trip.
+/// One answer per robot, in one round trip.
 absl::StatusOr<std::vector<Result>> ReadLatest(Connection& connection,
                                                std::span<const std::string> ruris,
                                                LatestKindSet kinds) {

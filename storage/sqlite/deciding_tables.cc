@@ -153,7 +153,16 @@ absl::Status DecidingTables::RaiseCursor(std::string_view ruri, const model::Ses
 }
 
 absl::StatusOr<std::vector<model::SessionId>> DecidingTables::Sessions(std::string_view ruri) {
-  return sessions_->Select(ruri).All([](const Rows& row) { return row.Uuid(0); });
+  std::vector<model::SessionId> sessions;
+  bool good = true;
+  const absl::Status read = sessions_->Select(ruri).ForEach([&](const Rows& row) {
+    const std::optional<model::SessionId> session = model::SessionId::FromBytes(row.Bytes(0));
+    good &= session.has_value();
+    if (session) sessions.push_back(*session);
+  });
+  if (!read.ok()) return read;
+  if (!good) return absl::InternalError("a session in the store is not 16 bytes");
+  return sessions;
 }
 
 absl::Status DecidingTables::DeleteSession(std::string_view ruri, const model::SessionId& session) {

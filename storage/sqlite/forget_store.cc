@@ -16,7 +16,7 @@
 namespace uplink::storage::sqlite {
 namespace {
 
-/// The machine's time: whoever asks runs beside the server.
+/// The machine's time: the program that asks runs beside the server.
 constexpr std::string_view kNow = "CAST(strftime('%s', 'now') AS INTEGER)";
 
 std::int64_t SecondsOf(std::chrono::seconds time) { return time.count(); }

@@ -25,7 +25,7 @@ void AddStore(config::Flags& program);
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);
 
-/// Asks a question on the terminal. Whoever answers anything but `yes` is taken for a no.
+/// Asks a question on the terminal. Any answer but `yes` is a no.
 [[nodiscard]] bool SaysYes(std::string_view question);
 
 }  // namespace uplink::ctl
