@@ -59,7 +59,7 @@ class Broker final : private SubscriberEvents {
     /// Whether the journals are more than half full.
     std::function<bool()> journal_over_half;
     mqtt::MakeLink make_link;
-    /// Runs a job on its thread. Any thread.
+    /// Runs a job on its thread, after all that were posted before. Any thread.
     std::function<void(std::function<void()>)> post;
     std::function<std::uint64_t()> random;
     /// What one robot may have stored, as a reload last said.

@@ -49,8 +49,9 @@ void Await(Signals& signals) {
 }  // namespace
 
 struct EventLoop::Context {
-  /// One thread runs it: no locks inside.
-  asio::io_context io{1};
+  /// Not told that one thread runs it: it would then keep what that thread posts apart until the
+  /// job under way has ended, and jobs of other threads would pass it.
+  asio::io_context io;
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   std::vector<std::unique_ptr<Repeated>> repeated;
   std::vector<std::unique_ptr<Signals>> signals;

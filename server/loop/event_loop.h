@@ -32,6 +32,7 @@ class EventLoop final {
   void Every(milliseconds interval, std::function<void()> job);
   /// Runs `job` with the number of each of these signals from now on.
   void OnSignals(const std::vector<int>& signals, std::function<void(int)> job);
+  /// Runs `job` after all jobs that were posted before it, by whatever thread.
   void Post(std::function<void()> job);
 
   void Start();

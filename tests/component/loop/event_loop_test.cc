@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -66,6 +67,25 @@ TEST_F(EventLoopTest, AnExceptionEndsOneJobAndIsLogged) {
   loop.Start();
   after.get_future().wait();
   EXPECT_NE(line_.get_future().get().find("io_handler_failed"), std::string::npos);
+}
+
+TEST_F(EventLoopTest, RunsJobsInTheOrderInWhichTheyWerePosted) {
+  EventLoop loop(logger_);
+  std::vector<std::string> ran;
+  std::promise<void> last;
+  loop.Post([&] {
+    loop.Post([&] { ran.emplace_back("its own"); });
+    std::jthread([&] {
+      loop.Post([&] {
+        ran.emplace_back("another thread's");
+        last.set_value();
+      });
+    }).join();
+  });
+  loop.Start();
+  last.get_future().wait();
+  loop.Stop();
+  EXPECT_EQ(ran, (std::vector<std::string>{"its own", "another thread's"}));
 }
 
 TEST_F(EventLoopTest, StopsWithJobsStillQueued) {
