@@ -140,6 +140,18 @@ TEST_F(SqliteTrouble, StopsWhenWhatDecidesIsRefused) {
   EXPECT_EQ(Count("faults_history"), "0\n");
 }
 
+TEST_F(SqliteTrouble, RefusesASessionThatIsNone) {
+  OpenStore();
+  SqliteShell(path_).Run(
+      "INSERT INTO sessions (ruri, session, cursor_seq, last_used, first_entry)"
+      " VALUES ('rcan://r', x'0102', 0, 0, 0)");
+  const OpenRequest request{robot_, model::SessionId({2}), 0, FromUnixMs(2), {}};
+  const absl::Status status = store_->OpenStreams({&request, 1}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInternal) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("not 16 bytes"));
+  EXPECT_EQ(Count("sessions"), "2\n") << "none was evicted for it, and none was added";
+}
+
 TEST_F(SqliteTrouble, KeepsABareQuarantineRowWhereThePayloadIsRefused) {
   OpenStore();
   SqliteShell(path_).Run(
