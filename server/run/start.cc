@@ -3,7 +3,7 @@
 namespace uplink::run {
 
 absl::Status Start(const StartSteps& steps) {
-  if (absl::Status read = steps.read_robots(); !read.ok()) return read;
+  steps.read_robots();
   steps.start_writers();
   if (absl::Status listens = steps.listen_for_robots(); !listens.ok()) return listens;
   steps.answer_http();

@@ -10,7 +10,7 @@ namespace uplink::run {
 /// answers that the server starts.
 struct StartSteps {
   /// Takes over the robots that the store knows; one that is away is waited for later.
-  std::function<absl::Status()> read_robots;
+  std::function<void()> read_robots;
   /// Commits what comes from now on.
   std::function<void()> start_writers;
   /// Admits robots from now on.

@@ -1,0 +1,88 @@
+#include "server/run/store_side.h"
+
+#include <utility>
+
+#include "server/config/config.h"
+#include "server/run/from_config.h"
+
+namespace uplink::run {
+
+StoreSide::StoreSide(const Context& context, store::Stores stores)
+    : context_(context),
+      journal_limits_(JournalLimitsOf(context.config.journal)),
+      stores_(std::move(stores)),
+      writers_(stores_.writers, WritersContext()),
+      forgetting_({context.fleet, context.clock, context.logger, context.config.fleet.forget_after,
+                   [this] { return stores_.clock->vouched(); },
+                   [this](robot::Robot& robot) {
+                     journals_.Leave({&robot, robot.id()});
+                   }}),
+      seed_rounds_({context.fleet, journals_, *stores_.reader, context.logger,
+                    context.config.limits.robots_max,
+                    store::AdoptGraceOf(stores_, context.config.presence),
+                    [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
+      leases_(std::move(stores_.leases),
+              {context.fleet, journals_, context.clock, context.logger, lease_probe_,
+               context.process, context.config.presence, store::IsGone,
+               [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); },
+               context.shut_out}),
+      forget_rounds_({context.fleet, journals_, context.clock, context.logger, *stores_.forget,
+                      context.process, !config::IsPostgres(context.config.store),
+                      store::RowsRuleOf(context.config), *stores_.clock}),
+      clock_rounds_({context.clock, *stores_.marks, *stores_.clock, context.logger,
+                     context.kernel_clock_synchronised}),
+      space_rounds_({context.fleet, context.clock, context.logger, stores_.space,
+                     context.config.store.free_min}),
+      watch_({.facts = stores_.facts,
+              .retention = [this] { return journals_.retain_error(); },
+              .checkpoints = [this] { return journals_.checkpoint_error(); },
+              .store = [this] { return journals_.last_error(); },
+              .went_back = [this] { return journals_.TakeWentBack(); }},
+             context.logger) {
+  leases_.SetPort(context.config.listen.relay.port);
+}
+
+store::Writers::Context StoreSide::WritersContext() {
+  return {.clock = context_.clock,
+          .ledgers = context_.ledgers,
+          .probe = journal_probe_,
+          .fleet = context_.fleet,
+          .process = context_.process,
+          .random = context_.random,
+          .limits = journal_limits_,
+          .spatial_committed = context_.spatial_committed,
+          .store_reconnected = context_.reconnected,
+          .checkpoint_every = context_.config.store.checkpoint,
+          .logger = &context_.logger};
+}
+
+void StoreSide::ReadRobots() {
+  context_.fleet.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
+                                   SystemTime at) { journals_.NotePresence(robot, presence, at); });
+  watch_.LookAtFacts();
+  if (stores_.away.ok()) clock_rounds_.Round();
+  seed_rounds_.Begin(stores_.away);
+  if (stores_.away.ok()) leases_.Round();
+}
+
+void StoreSide::StartRounds(std::uint16_t port) {
+  leases_.SetPort(port);
+  leases_.Start();
+  forget_rounds_.Start();
+}
+
+void StoreSide::Stop() {
+  leases_.Stop();
+  forget_rounds_.Stop();
+  writers_.Stop();
+}
+
+void StoreSide::AddWork(const loop::Post& reads, PeriodicWork& work) {
+  work.look_at_store = [this] { watch_.Look(); };
+  work.read_robots = [this, reads] { seed_rounds_.ReadOn(reads); };
+  work.ask_for_snapshot = [this, reads] { stores_.snapshot->AskOn(reads); };
+  work.look_at_space = [this, reads] { space_rounds_.LookOn(reads); };
+  work.look_at_clock = [this, reads] { clock_rounds_.LookOn(reads); };
+}
+
+}  // namespace uplink::run

@@ -1,0 +1,73 @@
+#include "server/run/view_side.h"
+
+#include "server/run/page_sources.h"
+
+namespace uplink::run {
+namespace {
+
+view::Queries::Sources QuerySources(const ViewSide::Context& context) {
+  return {.clock = context.clock,
+          .fleet = context.fleet,
+          .reader = *context.store.stores().reader,
+          .journals = context.store.journals(),
+          .ledgers = context.ledgers,
+          .streams = context.relay.session_probe().streams,
+          .version = context.version,
+          .to_store_thread = context.ground.OnReads(),
+          .robots_unread = [&store = context.store] { return store.robots_unread(); },
+          .twins = &context.broker.twins(),
+          .broker = [&broker = context.broker] { return broker.status(); }};
+}
+
+std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
+  StoreSide& store = context.store;
+  return PageSourcesOf({.clock = context.clock,
+                        .version = context.version,
+                        .ledgers = context.ledgers,
+                        .sessions = context.relay.session_probe(),
+                        .fleet = context.fleet,
+                        .live_budget = context.health.live_budget(),
+                        .sweep_seconds = context.health.sweep_seconds(),
+                        .journals = store.journals(),
+                        .journal_limits = store.journal_limits(),
+                        .journal_probe = store.journal_probe(),
+                        .stores = store.stores(),
+                        .space = store.space(),
+                        .leases = store.lease_probe(),
+                        .forwarding = context.relay.forwarding(),
+                        .http = context.ground.http_probe(),
+                        .http_connections_max = context.config.http.connections_max,
+                        .rcan = context.ground.rcan_probe(),
+                        .rcan_series_max = context.config.rcan.series_max,
+                        .monitor = context.health.monitor(),
+                        .relay = context.relay.probe(),
+                        .broker = context.broker,
+                        .logger = context.logger});
+}
+
+}  // namespace
+
+ViewSide::ViewSide(const Context& context)
+    : context_(context),
+      queries_(QuerySources(context)),
+      page_sources_(PageSources(context)),
+      fault_counts_(context.clock),
+      robots_scrape_({.clock = context.clock,
+                      .fleet = context.fleet,
+                      .config = context.config.rcan,
+                      .faults = fault_counts_,
+                      .probe = context.ground.rcan_probe(),
+                      .logger = context.logger,
+                      .name_key = rcan::NameHash::Draw(context.random),
+                      .twins = &context.broker.twins()}),
+      site_({queries_, context.health.monitor(),
+             [this](auto format) { return metrics::PageText(page_sources_, format); },
+             robots_scrape_, context.logger}) {}
+
+void ViewSide::AddWork(PeriodicWork& work) {
+  work.count_faults = [this] {
+    robots_scrape_.CountFaultsOn(context_.ground.OnReads(), *context_.store.stores().reader);
+  };
+}
+
+}  // namespace uplink::run

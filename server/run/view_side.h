@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "metrics/exposition.h"
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/config/config.h"
+#include "server/fleet/fleet.h"
+#include "server/http/site.h"
+#include "server/log/logger.h"
+#include "server/rcan/scrape.h"
+#include "server/run/broker_side.h"
+#include "server/run/groundwork.h"
+#include "server/run/health_side.h"
+#include "server/run/periodic.h"
+#include "server/run/relay_side.h"
+#include "server/run/store_side.h"
+#include "server/view/queries.h"
+
+namespace uplink::run {
+
+/// The part of the server that operators see: the API, probes and pages of metrics.
+///
+/// Thread: main; the site's answers on the threads of Groundwork.
+class ViewSide final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    log::Logger& logger;
+    const config::Config& config;
+    const std::string& version;
+    fleet::Fleet& fleet;
+    const metrics::LedgerBook& ledgers;
+    Groundwork& ground;
+    StoreSide& store;
+    RelaySide& relay;
+    BrokerSide& broker;
+    HealthSide& health;
+    /// Evenly drawn numbers.
+    const std::function<std::uint64_t()>& random;
+  };
+  explicit ViewSide(const Context& context);
+
+  [[nodiscard]] const http::Site& site() const { return site_; }
+  /// Series of robots are left out of a scrape. Any thread.
+  [[nodiscard]] bool series_left_out() const { return robots_scrape_.full(); }
+  /// What is due again and again.
+  void AddWork(PeriodicWork& work);
+
+ private:
+  const Context context_;
+  view::Queries queries_;
+  const std::vector<metrics::PageSource> page_sources_;
+  rcan::FaultCounts fault_counts_;
+  rcan::RobotScrape robots_scrape_;
+  http::Site site_;
+};
+
+}  // namespace uplink::run
