@@ -22,7 +22,8 @@ struct KeyedLimit {
 };
 
 /// A bucket for each key. At `keys_max` those that are full again are forgotten; keys beyond share
-/// one bucket, so that inventing keys gains nothing.
+/// one bucket. Up to `keys_max` an invented key has a burst of its own: what all keys use together
+/// needs a bound besides.
 ///
 /// Thread:  confined to its owner.
 class KeyedBuckets final {

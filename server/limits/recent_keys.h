@@ -11,7 +11,9 @@ namespace uplink::limits {
 /// least recently is forgotten: invented keys take no memory, and deny nothing to the next key. A
 /// map, not a hash table: senders choose their keys, and an order has no bad case.
 ///
-/// Limits:  kKeysMax, over 0; each call is O(log kKeysMax).
+/// Limits:  kKeysMax, over 0; each call is O(log kKeysMax). A key of 16 bytes with a time takes
+/// about
+///          112 bytes, in two nodes.
 /// Thread:  confined to its owner.
 template <typename Key, typename Value, std::size_t kKeysMax>
 class RecentKeys final {

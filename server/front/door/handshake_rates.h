@@ -13,7 +13,8 @@ namespace uplink::front {
 /// site of 40 robots behind one address comes back without a wait.
 inline constexpr int kHandshakesPerSecond = 20;
 inline constexpr int kHandshakesAtOnce = 40;
-/// Past it the source that was noted least recently is forgotten. Each takes about 150 bytes.
+/// Past it the source that was noted least recently is forgotten. Each takes what
+/// limits::RecentKeys does.
 inline constexpr std::size_t kRatedSourcesMax = 8192;
 
 /// Which sources began more handshakes lately than kHandshakesPerSecond and kHandshakesAtOnce. What

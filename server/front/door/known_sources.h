@@ -14,7 +14,7 @@ namespace uplink::front {
 /// How long a source stays known after a robot's last stream from it ended.
 inline constexpr std::chrono::hours kKnownFor{1};
 /// Of those without a stream: past it the one whose stream ended least recently is forgotten. Each
-/// takes about 110 bytes.
+/// takes what limits::RecentKeys does.
 inline constexpr std::size_t kKnownSourcesMax = 65'536;
 
 /// The sources from which a robot streams, or streamed within the last hour: their connections come

@@ -4,11 +4,8 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
-#include <utility>
 
-#include <absl/hash/hash.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -31,11 +28,6 @@ class SourceAddress final {
 
   friend auto operator<=>(const SourceAddress&, const SourceAddress&) = default;
 
-  template <typename State>
-  friend State AbslHashValue(State state, const SourceAddress& source) {
-    return State::combine(std::move(state), source.bytes_);
-  }
-
  private:
   /// IPv4 as IPv4 in IPv6; of IPv6 the first 64 bits, zeros and the prefix length, so that ::/64 is
   /// not unknown.
@@ -45,11 +37,3 @@ class SourceAddress final {
 static_assert(sizeof(SourceAddress) == 16);
 
 }  // namespace uplink::front
-
-/// Abseil's, which starts from a seed of the process: sources choose their addresses.
-template <>
-struct std::hash<uplink::front::SourceAddress> {
-  std::size_t operator()(const uplink::front::SourceAddress& source) const noexcept {
-    return absl::Hash<uplink::front::SourceAddress>{}(source);
-  }
-};
