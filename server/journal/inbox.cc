@@ -38,39 +38,35 @@ GatewayRef Inbox::GatewayOf(const std::string& name) {
   return gateway;
 }
 
-void Inbox::Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
-                   SteadyTime arrived) {
-  const std::size_t bytes = CostOf(record);
-  Push({.origin = OriginOf(client, by, arrived, bytes), .item = std::move(record)});
-}
-
 void Inbox::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                           std::vector<storage::CommitRecord> records, SteadyTime arrived) {
-  {
-    const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < records.size(); ++i) {
-      const std::size_t bytes = CostOf(records[i]);
-      records_.fetch_add(1);
-      bytes_.fetch_add(bytes);
-      Origin origin = OriginOf(client, by, arrived, bytes);
-      origin.continues = i + 1 < records.size();
-      queue_.Push({.origin = std::move(origin), .item = std::move(records[i])});
-    }
+  // Measured before the lock: a body may be large.
+  std::vector<Entry> entries;
+  entries.reserve(records.size());
+  for (storage::CommitRecord& record : records) {
+    const std::size_t bytes = CostOf(record);
+    Origin origin = OriginOf(client, by, arrived, bytes);
+    origin.continues = entries.size() + 1 < records.size();
+    entries.push_back({.origin = std::move(origin), .item = std::move(record)});
   }
-  work_.notify_one();
+  Push(std::move(entries));
 }
 
 void Inbox::AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap) {
-  Push({.origin = OriginOf(client, by, clock_.Steady(), robot::kRecordOverheadBytes),
-        .item = std::move(gap)});
+  std::vector<Entry> entries;
+  entries.push_back({.origin = OriginOf(client, by, clock_.Steady(), robot::kRecordOverheadBytes),
+                     .item = std::move(gap)});
+  Push(std::move(entries));
 }
 
-void Inbox::Push(Entry entry) {
+void Inbox::Push(std::vector<Entry> entries) {
   {
     const std::lock_guard lock(mutex_);
-    records_.fetch_add(1);
-    bytes_.fetch_add(entry.origin.bytes);
-    queue_.Push(std::move(entry));
+    for (Entry& entry : entries) {
+      records_.fetch_add(1);
+      bytes_.fetch_add(entry.origin.bytes);
+      queue_.Push(std::move(entry));
+    }
   }
   work_.notify_one();
 }

@@ -50,8 +50,6 @@ class Inbox final {
 
   void Open(OpenEntry entry);
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name);
-  void Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
-              SteadyTime arrived);
   void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
@@ -88,7 +86,7 @@ class Inbox final {
     GatewayRef gateway;
   };
 
-  void Push(Entry entry);
+  void Push(std::vector<Entry> entries);
   /// Whether the gateway has less than `shares` times its share of the journal now, and no more
   /// than that with `bytes` more. True for null.
   [[nodiscard]] bool IsWithin(const GatewayUse* gateway, std::size_t shares,

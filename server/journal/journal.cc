@@ -42,11 +42,6 @@ void Journal::Open(robot::CommitClient& client, std::uint64_t open_id, storage::
                .gateway = std::move(gateway)});
 }
 
-void Journal::Append(robot::CommitClient& client, const AppendedBy& by,
-                     storage::CommitRecord record, SteadyTime arrived) {
-  inbox_.Append(client, by, std::move(record), arrived);
-}
-
 void Journal::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                             std::vector<storage::CommitRecord> records, SteadyTime arrived) {
   inbox_.AppendMessage(client, by, std::move(records), arrived);

@@ -65,13 +65,11 @@ class Journal final {
   /// Counts what waits here of all robots of the gateway with this subject; the same object for the
   /// same subject while a stream or an entry has it. Null for an empty subject.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
-  /// Appends one durable message. Always takes it: callers ask RoomFor before.
+  /// Appends all that one durable message is, in order of the numbers: one commit has all of it.
+  /// Always takes it: callers ask RoomFor before.
   /// `by` has the client's generation as of the stream's begin. A record of an older generation is
   /// one that a fence overtook on its way here. It is not written: the cursor would pass the
   /// numbers that the fence dropped.
-  void Append(robot::CommitClient& client, const AppendedBy& by, storage::CommitRecord record,
-              SteadyTime arrived);
-  /// As Append, of all that one message is, in order of the numbers: one commit has all of it.
   void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);

@@ -208,13 +208,13 @@ class PortTable : public PortTest, public ::testing::WithParamInterface<Case> {
     if (room == kDiskFull) robot_.flow.LimitForDisk(0);
     if (room != kJournalFull) return;
     for (model::Seq seq = 1; seq <= limits_.journal.records_max; ++seq) {
-      server_.journal().Append(robot_, 0,
-                               {.robot = robot_.id(),
-                                .session = SessionOf(2),
-                                .seq = seq,
-                                .content = storage::QuarantineItem{},
-                                .payload = {}},
-                               clock_.Steady());
+      server_.journal().AppendMessage(robot_, 0,
+                                      {{.robot = robot_.id(),
+                                        .session = SessionOf(2),
+                                        .seq = seq,
+                                        .content = storage::QuarantineItem{},
+                                        .payload = {}}},
+                                      clock_.Steady());
     }
   }
 };

@@ -50,7 +50,7 @@ TEST_F(CommittingTest, TellsOfShapesAndObjectsOnceTheyAreTold) {
   EXPECT_EQ(spatial_commits, 0) << "a fault is none";
   storage::CommitRecord shape = RecordOf(robot_, 2);
   shape.content = test::RecordOf(model::ShapeOp{model::Deletion{"gone"}});
-  inbox.Append(robot_, robot_.generation(), shape, clock.Steady());
+  inbox.AppendMessage(robot_, robot_.generation(), {shape}, clock.Steady());
   Commit();
   EXPECT_EQ(spatial_commits, 0);
   committing_.Tell();
@@ -116,8 +116,8 @@ TEST_F(CommittingTest, CountsRunsThatTheStoreClosedForTheirBound) {
     batch.records.back().held_since = 1;
   }
   ASSERT_TRUE(store.Commit(batch).ok());
-  inbox.Append(robot_, robot_.generation(), RunOf(storage::kOpenRunsPerRobotMax + 1),
-               clock.Steady());
+  inbox.AppendMessage(robot_, robot_.generation(), {RunOf(storage::kOpenRunsPerRobotMax + 1)},
+                      clock.Steady());
   Commit();
   EXPECT_EQ(probe.runs_closed_for_bound.value(), 1);
 }

@@ -28,7 +28,8 @@ class JournalGatewayTest : public ::testing::Test, protected StepBench {
     return robot;
   }
   void AppendVia(const GatewayRef& gateway, RecordingClient& client, model::Seq seq) {
-    inbox.Append(client, {client.generation(), gateway}, RecordOf(client, seq), clock.Steady());
+    inbox.AppendMessage(client, {client.generation(), gateway}, {RecordOf(client, seq)},
+                        clock.Steady());
   }
   [[nodiscard]] GatheredBatch Fill(std::size_t records_max,
                                    const BatchShare& share = kGatewayBatchShare) {
@@ -226,7 +227,7 @@ TEST_F(GatewayShareTest, IsOfBytesToo) {
   Inbox other(limits, clock);
   const GatewayRef gateway = other.GatewayOf("CN=hall");
   RecordingClient& robot = NewRobot();
-  other.Append(robot, {robot.generation(), gateway}, RecordOf(robot, 1), clock.Steady());
+  other.AppendMessage(robot, {robot.generation(), gateway}, {RecordOf(robot, 1)}, clock.Steady());
   const std::size_t left = 2000 - gateway->bytes();
   const robot::JournalUse one{.records = 1, .bytes = 0};
   EXPECT_EQ(other.RoomFor(one, left, gateway.get()), Room::kFree);
@@ -239,7 +240,8 @@ TEST_F(GatewayShareTest, IsNeverLessThanARobotMayHave) {
   const GatewayRef gateway = whole.GatewayOf("CN=hall");
   RecordingClient& robot = NewRobot();
   for (model::Seq seq = 1; seq <= 9; ++seq) {
-    whole.Append(robot, {robot.generation(), gateway}, RecordOf(robot, seq), clock.Steady());
+    whole.AppendMessage(robot, {robot.generation(), gateway}, {RecordOf(robot, seq)},
+                        clock.Steady());
   }
   EXPECT_EQ(whole.RoomFor({.records = 9, .bytes = 0}, 1, gateway.get()), Room::kFree);
 }

@@ -24,15 +24,15 @@ struct JournalBench {
   }
   void Append(RecordingClient& client, model::Seq seq, std::string payload = "") {
     const std::size_t bytes = payload.size();
-    journal.Append(client, client.generation(),
-                   {.robot = client.robot(),
-                    .session = kSession,
-                    .seq = seq,
-                    .received_at = clock.System(),
-                    .content = FaultRecord(),
-                    .payload = std::move(payload),
-                    .payload_bytes = bytes},
-                   clock.Steady());
+    journal.AppendMessage(client, client.generation(),
+                          {{.robot = client.robot(),
+                            .session = kSession,
+                            .seq = seq,
+                            .received_at = clock.System(),
+                            .content = FaultRecord(),
+                            .payload = std::move(payload),
+                            .payload_bytes = bytes}},
+                          clock.Steady());
   }
   void AppendGap(RecordingClient& client, model::Seq first, model::Seq last) {
     journal.AppendGap(client, client.generation(),

@@ -216,13 +216,13 @@ TEST_F(JournalTest, OpensGoAheadOfABatchThatFailed) {
 TEST_F(JournalTest, QuarantineIsSettledWithItsReason) {
   JournalBench bench;
   bench.Open(robot_);
-  bench.journal.Append(
+  bench.journal.AppendMessage(
       robot_, robot_.generation(),
-      {.robot = robot_.robot(),
-       .session = JournalBench::kSession,
-       .seq = 1,
-       .received_at = bench.clock.System(),
-       .content = storage::QuarantineItem{{model::RejectReason::kMalformed, "", "cut"}}},
+      {{.robot = robot_.robot(),
+        .session = JournalBench::kSession,
+        .seq = 1,
+        .received_at = bench.clock.System(),
+        .content = storage::QuarantineItem{{model::RejectReason::kMalformed, "", "cut"}}}},
       bench.clock.Steady());
   bench.Run();
   EXPECT_THAT(robot_.Told(), ElementsAre("opened 1", "settled 1 rejected"));

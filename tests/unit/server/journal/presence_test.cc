@@ -148,13 +148,13 @@ class JournalSweep : public ::testing::Test, protected JournalBench {
       model::ReportedShape shape = test::SampleShape();
       shape.identity.id = std::to_string(seq);
       shape.expire_time_ms = UnixMs(clock.System()) + 1;
-      journal.Append(client, client.generation(),
-                     {.robot = client.robot(),
-                      .session = kSession,
-                      .seq = seq,
-                      .received_at = clock.System(),
-                      .content = test::RecordOf(model::ShapeOp{shape})},
-                     clock.Steady());
+      journal.AppendMessage(client, client.generation(),
+                            {{.robot = client.robot(),
+                              .session = kSession,
+                              .seq = seq,
+                              .received_at = clock.System(),
+                              .content = test::RecordOf(model::ShapeOp{shape})}},
+                            clock.Steady());
     }
     Run();
   }

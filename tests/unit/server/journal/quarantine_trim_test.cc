@@ -100,10 +100,10 @@ TEST(QuarantineTurnTest, AJournalLooksAtRobotsWhoseRowsItCommitted) {
   EXPECT_EQ(bench.store.trims(), 0U) << "a robot without bad messages costs nothing";
   RecordingClient bad("rcan://bad");
   bench.Open(bad);
-  bench.journal.Append(bad, bad.generation(), BadOf(bad, 1), bench.clock.Steady());
+  bench.journal.AppendMessage(bad, bad.generation(), {BadOf(bad, 1)}, bench.clock.Steady());
   bench.Run();
   EXPECT_EQ(bench.store.trims(), 1U);
-  bench.journal.Append(bad, bad.generation(), BadOf(bad, 2), bench.clock.Steady());
+  bench.journal.AppendMessage(bad, bad.generation(), {BadOf(bad, 2)}, bench.clock.Steady());
   bench.clock.Advance(kTrimInterval);
   bench.Run();
   EXPECT_EQ(bench.store.trims(), 1U) << "one row more is nothing to look at";

@@ -40,8 +40,8 @@ struct StepBench {
     inbox.Open(OpenOf(client, open_id));
   }
   void Append(RecordingClient& client, model::Seq seq, std::string payload = "") {
-    inbox.Append(client, client.generation(), RecordOf(client, seq, std::move(payload)),
-                 clock.Steady());
+    inbox.AppendMessage(client, client.generation(), {RecordOf(client, seq, std::move(payload))},
+                        clock.Steady());
   }
   void AppendGap(RecordingClient& client, model::Seq first) {
     inbox.AppendGap(client, client.generation(), GapOf(client, first));
