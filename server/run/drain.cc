@@ -12,26 +12,25 @@ namespace {
 
 /// How often a drain looks whether the journal is empty.
 constexpr milliseconds kIdleLook{10};
-/// What the end of a drain has at least for what waits, however long the streams took.
-constexpr std::chrono::seconds kLastWrites{2};
 
 }  // namespace
 
 Drain::Drain(Context context) : context_(std::move(context)) {}
 
 void Drain::Run() {
-  const SteadyTime deadline = context_.clock.Steady() + context_.timeout;
-  context_.logger.Info("draining", {{"streams", context_.transport.streams()},
-                                    {"timeout_ms", context_.timeout.count()}});
+  const milliseconds timeout = Timeout();
+  const SteadyTime deadline = context_.clock.Steady() + timeout;
+  context_.logger.Info(
+      "draining", {{"streams", context_.transport.streams()}, {"timeout_ms", timeout.count()}});
   context_.monitor.BeginDrain();
   context_.stop_adopting();
   context_.drain_broker();
   context_.journals.RequestCheckpoint();
-  const Deadline last(context_.timeout + kStopWait, [this] { EndUnfinished(); });
-  context_.transport.drain(context_.timeout);
+  const Deadline last(timeout + kStopWait, [this] { EndUnfinished(); });
+  context_.transport.drain(timeout);
   // Ahead of the streams, which may take their time: another server reads on.
   context_.leave_broker();
-  if (!context_.transport.wait_for_streams(context_.timeout)) {
+  if (!context_.transport.wait_for_streams(timeout)) {
     context_.logger.Warn("streams_left", {{"streams", context_.transport.streams()}});
   }
   EndPresence();
@@ -44,6 +43,11 @@ void Drain::Run() {
   } else {
     context_.logger.Warn("stopped_unsettled", {{"uplinks", unsettled}});
   }
+}
+
+milliseconds Drain::Timeout() const {
+  const bool shut_out = absl::IsUnimplemented(context_.journals.last_error());
+  return shut_out ? std::min<milliseconds>(context_.timeout, kLastWrites) : context_.timeout;
 }
 
 void Drain::EndPresence() {

@@ -18,9 +18,13 @@ namespace uplink::run {
 /// After drain.timeout, for ending what did not end: streams, the commit under way.
 inline constexpr std::chrono::seconds kStopWait{5};
 
+/// What the end of a drain has at least for what waits, however long the streams took.
+inline constexpr std::chrono::seconds kLastWrites{2};
+
 /// The way down: no stream is admitted, those that are here end, what waits is committed, and the
 /// rest of the server stops. It takes the timeout at most, then kStopWait to end what is left, and
-/// counts what is unsettled then in a warning.
+/// counts what is unsettled then in a warning. A store that shuts this program out commits nothing
+/// any more: then the timeout is kLastWrites.
 ///
 /// Thread: main.
 class Drain final {
@@ -62,6 +66,8 @@ class Drain final {
   void Run();
 
  private:
+  /// What the streams and the journals have from now on.
+  [[nodiscard]] milliseconds Timeout() const;
   /// Nobody listens any more: the histories of presence say so.
   void EndPresence();
   void WaitForJournals(SteadyTime deadline);

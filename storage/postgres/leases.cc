@@ -115,7 +115,10 @@ class PostgresLeases final : public Leases {
 
 absl::StatusOr<std::unique_ptr<Leases>> MakeLeases(const StoreOptions& options,
                                                    const Clock& clock) {
-  return MakeOverOwn<PostgresLeases>(options, clock, options.process);
+  // Where a step shuts this program out, Release still works: columns are only added.
+  auto connection = OwnConnection::Make(options, clock, /*when_shut_out=*/true);
+  if (!connection.ok()) return connection.status();
+  return std::make_unique<PostgresLeases>(*std::move(connection), options.process);
 }
 
 }  // namespace uplink::storage::postgres

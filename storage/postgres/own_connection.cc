@@ -9,9 +9,11 @@
 namespace uplink::storage::postgres {
 
 absl::StatusOr<std::unique_ptr<OwnConnection>> OwnConnection::Make(const StoreOptions& options,
-                                                                   const Clock& clock) {
+                                                                   const Clock& clock,
+                                                                   bool when_shut_out) {
   absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
   if (!link.ok()) return link.status();
+  link->when_shut_out = when_shut_out;
   return std::unique_ptr<OwnConnection>(new OwnConnection(*std::move(link), clock));
 }
 

@@ -23,11 +23,11 @@ namespace uplink::storage::postgres {
 class OwnConnection final {
  public:
   /// Does not connect. Of the options: the URL, the password, the timeouts. `clock` must outlive
-  /// this.
+  /// this. `when_shut_out`: as Link::Options.
   ///
   /// Errors: kInvalidArgument for the URL.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<OwnConnection>> Make(
-      const StoreOptions& options, const Clock& clock);
+      const StoreOptions& options, const Clock& clock, bool when_shut_out = false);
   OwnConnection(const OwnConnection&) = delete;
   OwnConnection& operator=(const OwnConnection&) = delete;
 

@@ -62,6 +62,22 @@ class TwoSchemas(TwoServers):
         with self.assertRaisesRegex(AssertionError, "run a newer uplinkd"):
             older.start()
 
+    def test_one_that_learns_it_by_a_new_connection_gives_its_lease_up(self):
+        self.start(B)
+        fleet = self.keep(Fleet(self.servers[B], "--robots", ROBOTS, "--ruri-prefix", "rcan://two/schemas",
+                                "--faults", 1, target=self.road.address))  # fmt: skip
+        self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
+        self.road.choose(B)
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 2 WHERE version = 2")
+        self.cluster.crash()
+        older = self.servers[A]
+        self.assertEqual(older.process.wait(DEADLINE_SECONDS), 1, older.text()[-2000:])
+        self.assertIn("store_outdated_program", older.text())
+        self.assertNotIn("lease_not_released", older.text())
+        self.wait_for(lambda: self.streams(B) == ROBOTS, "the robots came", B)
+        self.assert_all_is_stored(fleet, COUNTS)
+        self.assertNotIn("why=silent", self.servers[B].text())
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -47,6 +47,9 @@ class Link final {
     Purpose purpose = Purpose::kWrite;
     /// Accept a server with fsync = off.
     bool accept_unsafe = false;
+    /// Connect also where the schema shuts this program out, once the caller was refused for that,
+    /// and check no more then: for what such a program still has to write to end in order.
+    bool when_shut_out = false;
     /// Apply missing migrations before the first connection, whenever that comes.
     bool migrate = false;
   };
@@ -76,6 +79,7 @@ class Link final {
   const Clock& clock_;
   ServerFacts facts_;
   bool to_migrate_;
+  bool shut_out_ = false;
   std::uint64_t connections_ = 0;
   std::unique_ptr<Connection> connection_;
 };

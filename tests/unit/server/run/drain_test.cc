@@ -114,6 +114,14 @@ TEST_F(DrainOfHeld, NobodyListensAnyMoreSoPresenceIsUnknown) {
   EXPECT_FALSE(world_.shards.idle()) << "the change waits to be written";
 }
 
+TEST_F(DrainOfHeld, AStoreThatShutsTheProgramOutIsNotWaitedForLong) {
+  world_.store.FailNextCommits(1, testing::FailAt::kBefore, absl::UnimplementedError("newer"));
+  world_.journal.NotePresence(heard_.id(), model::Presence::kUnknown, world_.clock.System());
+  EXPECT_EQ(world_.journal.turns().Advance(), journal::Step::kFailed);
+  RunUntilTheClockEndsIt();
+  EXPECT_THAT(lines_.front(), HasSubstr("timeout_ms=2000"));
+}
+
 TEST_F(DrainOfHeld, WhoIsOfflineStaysSo) {
   // Sweeps that come in time: nothing stood still.
   for (milliseconds passed{0}; passed <= world_.fleet.presence_limits().timeout;
