@@ -71,8 +71,8 @@ class Leases {
   [[nodiscard]] virtual std::string ServerRun() const { return {}; }
 
   /// Raises the counter of this process's lease, which is made if it is not there. One that was
-  /// released stays so: a renewal that comes late undoes nothing. kUnimplemented: a step of the
-  /// store's schema shuts this program out (CheckOldest).
+  /// released stays so: a renewal that comes late undoes nothing. kUnimplemented: this program
+  /// can never use the store's schema (CheckApplied, CheckOldest).
   [[nodiscard]] virtual absl::Status Renew(const ProcessCard& card) = 0;
   /// Gives this process's robots up, for good.
   [[nodiscard]] virtual absl::Status Release() = 0;

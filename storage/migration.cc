@@ -23,16 +23,16 @@ absl::StatusOr<std::span<const Migration>> CheckApplied(std::string_view store,
   for (std::size_t i = 0; i < applied.size(); ++i) {
     const AppliedStep& step = applied[i];
     if (step.oldest == 0) {
-      return absl::FailedPreconditionError(
+      return absl::UnimplementedError(
           std::string(store) +
           " was made by an earlier build, and this program cannot bring it up: give it an empty"
           " store, or run that build");
     }
     oldest = std::max(oldest, step.oldest);
     if (i < common && (step.version != ours[i].version || step.sha256 != ours[i].sha256)) {
-      return absl::FailedPreconditionError(std::string(store) + " was migrated by another " +
-                                           ours[i].name +
-                                           " than this program's; restore it from a backup");
+      return absl::UnimplementedError(std::string(store) + " was migrated by another " +
+                                      ours[i].name +
+                                      " than this program's; restore it from a backup");
     }
   }
   if (!applied.empty()) {

@@ -31,7 +31,7 @@ struct AppliedStep {
 /// OK if a program of schema `ours` may use a store of schema `newest`, whose steps let programs in
 /// from schema `oldest` on. `store` names the store in the error.
 ///
-/// Errors: kUnimplemented, one sentence that says what to do.
+/// Errors: kUnimplemented, one sentence that says what to do: this program can never use the store.
 [[nodiscard]] absl::Status CheckOldest(std::string_view store, std::int64_t oldest,
                                        std::int64_t newest, std::int64_t ours);
 
@@ -39,9 +39,8 @@ struct AppliedStep {
 /// versions; returns those of its steps that the store lacks. Steps that the program does not know
 /// are no hindrance, unless one of them shuts it out (CheckOldest).
 ///
-/// Errors: kUnimplemented as CheckOldest; kFailedPrecondition, one sentence that says what to do,
-/// if
-///         the store is an earlier build's, or has another step under one of our numbers.
+/// Errors: kUnimplemented as CheckOldest, also if the store is an earlier build's, or has another
+///         step under one of our numbers.
 [[nodiscard]] absl::StatusOr<std::span<const Migration>> CheckApplied(
     std::string_view store, std::span<const AppliedStep> applied, std::span<const Migration> ours);
 

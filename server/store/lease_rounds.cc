@@ -232,9 +232,10 @@ void LeaseRounds::Adopt(robot::Robot& robot, const storage::ForeignRobot& foreig
 }
 
 void LeaseRounds::NoteOutcome(const absl::Status& status) {
-  if (absl::IsUnimplemented(status) && !std::exchange(shut_out_, true)) {
+  if (absl::IsUnimplemented(status)) {
+    if (std::exchange(shut_out_, true)) return;
     context_.logger.Error("store_outdated_program", {{"error", std::string(status.message())}});
-    context_.on_shut_out();
+    return context_.on_shut_out();
   }
   const bool fails = !status.ok();
   context_.probe.failing.Set(fails ? 1 : 0);

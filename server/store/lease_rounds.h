@@ -57,7 +57,7 @@ class LeaseRounds final {
     std::function<bool(std::string_view life)> is_gone = IsGone;
     /// Whether a robot that was heard last then is to be in memory no more.
     std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
-    /// The store shuts this program out: the process has to end. Called once.
+    /// The store's schema shuts this program out for good: the process has to end. Called once.
     std::function<void()> on_shut_out = [] {};
   };
   /// `leases` is null for a store that this process has alone: then there is nothing to do.

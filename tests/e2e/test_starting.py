@@ -95,6 +95,20 @@ class Starting(EndToEnd):
         self.assertIn("start_failed", server.text())
         self.assertIn("uplinkctl store migrate", server.text())
 
+    def test_a_schema_of_an_earlier_build_that_is_found_later_ends_the_server(self):
+        self.cluster.migrate()
+        self.cluster.sql("ALTER TABLE uplinkd.schema_migrations DROP COLUMN oldest")
+        self.proxy.mend()
+        self.proxy.cut(Cut.REFUSE)
+        server = self.begin()
+        wait_until(
+            server.process, lambda: LISTENING.search(server.text()), WAIT_SECONDS, "it starts without a store"
+        )
+        self.proxy.mend()
+        self.assertEqual(server.process.wait(WAIT_SECONDS), 1, server.text()[-2000:])
+        for line in ("store_outdated_program", "made by an earlier build", " draining ", " stopped"):
+            self.assertIn(line, server.text())
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -31,7 +31,7 @@ class FakeLeases final : public storage::Leases {
   void SetAway(bool away) { away_ = away; }
   /// The connection ends: the next call fails, and makes it anew for those after it.
   void Break() { broken_ = true; }
-  /// Each renewal says that a step of the schema shuts this program out.
+  /// Each renewal says that the schema shuts this program out.
   void ShutOut() { shut_out_ = true; }
   /// Called by each RobotsOfOthers, before its answer.
   void OnList(std::function<void()> call) { on_list_ = std::move(call); }

@@ -57,6 +57,13 @@ TEST_F(PostgresLeasesTest, ARenewalTellsAProgramThatALaterStepShutsItOut) {
   EXPECT_TRUE(renewed.message().find("run a newer uplinkd") != absl::string_view::npos) << renewed;
 }
 
+TEST_F(PostgresLeasesTest, AStoreOfAnEarlierBuildShutsTheProgramOutWhenItIsConnectedTo) {
+  shell_.Run("ALTER TABLE uplinkd.schema_migrations DROP COLUMN oldest");
+  const absl::Status renewed = leases_->Renew({"self", "life"});
+  EXPECT_TRUE(absl::IsUnimplemented(renewed)) << renewed;
+  EXPECT_TRUE(renewed.message().find("an earlier build") != absl::string_view::npos) << renewed;
+}
+
 TEST_F(PostgresLeasesTest, ALongCardIsCut) {
   ASSERT_TRUE(
       leases_->Renew({std::string(kCardTextMax + 1, 'n'), std::string(kCardTextMax, 'l')}).ok());

@@ -105,14 +105,15 @@ TEST_F(LeaseRoundsTest, AStoreThatWasAwayEndsNobodysLease) {
   EXPECT_EQ(probe_.failing.value(), 0);
 }
 
-TEST_F(LeaseRoundsTest, AsksForTheEndOnceWhereAStepOfTheSchemaShutsThisProgramOut) {
+TEST_F(LeaseRoundsTest, AsksForTheEndOnceWhereTheSchemaShutsThisProgramOut) {
   rounds_->Round();
   EXPECT_EQ(shut_outs_, 0);
   leases_->ShutOut();
   Pass(std::chrono::seconds(20));
   EXPECT_EQ(shut_outs_, 1);
-  EXPECT_THAT(lines_, Contains(AllOf(HasSubstr("store_outdated_program"),
-                                     HasSubstr("run a newer uplinkd"))));
+  EXPECT_THAT(lines_, ElementsAre(AllOf(HasSubstr("store_outdated_program"),
+                                        HasSubstr("run a newer uplinkd"))));
+  EXPECT_EQ(probe_.failing.value(), 0);
 }
 
 }  // namespace
