@@ -87,7 +87,8 @@ inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 /// /readyz, and the one that it shows to a broker.
 [[nodiscard]] std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now);
 
-/// The effective configuration as TOML that LoadConfig reads back; secrets are masked.
+/// The effective configuration as TOML that LoadConfig reads back; secrets are masked,
+/// and keys without effect are left out unless they were set.
 [[nodiscard]] std::string PrintConfig(const Config& config);
 
 }  // namespace uplink::config

@@ -14,10 +14,12 @@ namespace uplink::config {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 using ::uplink::config::testing::kMinimal;
 using ::uplink::config::testing::ParseWith;
@@ -299,6 +301,26 @@ TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
                                       "unset this variable")))
         << value;
   }
+}
+
+TEST(ParseConfigTest, EachRemovedKeyOfPresenceSaysWhatToDo) {
+  for (const char* const name : {"flap_changes", "flap_window"}) {
+    const std::string key(name);
+    EXPECT_THAT(ParseWith("[presence]\n" + key + " = 1\n").problems,
+                ElementsAre(IsProblem("u.toml:6", "presence." + key,
+                                      "removed; it never did anything: delete this line")));
+  }
+  EXPECT_THAT(ParseWith("", {{"UPLINKD_PRESENCE_FLAP_WINDOW", "1m"}}).problems,
+              ElementsAre(IsProblem("environment", "UPLINKD_PRESENCE_FLAP_WINDOW",
+                                    "removed; it never did anything: unset this variable")));
+}
+
+TEST(PrintConfigTest, LeavesOutDefaultsOfKeysWithoutEffect) {
+  const LoadResult result = ParseWith("");
+  ASSERT_TRUE(result.ok());
+  const std::string printed = PrintConfig(*result.config);
+  EXPECT_THAT(printed, Not(AnyOf(HasSubstr("operator_ca_file"), HasSubstr(":7444"))));
+  EXPECT_THAT(ParseConfig(printed, "printed", {}).notes, IsEmpty());
 }
 
 TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {
