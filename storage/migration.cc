@@ -15,6 +15,13 @@ absl::Status CheckOldest(std::string_view store, std::int64_t oldest, std::int64
   return absl::UnimplementedError(text);
 }
 
+absl::Status TablesWithoutSteps(std::string_view store) {
+  return absl::FailedPreconditionError(
+      std::string(store) +
+      " is damaged: it has tables, and schema_migrations does not say by which steps they were"
+      " made; restore it from a backup");
+}
+
 absl::StatusOr<std::span<const Migration>> CheckApplied(std::string_view store,
                                                         std::span<const AppliedStep> applied,
                                                         std::span<const Migration> ours) {

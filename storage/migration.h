@@ -35,6 +35,11 @@ struct AppliedStep {
 [[nodiscard]] absl::Status CheckOldest(std::string_view store, std::int64_t oldest,
                                        std::int64_t newest, std::int64_t ours);
 
+/// A store has tables of ours, and none of the steps that made them is noted.
+///
+/// Errors: always kFailedPrecondition, one sentence that says what to do.
+[[nodiscard]] absl::Status TablesWithoutSteps(std::string_view store);
+
 /// Whether a program of the steps `ours` may use a store that has `applied`, in the order of their
 /// versions; returns those of its steps that the store lacks. Steps that the program does not know
 /// are no hindrance, unless one of them shuts it out (CheckOldest).

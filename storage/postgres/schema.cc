@@ -5,9 +5,13 @@
 namespace uplink::storage::postgres {
 namespace {
 
-constexpr std::string_view kFindTable =
-    "SELECT 1 FROM pg_catalog.pg_class AS c JOIN pg_catalog.pg_namespace AS n"
-    " ON n.oid = c.relnamespace WHERE n.nspname = 'uplinkd' AND c.relname = 'schema_migrations'";
+/// Whether it is the table of steps, which comes first, and whether this role may read it. The
+/// other stands for all tables that the first step makes.
+constexpr std::string_view kFindTables =
+    "SELECT c.relname = 'schema_migrations', has_schema_privilege(n.oid, 'USAGE')"
+    " AND has_table_privilege(c.oid, 'SELECT') FROM pg_catalog.pg_class AS c"
+    " JOIN pg_catalog.pg_namespace AS n ON n.oid = c.relnamespace WHERE n.nspname = 'uplinkd'"
+    " AND c.relname IN ('schema_migrations', 'robots') ORDER BY 1 DESC";
 constexpr std::string_view kReadMigrations =
     // An earlier build's table has no column `oldest`.
     "SELECT version, coalesce((to_jsonb(m) ->> 'oldest')::bigint, 0), sha256"
@@ -26,11 +30,19 @@ std::string NameOf(const Connection& connection) {
 
 absl::StatusOr<std::vector<AppliedStep>> ReadApplied(Connection& connection) {
   std::vector<StoreCall> calls;
-  calls.push_back({kFindTable, {}});
-  auto found = connection.Run(calls, "look for the schema");
+  calls.push_back({kFindTables, {}});
+  const auto found = connection.Run(calls, "look for the schema");
   if (!found.ok()) return found.status();
+  const Result& tables = found->front();
   std::vector<AppliedStep> applied;
-  if (found->front().rows() == 0) return applied;
+  if (tables.rows() == 0) return applied;
+  if (!tables.Bool(0, 0)) return TablesWithoutSteps(NameOf(connection));
+  if (!tables.Bool(0, 1)) {
+    return absl::FailedPreconditionError(
+        NameOf(connection) +
+        ": permission denied for schema uplinkd: run `uplinkctl store migrate --grant-to ROLE` as"
+        " its owner, with the role that the server logs in as");
+  }
   calls.front() = {kReadMigrations, {}};
   auto read = connection.Run(calls, "read the schema's version");
   if (!read.ok()) return read.status();
@@ -38,6 +50,7 @@ absl::StatusOr<std::vector<AppliedStep>> ReadApplied(Connection& connection) {
   for (int row = 0; row < rows.rows(); ++row) {
     applied.push_back({rows.Int(row, 0), rows.Int(row, 1), std::string(rows.Bytes(row, 2))});
   }
+  if (applied.empty() && tables.rows() > 1) return TablesWithoutSteps(NameOf(connection));
   return applied;
 }
 

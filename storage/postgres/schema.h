@@ -13,7 +13,8 @@
 
 // The schema `uplinkd` of a database: its version, its migrations, who may use it.
 //
-// Errors: beside those of the connection, those of CheckApplied.
+// Errors: beside those of the connection, those of CheckApplied and of TablesWithoutSteps, and
+//         kFailedPrecondition, with what to do, where the role may not read the schema.
 namespace uplink::storage::postgres {
 
 struct AppliedSchema {

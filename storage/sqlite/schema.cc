@@ -51,7 +51,7 @@ absl::StatusOr<std::vector<AppliedStep>> ReadApplied(Database& database) {
       " + count(*) FILTER (WHERE name = 'oldest') FROM pragma_table_info('schema_migrations')");
   if (!columns.ok()) return columns.status();
   std::vector<AppliedStep> applied;
-  if (*columns == 0) return applied;
+  if (*columns < 4) return applied;
   // An earlier build's table has no column `oldest`.
   const std::string oldest = *columns % 2 == 0 ? "0" : "oldest";
   auto statement = database.Prepare("SELECT version, " + oldest +
@@ -110,7 +110,11 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
   if (!tables.ok()) return tables.status();
   const bool is_empty = *application == 0 && *version == 0 && *tables == 0;
   if (!is_empty && *application != kApplicationId) return Precondition(database, kOthers);
-  return Missing(database, migrations).status();
+  const auto missing = Missing(database, migrations);
+  if (missing.ok() && missing->size() == migrations.size() && *tables > 0) {
+    return TablesWithoutSteps("store " + database.path());
+  }
+  return missing.status();
 }
 
 absl::Status ConfigureWriter(Database& database) {

@@ -19,7 +19,7 @@ enum class IfOlder : std::uint8_t { kMigrate, kRefuse };
 /// Refuses what is neither empty nor ours, and what this program may not use (CheckApplied), before
 /// anything in the file is touched.
 ///
-/// Errors: kFailedPrecondition, naming the path; those of CheckApplied.
+/// Errors: kFailedPrecondition, naming the path; those of CheckApplied and of TablesWithoutSteps.
 [[nodiscard]] absl::Status CheckFile(Database& database, std::span<const Migration> migrations);
 
 /// Sets what durability rests on (WAL, synchronous FULL) and reads it back.

@@ -148,6 +148,27 @@ TEST_F(PostgresSchemaTest, AnotherSchemaAndOneOfAnEarlierBuildAreRefused) {
   EXPECT_TRUE(absl::IsUnimplemented(Migrate(*owner, Migrations()).status()));
 }
 
+TEST_F(PostgresSchemaTest, TablesWhoseStepsAreGoneAreRefusedAsDamaged) {
+  const auto owner = Owner();
+  ASSERT_TRUE(Migrate(*owner, Migrations()).ok());
+  for (const char* const gone :
+       {"DELETE FROM uplinkd.schema_migrations", "DROP TABLE uplinkd.schema_migrations"}) {
+    database_.Shell().Run(gone);
+    for (const absl::Status& status :
+         {CheckSchema(*owner, Migrations()), Migrate(*owner, Migrations()).status()}) {
+      EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
+      EXPECT_TRUE(status.message().find(" is damaged: ") != absl::string_view::npos) << status;
+    }
+  }
+}
+
+TEST_F(PostgresSchemaTest, ARoleThatWasGrantedNothingIsToldHowToBe) {
+  ASSERT_TRUE(Migrate(*Owner(), Migrations()).ok());
+  const absl::Status denied = CheckSchema(*Connect(database_.url()), Migrations());
+  EXPECT_TRUE(absl::IsFailedPrecondition(denied)) << denied;
+  EXPECT_TRUE(denied.message().find("--grant-to ROLE") != absl::string_view::npos) << denied;
+}
+
 TEST_F(PostgresSchemaTest, AFailedStepLeavesTheStepsBefore) {
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
   migrations.push_back({static_cast<std::int64_t>(migrations.size()) + 1, 1, "0002_broken", "sum",

@@ -123,6 +123,18 @@ TEST_F(SqliteFiles, RefusesAFileOfAnEarlierBuild) {
   EXPECT_THAT(Text(status), AllOf(HasSubstr(path_), HasSubstr("an earlier build")));
 }
 
+TEST_F(SqliteFiles, RefusesAFileWhoseStepsAreGone) {
+  Make();
+  for (const char* const gone : {"DELETE FROM schema_migrations", "DROP TABLE schema_migrations"}) {
+    SqliteShell(path_).Run(gone);
+    const absl::Status status = Open();
+    ExpectPrecondition(status);
+    EXPECT_THAT(Text(status),
+                AllOf(HasSubstr(path_ + " is damaged: "), HasSubstr("restore it from a backup")));
+    EXPECT_THAT(Text(SqliteReader::Open(path_).status()), HasSubstr(" is damaged: "));
+  }
+}
+
 TEST_F(SqliteFiles, RefusesAnotherProgramsFileAndLeavesItAlone) {
   SqliteShell shell(path_);
   shell.Run("CREATE TABLE theirs (x); PRAGMA application_id = 7");
