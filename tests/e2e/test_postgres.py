@@ -57,6 +57,14 @@ class Schema(EndToEnd):
         self.start_that_fails("run a newer uplinkd", UPLINKD_STORE_ACCEPT_UNSAFE="true")
         status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd"), code=1)
         self.assertIn("run a newer uplinkd", status.stderr)
+        self.assertRegex(status.stdout, r"\nschema          99 \(this program knows \d+; may not use it\)\n")
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 1 WHERE version = 99")
+        status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd")).stdout
+        self.assertRegex(status, r"\nschema          99 \(this program knows \d+; may use it\)\n")
+        self.cluster.sql("ALTER TABLE uplinkd.schema_migrations DROP COLUMN oldest")
+        status = uplinkctl("store", "status", "--url", self.cluster.url("uplinkd"), code=1)
+        self.assertRegex(status.stdout, r"\nschema          99 \(this program knows \d+; may not use it\)\n")
+        self.assertIn("made by an earlier build", status.stderr)
 
     def test_fsync_off_is_refused_unless_it_is_accepted(self):
         self.cluster.migrate()

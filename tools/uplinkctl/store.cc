@@ -85,6 +85,14 @@ int Migrate(const Arguments& arguments) {
   return kExitDone;
 }
 
+std::string SchemaText(const storage::postgres::StoreState& state) {
+  if (state.schema_fits.ok() && state.schema_version <= state.schema_needed) {
+    return fmt::format("{} of {}", state.schema_version, state.schema_needed);
+  }
+  return fmt::format("{} (this program knows {}; {} use it)", state.schema_version,
+                     state.schema_needed, state.schema_fits.ok() ? "may" : "may not");
+}
+
 int Status(const Arguments& arguments) {
   const absl::StatusOr<AdminOptions> target = DatabaseTarget(
       arguments, "status is for PostgreSQL; an SQLite file is checked when uplinkd starts");
@@ -96,7 +104,7 @@ int Status(const Arguments& arguments) {
   fmt::print("store           {}\n", state->where);
   fmt::print("server          PostgreSQL {}.{}\n", state->server_version / 10'000,
              state->server_version % 10'000);
-  fmt::print("schema          {} of {}\n", state->schema_version, state->schema_needed);
+  fmt::print("schema          {}\n", SchemaText(*state));
   fmt::print("fsync           {}\n", yes(state->fsync));
   fmt::print("takes writes    {}\n", yes(!state->read_only && !state->standby));
   fmt::print("clock offset    {} ms\n", state->clock_offset.count());
