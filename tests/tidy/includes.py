@@ -55,8 +55,8 @@ FOREIGN = (
 )
 
 # The rooms of server/, in the order in which they may include each other: a room sees itself and the
-# steps before its own, never another room of its step. The files of server/ itself (app, main and
-# what sets up the process) come last and see all. A room that is not here, and one that is here
+# steps before its own, never another room of its step. The file of server/ itself (main) comes last
+# and sees all. A room that is not here, and one that is here
 # and has no folder, is a finding.
 ROOMS = (
     ("log", "identity"),  # lines; what a certificate says: both know nothing of the server
