@@ -55,8 +55,19 @@ enum class Numbered : std::uint8_t {
   kLost,
 };
 
-/// A message that its source has judged. The port calls each of these at most once an offer, in
-/// this order, and stops where a message waits, is refused or rejected.
+/// A message that its source has judged. The port calls each of these at most once per offer. Cost
+/// is always first; then it depends on what becomes of the message:
+///
+/// | outcome                             | calls after Cost                               |
+/// | ----------------------------------- | ---------------------------------------------- |
+/// | it has no room and waits            | none                                           |
+/// | it has no room and cannot wait      | Settle                                         |
+/// | its robot alone asks for too much   | Begin, RejectLimited                           |
+/// | it is over a rate                   | Begin, TakeRate, RejectLimited                 |
+/// | it is rejected by itself            | Begin, TakeRate, FindRejection, Reject, Number |
+/// | it is taken with records            | Begin, TakeRate, FindRejection, Take, Number   |
+/// | it is taken, Brought::became is set | Begin, TakeRate, FindRejection, Take, Settle   |
+/// | it is taken without either          | Begin, TakeRate, FindRejection, Take           |
 ///
 /// Thread: that of the port.
 class Message {
@@ -66,7 +77,8 @@ class Message {
   [[nodiscard]] virtual const Arrival& arrival() const = 0;
   /// What its records cost at most; nothing if it cannot bring any, so that it needs no room.
   [[nodiscard]] virtual std::optional<RecordCost> Cost() = 0;
-  /// There is room, and it is processed now. What goes before it goes now.
+  /// It is processed now, with room or as one that exceeds its robot's flow. What goes before it
+  /// goes now.
   virtual void Begin() = 0;
   /// Takes the tokens of its sender's rates; why it is rejected if it is over one.
   [[nodiscard]] virtual std::optional<model::Rejection> TakeRate() = 0;

@@ -10,7 +10,7 @@ Port::Offered Port::Offer(const Line& line, Message& message) {
   // It needs room for what it may bring. Without, it waits, or costs its own sender alone.
   if (const std::optional<RecordCost> cost = message.Cost()) {
     const Hold hold = HoldOf(line, message.arrival().waits, *cost);
-    if (!hold.none()) return Turn(message, hold);
+    if (!hold.none()) return HandleNoRoom(message, hold);
   }
   message.Begin();
   // Its sender may send so many a second.
@@ -27,7 +27,7 @@ Port::Offered Port::Offer(const Line& line, Message& message) {
   return {};
 }
 
-Port::Offered Port::Turn(Message& message, const Hold& hold) {
+Port::Offered Port::HandleNoRoom(Message& message, const Hold& hold) {
   if (hold.is_excess) {
     message.Begin();
     RejectLimited(message,
@@ -43,7 +43,7 @@ Port::Offered Port::Turn(Message& message, const Hold& hold) {
 void Port::RejectLimited(Message& message, const model::Rejection& rejection) {
   switch (message.RejectLimited(rejection)) {
     case Numbered::kWaiting:
-      Enter(message.arrival());
+      CountOnce(message.arrival());
       ++counts_.in_flight;
       return;
     case Numbered::kLost:
@@ -92,7 +92,7 @@ void Port::Store(const Line& line, Message& message, Brought brought,
   if (message.Number(brought.records, rejected) == Numbered::kLost) {
     return Count(arrival, context_.lost_counts_as);
   }
-  Enter(arrival);
+  CountOnce(arrival);
   ++counts_.in_flight;
   Append(line, std::move(brought.records), arrival.steady);
 }
@@ -129,7 +129,7 @@ Hold Port::HoldOf(const Line& line, Waits waits, const RecordCost& cost) {
        .journal_over_half = waits == Waits::kBroker && context_.journal_over_half()});
 }
 
-void Port::Enter(const Arrival& arrival) {
+void Port::CountOnce(const Arrival& arrival) {
   if (arrival.is_counted) {
     --counts_.in_flight;
   } else {
@@ -138,7 +138,7 @@ void Port::Enter(const Arrival& arrival) {
 }
 
 void Port::Count(const Arrival& arrival, metrics::Became became) {
-  Enter(arrival);
+  CountOnce(arrival);
   counts_.Count(became);
 }
 

@@ -18,10 +18,9 @@
 
 namespace uplink::ingest {
 
-/// The one way of messages into the server, from every source: Offer is what happens to a
-/// message. The port decides whether there is room, what a rejection writes, and how what is
-/// durable goes to the journal; and it counts. Which numbers a message has, and what its sender is
-/// told, is its source's.
+/// Every message enters here, from every source; Offer decides its fate. The port decides whether
+/// there is room, what a rejection writes, and how what is durable goes to the journal; and it
+/// counts. Which numbers a message has, and what its sender is told, is its source's.
 ///
 /// The outcome of what waits for a commit comes back to the source by the numbers of its records
 /// (robot::RobotSessions::Take), and its ledger page has the rest.
@@ -42,14 +41,15 @@ class Port final {
     std::size_t payload_bytes_max = 0;
     /// Whether the journals are more than half full; of Waits::kBroker.
     std::function<bool()> journal_over_half{};
-    /// What a message counts as whose robot another process has by now.
+    /// How to count a message whose robot another process took.
     metrics::Became lost_counts_as = metrics::Became::kRefused;
   };
   explicit Port(Context context)
       : context_(std::move(context)), allowance_(context_.allowances.Get()) {}
 
   enum class Answer : std::uint8_t {
-    /// It is held, or waits for its commit; or it was rejected for itself.
+    /// It is held, or waits for its commit: by its records, or by its row of quarantine if it was
+    /// rejected by itself.
     kTaken,
     /// Nothing was done: its source offers it again once Offered::hold is over.
     kWaits,
@@ -63,7 +63,7 @@ class Port final {
     /// Why it waits or was refused, or exceeds its robot's flow.
     Hold hold{};
   };
-  /// What happens to a message.
+  /// Decides a message's fate, by the calls that Message lists.
   [[nodiscard]] Offered Offer(const Line& line, Message& message);
 
   /// A message that arrived then is a sign of life of its robot.
@@ -79,7 +79,7 @@ class Port final {
   void Count(const Arrival& arrival, metrics::Became became);
   /// A message waits, and is counted as in flight until it is offered again.
   void CountHeld();
-  /// What is counted besides, until Publish.
+  /// Counts that the source adds to its own, until Publish.
   [[nodiscard]] metrics::MessageCounts& counts() { return counts_; }
   /// Tells the ledger what was counted.
   void Publish();
@@ -90,13 +90,13 @@ class Port final {
   void FollowReload();
 
  private:
-  [[nodiscard]] Offered Turn(Message& message, const Hold& hold);
+  [[nodiscard]] Offered HandleNoRoom(Message& message, const Hold& hold);
   void RejectLimited(Message& message, const model::Rejection& rejection);
   void Reject(const Line& line, Message& message, const model::Rejection& rejection);
   void Store(const Line& line, Message& message, Brought brought,
              std::optional<model::RejectReason> rejected);
-  /// The message leaves what it was counted as before.
-  void Enter(const Arrival& arrival);
+  /// Counts it as received, unless it was while it waited: then it is in flight no more.
+  void CountOnce(const Arrival& arrival);
 
   const Context context_;
   std::shared_ptr<const Allowance> allowance_;

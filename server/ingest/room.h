@@ -16,8 +16,8 @@ namespace uplink::ingest {
 
 using robot::HeldBack;
 
-/// Where the messages of one stream go: its robot, and how the journal knows them. All of it
-/// outlives the look, but the values.
+/// One stream's way into the server: the robot that its messages are of, and what the journal needs
+/// to append their records. What it refers to must outlive the call that it is passed to.
 struct Line {
   robot::Robot& robot;
   /// As its records name it.
@@ -29,14 +29,15 @@ struct Line {
 
 /// Who waits while a message has no room.
 enum class Waits : std::uint8_t {
-  /// The stream that brought it: it is held back for whatever its robot is short of.
+  /// Its own stream waits, for whatever its robot is short of.
   kStream,
-  /// All robots of its broker, whose messages come in one order (QoS 1). So a message waits only
-  /// where no robot has room, and what is past its own robot's flow is rejected instead. Our acks
+  /// All robots of its broker wait, since their messages come in one order (QoS 1). So a message
+  /// waits only where no robot has room, and is rejected past its own robot's flow. Our acks
   /// hold its publisher back, and a backlog after an outage is honest: the flow counts only while
   /// the journal or the disk is short.
   kBroker,
-  /// Nobody (QoS 0): what has no room is refused, and what is past its robot's flow is rejected.
+  /// No sender waits (QoS 0): a message without room is refused, and rejected past its robot's
+  /// flow.
   kNobody,
 };
 
@@ -64,7 +65,7 @@ struct Hold {
   [[nodiscard]] bool none() const { return by == HeldBack::kNone; }
 };
 
-/// What decides whether there is room. All of it outlives the look.
+/// What decides whether there is room. What it refers to must outlive the call.
 struct RoomTerms {
   const Clock& clock;
   const robot::FlowLimits& flow;

@@ -51,8 +51,8 @@ struct Newcomer {
 /// may call says so.
 class RobotSessions final {
  public:
-  /// What of a robot of a broker waits and is settled, who reads the broker counts: by messages, of
-  /// which each may be several records.
+  /// A broker's reader counts its robots' messages itself, since each may be several records; those
+  /// of the relay are counted here.
   explicit RobotSessions(model::MessageSource source = model::MessageSource::kUplink)
       : source_(source) {}
 

@@ -25,7 +25,7 @@ absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity, con
   if (found != methods.end()) {
     return takes(*found) ? absl::OkStatus() : WrongRole(identity->role, found->second.audience);
   }
-  // To others it is not even told what there is.
+  // Other roles do not learn which methods exist.
   if (std::any_of(methods.begin(), methods.end(), takes)) return absl::OkStatus();
   return WrongRole(identity->role, "nothing here takes it");
 }

@@ -26,12 +26,12 @@ struct RelayContext {
   metrics::LedgerBook& ledgers;
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
-  // As SessionContext's.
+  /// What one robot may send; a reload changes it.
   const ingest::Allowances& allowances;
-  /// As SessionContext's.
+  /// Reads from the store the Rejects that an agent did not confirm.
   session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;
-  /// As SessionContext's.
+  /// What other robots share, for each stream that asks for it; null: nothing is forwarded.
   session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;
