@@ -47,7 +47,8 @@ bool IsShown(const Setting& setting) { return setting.effect != Effect::kNone; }
 std::string ExampleToml() {
   const Config defaults;
   std::string text = Comment(
-      "Configuration of uplinkd. Every key stands here, commented, with its default. Durations "
+      "Configuration of uplinkd. Every key that has an effect stands here, commented, with its "
+      "default. Durations "
       "and sizes are strings with their unit (\"500ms\" \"10s\" \"2m\" \"1h\" \"1d\"; \"512B\" "
       "\"64KiB\" \"1MiB\" \"1GiB\"); an unknown key is an error. UPLINKD_<SECTION>_<KEY> in the "
       "environment overrides a key. `uplinkd --config FILE --check-config` reports every problem "
