@@ -35,7 +35,9 @@ void LeaseRounds::Round() {
   absl::Status looked = Look();
   // Its connection may only have ended since the last look. A new one shows at once what that one
   // would have shown, so that this is no time in which nothing was seen.
-  if (!looked.ok() && context_.clock.Steady() - began < kLookEvery) looked = Look();
+  // A store that shuts this program out has answered.
+  const bool answered = looked.ok() || absl::IsUnimplemented(looked);
+  if (!answered && context_.clock.Steady() - began < kLookEvery) looked = Look();
   if (!looked.ok()) judge_.NoteFailure(context_.clock.Steady());
   if (looked.ok()) NoteVerdicts();
   NoteOutcome(looked);
