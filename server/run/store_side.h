@@ -60,7 +60,7 @@ class StoreSide final {
   void ReadRobots();
   /// Commits what comes from now on.
   void StartWriters() { writers_.Start(); }
-  /// Looks after what other servers hold, and what is to be forgotten, from now on. Robots reach
+  /// From now on follows what other servers hold, and forgets robots as operators ask. Robots reach
   /// this server at that port.
   void StartRounds(std::uint16_t port);
   /// Ends its threads, after the calls of the store that are under way. Idempotent.

@@ -32,6 +32,16 @@ class TwoSchemas(TwoServers):
         wrong = {check["what"] for check in mismatches(report)}
         self.assertLessEqual(wrong, set(counted_elsewhere), report)
 
+    def shut_out_older(self):
+        """While robots stream to A, and those that come again go to B. Returns their fleet."""
+        self.start(B)
+        fleet = self.keep(Fleet(self.servers[B], "--robots", ROBOTS, "--ruri-prefix", "rcan://two/schemas",
+                                "--faults", 1, target=self.road.address))  # fmt: skip
+        self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
+        self.road.choose(B)
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 2 WHERE version = 2")
+        return fleet
+
     def test_a_step_that_adds_lets_both_go_on(self):
         self.robots_at(A)
         self.assertEqual(self.schema(), "1|1")
@@ -46,12 +56,7 @@ class TwoSchemas(TwoServers):
         self.start(A)
 
     def test_a_step_that_shuts_the_older_out_ends_it_in_order_and_the_newer_goes_on(self):
-        self.start(B)
-        fleet = self.keep(Fleet(self.servers[B], "--robots", ROBOTS, "--ruri-prefix", "rcan://two/schemas",
-                                "--faults", 1, target=self.road.address))  # fmt: skip
-        self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
-        self.road.choose(B)
-        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 2 WHERE version = 2")
+        fleet = self.shut_out_older()
         older = self.servers[A]
         self.assertEqual(older.process.wait(DEADLINE_SECONDS), 1, older.text()[-2000:])
         for line in ("store_outdated_program", "run a newer uplinkd", " draining ", " stopped"):
@@ -63,12 +68,7 @@ class TwoSchemas(TwoServers):
             older.start()
 
     def test_one_that_learns_it_by_a_new_connection_gives_its_lease_up(self):
-        self.start(B)
-        fleet = self.keep(Fleet(self.servers[B], "--robots", ROBOTS, "--ruri-prefix", "rcan://two/schemas",
-                                "--faults", 1, target=self.road.address))  # fmt: skip
-        self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
-        self.road.choose(B)
-        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 2 WHERE version = 2")
+        fleet = self.shut_out_older()
         self.cluster.crash()
         older = self.servers[A]
         self.assertEqual(older.process.wait(DEADLINE_SECONDS), 1, older.text()[-2000:])
