@@ -7,7 +7,10 @@ namespace uplink::journal {
 Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& robot,
                          const robot::HoldNews& news) {
   Told told;
-  held_[robot->ruri] = {&client, robot};
+  Held& held = held_[robot->ruri];
+  // Another of the same name, whose owner let go of it, is held no more.
+  if (held.client.get() != nullptr && held.client.get() != &client) robots_.Lose(*held.client);
+  held = {&client, robot};
   switch (robots_.Begin(client, news.since)) {
     case HeldRobots::Hold::kSame:
       return told;
@@ -27,7 +30,8 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
 
 loop::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
   robots_.Lose(client);
-  // The map's entry, to which the reference may lead, goes before the name is used last.
+  // The map's entry, to which the references may lead, goes before they are used last.
+  const robot::ClientRef kept_client(&client);
   // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the copy keeps it alive
   const storage::RobotRef kept = robot;
   held_.erase(kept->ruri);

@@ -55,9 +55,11 @@ class Holds final {
  private:
   const WriterContext context_;
   HeldRobots robots_;
-  /// Those that are held, by RURI. A robot leaves memory only when it is not (Adopting::LetLeave).
+  /// Those that are held, by RURI. It keeps them: a broker's stand-in for no robot has no other
+  /// owner once its stream is closed, and a robot of the fleet is let go of first
+  /// (Adopting::LetLeave).
   struct Held {
-    robot::CommitClient* client = nullptr;
+    robot::ClientRef client;
     storage::RobotRef robot;
   };
   std::unordered_map<std::string, Held> held_;
