@@ -33,8 +33,10 @@ void Rounds::Run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     const SteadyTime::duration first =
         std::max(std::min(next.not_before, next.within), SteadyTime::duration::zero());
-    // Even a wait for no time lets go of the processor: the next commit would come that much later.
-    if (first > SteadyTime::duration::zero()) wake_.wait_for(lock, stop, first, [] { return false; });
+    // Even a wait for no time lets go of the processor.
+    if (first > SteadyTime::duration::zero()) {
+      wake_.wait_for(lock, stop, first, [] { return false; });
+    }
     if (next.within > first) {
       wake_.wait_for(lock, stop, next.within - first, [this] { return woken_; });
     }

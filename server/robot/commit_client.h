@@ -43,8 +43,8 @@ struct Settled {
 };
 
 /// A robot as the journal sees it: what is told when this process holds it, when its stream was
-/// opened or when its records are settled. Lives as long as anything of it waits in the journal
-/// (ClientRef). Called on the journal's writer thread, with no lock held.
+/// opened or when its records are settled. Lives as long as anything of it waits in the journal, or
+/// it is held (ClientRef). Called on the journal's writer thread, with no lock held.
 class CommitClient : public std::enable_shared_from_this<CommitClient> {
  public:
   virtual ~CommitClient() = default;
