@@ -9,7 +9,7 @@ constexpr std::string_view kPrefix = "unrecognized_";
 
 }  // namespace
 
-std::string UnrecognizedText(std::uint16_t number) {
+std::string UnrecognizedText(std::int32_t number) {
   return std::string(kPrefix) + std::to_string(number);
 }
 

@@ -87,7 +87,9 @@ struct Counter {
     return HeldByAll(event.kind, event.detail_json);
   }
   static std::size_t Held(const EventTelemetry& body) { return Held(body.kind); }
-  static std::size_t Held(const Message& body) { return HeldByAll(body.message, body.detail_json); }
+  static std::size_t Held(const Message& body) {
+    return HeldByAll(body.message, body.detail_json, body.source_level);
+  }
 
   static std::size_t Held(const AssetIdentity& identity) {
     return HeldByAll(identity.id, identity.name, identity.hash);
@@ -156,6 +158,10 @@ std::size_t HeldBytes(const Rejection& rejection) { return Counter::Held(rejecti
 
 std::size_t HeldBytes(const ScopeUpdate& update) {
   return Counter::HeldByAll(update.id, update.type, update.detail_json);
+}
+
+std::size_t HeldBytes(const OperatorRequest& request) {
+  return Counter::HeldByAll(request.request_id, request.text);
 }
 
 std::size_t HeldBytes(const std::string& text) { return Counter::Held(text); }

@@ -6,6 +6,7 @@
 #include "schema/model/extras.h"
 #include "schema/model/health.h"
 #include "schema/model/motion.h"
+#include "schema/model/operator_request.h"
 #include "schema/model/rcan.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
@@ -20,6 +21,7 @@ namespace uplink::model {
 [[nodiscard]] std::size_t HeldBytes(const Record& record);
 [[nodiscard]] std::size_t HeldBytes(const Rejection& rejection);
 [[nodiscard]] std::size_t HeldBytes(const ScopeUpdate& update);
+[[nodiscard]] std::size_t HeldBytes(const OperatorRequest& request);
 [[nodiscard]] std::size_t HeldBytes(const std::string& text);
 [[nodiscard]] std::size_t HeldBytes(const Value& value);
 [[nodiscard]] std::size_t HeldBytes(const MotionTelemetry& motion);

@@ -12,6 +12,8 @@ constexpr std::string_view WordOf(MessageSource source) {
       return "uplink";
     case MessageSource::kCyberwave:
       return "cyberwave";
+    case MessageSource::kUncrew:
+      return "uncrew";
   }
   return {};
 }

@@ -25,6 +25,9 @@ class Judge;
 namespace uplink::cyberwave {
 class Records;
 }
+namespace uplink::uncrew {
+class Records;
+}
 
 namespace uplink::model {
 
@@ -53,8 +56,8 @@ UPLINK_VARIANTS(UPLINK_VARIANT)
   return static_cast<Variant>(body.index());
 }
 
-/// A validated message. Only a passing judgement makes one (schema::Judge, cyberwave::Records), so
-/// whoever holds a Record need not check it again. A value.
+/// A validated message. Only a passing judgement makes one (schema::Judge, and the Records of
+/// cyberwave and uncrew), so a Record need not be checked again. A value.
 class Record {
  public:
   [[nodiscard]] Variant variant() const { return VariantOf(body_); }
@@ -73,6 +76,7 @@ class Record {
  private:
   friend class uplink::schema::Judge;
   friend class uplink::cyberwave::Records;
+  friend class uplink::uncrew::Records;
   Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
          std::size_t payload_bytes);
 

@@ -112,6 +112,8 @@ struct Message {
   /// What else its sender said, as the JSON text of an object; empty if that is nothing. Payloads
   /// of generation 0.1 have none.
   std::string detail_json{};
+  /// The level as its sender calls it, finer than `level`: `notice`; empty if it says none.
+  std::string source_level{};
 
   friend bool operator==(const Message&, const Message&) = default;
 };

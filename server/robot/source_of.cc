@@ -14,6 +14,8 @@ bool Owns(model::MessageSource source, std::string_view ruri) {
       return false;
     case model::MessageSource::kCyberwave:
       return cyberwave::IsTwinRuri(ruri) || storage::IsNoRobot(ruri);
+    case model::MessageSource::kUncrew:
+      return false;  // a drone may relay, too
   }
   CheckFailed(__FILE__, __LINE__, "source", "a source that does not exist");
 }

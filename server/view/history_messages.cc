@@ -42,6 +42,7 @@ v1::RobotMessage ToMessage(const storage::MessageRow& row) {
   item.set_ruri(row.robot.ruri);
   item.set_level(model::EnumText(row.message.level));
   item.set_message(row.message.message);
+  if (!row.message.source_level.empty()) item.set_source_level(row.message.source_level);
   item.set_sampled_at_ms(row.message.unix_time_ms);
   item.set_received_at_ms(UnixMs(row.received_at));
   return item;

@@ -31,7 +31,7 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
+        ("schema/uncrew/", "server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/http2/", "server/front/call/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
