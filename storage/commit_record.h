@@ -14,6 +14,7 @@
 #include "storage/epoch.h"
 #include "storage/identity.h"
 #include "storage/origin.h"
+#include "storage/samples.h"
 
 namespace uplink::storage {
 
@@ -53,6 +54,9 @@ struct CommitRecord {
   OriginRef origin{};
   /// Set on the last record of a message that a broker delivered.
   std::optional<MessageEnd> message_end{};
+  /// Set on all records of a drone's sample: it decides, in place of `held_since` and of the
+  /// session's cursor. The number serves quarantine alone then.
+  SampleRef sample{};
 };
 
 }  // namespace uplink::storage

@@ -9,6 +9,7 @@
 
 #include "storage/adopt.h"
 #include "storage/batch.h"
+#include "storage/claim.h"
 #include "storage/compare.h"
 #include "storage/live_row.h"
 #include "storage/open_stream.h"
@@ -42,6 +43,15 @@ class Store {
   [[nodiscard]] virtual absl::StatusOr<std::vector<AdoptResult>> Adopt(
       std::span<const AdoptRequest> requests) = 0;
 
+  /// Claims drones for this process, which they call: one answer per request, at most kClaimsMax,
+  /// each of another robot, in one transaction. Creates the robots' rows; touches no session. Also
+  /// takes the robot itself (held_since), unless another process has it: one that has a lease and
+  /// did not release it, while the robot's last presence is anything but offline, or is older than
+  /// the last stream that was opened. Claims that were answered before InDoubt are void: the
+  /// process claims anew.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<ClaimResult>> ClaimDrones(
+      std::span<const ClaimRequest> requests) = 0;
+
   /// Commits a batch in one transaction: one outcome per record, in order, then one per change of
   /// presence: kStored, kDuplicate or kFenced.
   ///
@@ -51,6 +61,12 @@ class Store {
   /// if the number was rejected (it lies in quarantine, or in a range that was limited), else
   /// kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
   /// quarantine row), and the cursor becomes its number. Durable once this returns.
+  ///
+  /// A record with a SampleMark is decided by that alone, once for all records of its sample, and
+  /// has no cursor: kFenced for all unless this process has the drone's claim of exactly that
+  /// epoch, whoever holds the robot; kDuplicate for all if the sample was stored before; else each
+  /// is written, or its quarantine row where a bound or the database refuses it alone, and the
+  /// sample is remembered.
   ///
   /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
   /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and

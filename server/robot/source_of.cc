@@ -11,6 +11,7 @@ namespace {
 bool Owns(model::MessageSource source, std::string_view ruri) {
   switch (source) {
     case model::MessageSource::kUplink:
+    case model::MessageSource::kUncrew:
       return false;
     case model::MessageSource::kCyberwave:
       return cyberwave::IsTwinRuri(ruri) || storage::IsNoRobot(ruri);

@@ -120,6 +120,11 @@ absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
   });
 }
 
+absl::StatusOr<std::vector<ClaimResult>> PostgresStore::ClaimDrones(
+    std::span<const ClaimRequest> /*requests*/) {
+  return absl::UnimplementedError("no claims yet");
+}
+
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {
   const StoreOptions& options = impl_->options;
   return With([&](Connection& connection) {

@@ -200,6 +200,11 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
   });
 }
 
+absl::StatusOr<std::vector<ClaimResult>> SqliteStore::ClaimDrones(
+    std::span<const ClaimRequest> /*requests*/) {
+  return absl::UnimplementedError("no claims yet");
+}
+
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
   const auto write = [&](Isolation isolation) {
     const CommitTerms terms{impl_->options.process, impl_->options.rules, *impl_->files};

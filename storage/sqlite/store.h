@@ -66,6 +66,8 @@ class SqliteStore final : public Store {
       std::span<const OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<AdoptResult>> Adopt(
       std::span<const AdoptRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<ClaimResult>> ClaimDrones(
+      std::span<const ClaimRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) override;
   [[nodiscard]] absl::StatusOr<Swept> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;

@@ -67,6 +67,11 @@ absl::StatusOr<std::vector<storage::AdoptResult>> HoldersStore::Adopt(
   });
 }
 
+absl::StatusOr<std::vector<storage::ClaimResult>> HoldersStore::ClaimDrones(
+    std::span<const storage::ClaimRequest> requests) {
+  return Pass([&] { return store_.ClaimDrones(requests); });
+}
+
 absl::StatusOr<std::vector<storage::Outcome>> HoldersStore::Commit(const storage::Batch& batch) {
   testing::FakeRules rules;
   rules.presence_without_hold = context_.fault == HoldersFault::kHoldNotChecked;

@@ -87,6 +87,8 @@ class HoldersStore final : public storage::Store {
       std::span<const storage::OpenRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::AdoptResult>> Adopt(
       std::span<const storage::AdoptRequest> requests) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ClaimResult>> ClaimDrones(
+      std::span<const storage::ClaimRequest> requests) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::Outcome>> Commit(
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<storage::Swept> Sweep(SystemTime now) override;

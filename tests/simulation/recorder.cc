@@ -80,6 +80,20 @@ absl::StatusOr<std::vector<storage::AdoptResult>> Recorder::Adopt(
   return results;
 }
 
+absl::StatusOr<std::vector<storage::ClaimResult>> Recorder::ClaimDrones(
+    std::span<const storage::ClaimRequest> requests) {
+  const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
+  if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");
+  auto results = store_->ClaimDrones(requests);
+  if (!results.ok()) return results;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const storage::Epoch since = (*results)[i].held_since;
+    if (since != 0) book_.rows.insert_or_assign(requests[i].robot->ruri, since);
+  }
+  if (fault == StoreFault::kAfter) return absl::UnavailableError("ordered, answer lost");
+  return results;
+}
+
 absl::StatusOr<std::vector<storage::Outcome>> Recorder::Commit(const storage::Batch& batch) {
   const StoreFault fault = std::exchange(fault_, StoreFault::kNone);
   if (away_ || fault == StoreFault::kBefore) return absl::UnavailableError("ordered");

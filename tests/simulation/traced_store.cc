@@ -113,6 +113,19 @@ absl::StatusOr<std::vector<storage::AdoptResult>> TracedStore::Adopt(
   });
 }
 
+absl::StatusOr<std::vector<storage::ClaimResult>> TracedStore::ClaimDrones(
+    std::span<const storage::ClaimRequest> requests) {
+  trace_.Add(fmt::format("store ClaimDrones of {}", requests.size()));
+  for (const storage::ClaimRequest& request : requests) {
+    trace_.Add(fmt::format("claim {}", request.robot->ruri));
+  }
+  return Traced(trace_, store_.ClaimDrones(requests), [this](const auto& results) {
+    for (const storage::ClaimResult& result : results) {
+      trace_.Add(fmt::format("claim {}, held since {}", result.claim, result.held_since));
+    }
+  });
+}
+
 void TracedStore::AddBatch(const storage::Batch& batch) {
   trace_.Add(fmt::format("store Commit by {}", batch.presence_session.ToHex()));
   for (const storage::CommitRecord& record : batch.records) trace_.Add(TextOf(record));

@@ -14,6 +14,11 @@ absl::StatusOr<std::vector<storage::AdoptResult>> FakeStore::Adopt(
             [&](const FakeRules& /*rules*/) { return database_.Adopt(process_, requests); });
 }
 
+absl::StatusOr<std::vector<storage::ClaimResult>> FakeStore::ClaimDrones(
+    std::span<const storage::ClaimRequest> /*requests*/) {
+  return absl::UnimplementedError("no claims yet");
+}
+
 absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::Batch& batch) {
   return Do({Orders::kAny, Orders::kCommits}, Call::kCommit, [&](const FakeRules& rules) {
     return database_.Commit(process_, batch, rules, store_rules_);
