@@ -6,7 +6,10 @@ import json
 import os
 import pathlib
 import select
+import socket
 import sqlite3
+import ssl
+import struct
 import subprocess
 import unittest
 import urllib.request
@@ -24,6 +27,9 @@ NODE_PATHS = [path for path in os.environ.get("NODE_PATH", "").split(":") if pat
 PROTOS = ("uplink/v1/relay.proto", "uncrew/v1/avatar.proto")
 SECONDS = 60
 ROOT = "rcan://local.rcan/uncrew/uav/"
+# Of HTTP/2 (RFC 9113, section 6): frames and their flags.
+DATA_FRAME, HEADERS_FRAME, SETTINGS_FRAME, PING_FRAME = 0, 1, 4, 6
+END_HEADERS, ACK = 4, 1
 SETTINGS = """[uncrew]
 avatar = true
 """
@@ -191,6 +197,43 @@ def store_locked(server):
         yield
     finally:
         store.close()
+
+
+def frame(kind, flags, stream, payload=b""):
+    """One of HTTP/2."""
+    return struct.pack(">I", len(payload))[1:] + bytes([kind, flags]) + struct.pack(">I", stream) + payload
+
+
+def literal(name, value):
+    """A header as HPACK has it without its tables."""
+    return b"".join([b"\0", *(bytes([len(text)]) + text.encode() for text in (name, value))])
+
+
+def half_a_request(server, files, path):
+    """Half of a message by HTTP/2 itself, which no gRPC library sends; the connection ends once the server
+    has read that."""
+    context = ssl.create_default_context(cafile=files["ca"])
+    context.load_cert_chain(files["certificate"], files["key"])
+    context.set_alpn_protocols(["h2"])
+    headers = {":method": "POST", ":scheme": "https", ":path": path, ":authority": "localhost",
+               "te": "trailers", "content-type": "application/grpc"}  # fmt: skip
+    host, port = server.relay.rsplit(":", 1)
+    with socket.create_connection((host, int(port)), timeout=SECONDS) as plain:
+        with context.wrap_socket(plain, server_hostname="localhost") as link:
+            link.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(SETTINGS_FRAME, 0, 0))
+            link.sendall(frame(HEADERS_FRAME, END_HEADERS, 1, b"".join(map(literal, *zip(*headers.items())))))
+            # It says that 100 bytes follow, and 50 do.
+            link.sendall(frame(DATA_FRAME, 0, 1, b"\0" + struct.pack(">I", 100) + b"x" * 50))
+            link.sendall(frame(PING_FRAME, 0, 0, b"halfway."))
+            wait_for_pong(link.makefile("rb"))
+
+
+def wait_for_pong(came):
+    while head := came.read(9):
+        came.read(int.from_bytes(head[:3], "big"))
+        if head[3:5] == bytes([PING_FRAME, ACK]):
+            return
+    raise AssertionError("the server ended the connection")
 
 
 def turned_away(server):
