@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""A drone that reports to uplinkd: the least that a real one needs, on gRPC's own library for Python.
+
+It flies a delivery that it makes up. Replace flight() by what your drone knows, and keep the rest:
+docs/integrate/uncrew.md says why each step is as it is.
+"""
+
+import argparse
+import collections
+import random
+import sys
+import time
+
+import grpc
+from uncrew.v1 import avatar_pb2 as avatar
+from uncrew.v1 import avatar_pb2_grpc
+
+# How long a call may take. The server answers within 5 s, or says that it cannot.
+CALL_SECONDS = 10
+# After which live samples no longer wait for a durable one.
+PATIENCE_SECONDS = 0.2
+# Durable samples that wait for their answer at most.
+WAITING_MAX = 10_000
+# The link, the server or its store is away: the same sample again, later.
+LATER = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.DEADLINE_EXCEEDED, grpc.StatusCode.RESOURCE_EXHAUSTED)
+
+
+class Avatar:
+    """The server, as the drone calls it."""
+
+    def __init__(self, target, pki, name):
+        def read(file):
+            with open(f"{pki}/{file}", "rb") as opened:
+                return opened.read()
+
+        credentials = grpc.ssl_channel_credentials(read("ca.crt"), read(f"{name}.key"), read(f"{name}.crt"))
+        self.stub = avatar_pb2_grpc.AvatarServiceStub(grpc.secure_channel(target, credentials))
+        # Oldest first: what the server has to store, and did not say that it has.
+        self.waiting = collections.deque()
+        # The call of the oldest.
+        self.under_way = None
+
+    def start(self, kind, request):
+        return getattr(self.stub, f"Publish{kind}").future(request, timeout=CALL_SECONDS)
+
+    def is_answered(self, kind, call, seconds):
+        """False: the sample has to be sent again. Raises FutureTimeoutError while there is no answer."""
+        try:
+            answer = call.result(timeout=seconds)
+        except grpc.RpcError as error:
+            if error.code() in LATER:
+                return False
+            # A certificate or a server that is not for this drone: no retry changes that.
+            sys.exit(f"{kind}: {error.code().name}: {error.details()}")
+        if answer.reason or answer.dropped:
+            # The sample is invalid, in whole or in part, or came too soon: report it, do not repeat it.
+            print(f"{kind}: {answer.field} {answer.detail} {list(answer.dropped)}", file=sys.stderr)
+        return True
+
+    def show(self, kind, request):
+        """A live sample. One that does not arrive is lost: the next one is newer."""
+        self.is_answered(kind, self.start(kind, request), None)
+
+    def keep(self, kind, request):
+        """A durable sample, for flush() to send."""
+        if len(self.waiting) < WAITING_MAX:
+            self.waiting.append((kind, request))
+        else:
+            print(f"{kind}: lost, too many wait", file=sys.stderr)
+
+    def flush(self):
+        """Sends what waits, one after the other, so that it is stored in its order. An answer that takes
+        longer is looked at the next time."""
+        while self.waiting:
+            kind, request = self.waiting[0]
+            self.under_way = self.under_way or self.start(kind, request)
+            try:
+                answered = self.is_answered(kind, self.under_way, PATIENCE_SECONDS)
+            except grpc.FutureTimeoutError:
+                return
+            self.under_way = None
+            if not answered:
+                return
+            self.waiting.popleft()
+
+
+def now():
+    """Both clocks. They make a sample the same when it is sent again, so they are read once for each."""
+    return avatar.Metadata(
+        sampled_at_unix_us=time.time_ns() // 1000, sampled_at_boot_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+    )
+
+
+def flight(step, rounds):
+    """What the drone knows at this step: whether it has to be stored, the type, and the request."""
+    percent = 60 - 50 * step / rounds
+    battery = avatar.TelemetryBattery(id=0, remaining_percent=percent, voltage_v=22.2)
+    yield False, "Battery", avatar.PublishBatteryRequest(metadata=now(), battery=battery)
+    position = avatar.TelemetryPosition(latitude_deg=47.3769 + step / 1e4, longitude_deg=8.5417, absolute_altitude_m=431)
+    yield False, "Position", avatar.PublishPositionRequest(metadata=now(), position=position)
+
+    # A mode each time: the server stores the changes.
+    mode = avatar.FLIGHT_MODE_MISSION if step < rounds - 1 else avatar.FLIGHT_MODE_LAND
+    mode = avatar.TelemetryFlightMode(mode=mode)
+    yield True, "FlightMode", avatar.PublishFlightModeRequest(metadata=now(), flight_mode=mode)
+    if step == 0:
+        text = avatar.TelemetryStatusText(type=avatar.STATUS_TEXT_TYPE_INFO, text="takes off")
+        yield True, "StatusText", avatar.PublishStatusTextRequest(metadata=now(), status_text=text)
+
+    # All that are active, each time: what is not in the set is over.
+    alerts = avatar.Alerts()
+    if percent < 30:
+        alerts.alerts.add(
+            alert_id="battery-low", text="below 30 %", reaction=avatar.AlertReaction(rtl={}),
+            battery_percentage=avatar.AlertBatteryPercentage(remaining_percent=percent, threshold_percent=30),
+        )  # fmt: skip
+    yield True, "Alert", avatar.PublishAlertRequest(metadata=now(), alerts=alerts)
+
+    # All that wait for an operator. Without a sample that says "none" the last one would stay open.
+    asks = avatar.OperatorActionRequests()
+    if rounds // 3 <= step < 2 * rounds // 3:
+        asks.requests.add(request_id="delivery-1-ready", text="Is the garden free?", confirm_delivery_ready={})
+    request = avatar.PublishOperatorActionRequestsRequest(metadata=now(), operator_action_requests=asks)
+    yield True, "OperatorActionRequests", request
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--target", default="localhost:7443", help="host and port of listen.relay")
+    parser.add_argument("--pki", default="pki", help="folder with ca.crt and the drone's certificate and key")
+    parser.add_argument("--name", default="d1", help="of the drone's files: NAME.crt, NAME.key")
+    parser.add_argument("--rounds", type=int, default=60)
+    parser.add_argument("--every", type=float, default=1, help="seconds of a round")
+    options = parser.parse_args()
+    link = Avatar(options.target, options.pki, options.name)
+    for step in range(options.rounds):
+        for durable, kind, request in flight(step, options.rounds):
+            (link.keep if durable else link.show)(kind, request)
+        link.flush()
+        # Not all drones at the same moment.
+        time.sleep(options.every * random.uniform(0.9, 1.1))
+    while link.waiting:
+        link.flush()
+        time.sleep(options.every if link.waiting else 0)
+    print(f"landed after {options.rounds} rounds, everything stored")
+
+
+if __name__ == "__main__":
+    main()
