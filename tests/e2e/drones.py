@@ -21,9 +21,6 @@ from harness import BIN, SOURCE, EndToEnd, run, uplinkctl, wait_until
 
 PYTHON = "/usr/bin/python3"
 HERE = pathlib.Path(__file__).parent
-NODE = "/usr/bin/node"
-# Where npm has what Debian has not: the library for gRPC of Node.
-NODE_PATHS = [path for path in os.environ.get("NODE_PATH", "").split(":") if path]
 PROTOS = ("uplink/v1/relay.proto", "uncrew/v1/avatar.proto")
 SECONDS = 60
 ROOT = "rcan://local.rcan/uncrew/uav/"

