@@ -8,7 +8,7 @@ namespace uplink::ingest {
 namespace {
 
 Hold HoldOfStream(const Line& line, const RecordCost& cost, const RoomTerms& terms) {
-  const robot::JournalUse use = line.robot.sessions.journal_use();
+  const robot::JournalUse use = line.robot.journal_use();
   if (use.records >= terms.in_flight_max) return {.by = HeldBack::kInFlight};
   switch (line.journal.RoomFor(use, cost.journal_bytes, line.by.gateway.get())) {
     case journal::Room::kShareFull:
@@ -52,8 +52,7 @@ Hold HoldOf(const Line& line, Waits waits, const RecordCost& cost, const RoomTer
   const robot::DurableFlow::Answer disk = line.robot.flow.LookAtDisk(terms.clock.Steady());
   if (disk.by != HeldBack::kNone) return {.by = disk.by, .until = disk.again};
   if (waits == Waits::kBroker) return {};
-  const journal::Room room =
-      line.journal.RoomFor(line.robot.sessions.journal_use(), cost.journal_bytes);
+  const journal::Room room = line.journal.RoomFor(line.robot.journal_use(), cost.journal_bytes);
   return {.by = room == journal::Room::kShareFull ? HeldBack::kJournalShare : HeldBack::kNone};
 }
 

@@ -14,6 +14,7 @@
 #include "schema/model/rejection.h"
 #include "server/loop/wake.h"
 #include "server/robot/holding.h"
+#include "storage/claim.h"
 #include "storage/compare.h"
 #include "storage/open_stream.h"
 #include "storage/outcome.h"
@@ -25,6 +26,10 @@ struct JournalUse {
   /// Gaps included.
   std::size_t records = 0;
   std::size_t bytes = 0;
+
+  friend JournalUse operator+(const JournalUse& a, const JournalUse& b) {
+    return {a.records + b.records, a.bytes + b.bytes};
+  }
 };
 
 /// One durable message, or one range of limited numbers, of which the store has decided what
@@ -64,6 +69,8 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   /// return. Nothing happens where another stream was opened since. Returns the stream to wake.
   virtual loop::StreamRef OnOtherFleet(std::uint64_t open_id, const std::string& fleet,
                                        metrics::Ledger& ledger) = 0;
+  /// The store answered the claim of a drone (Journal::Claim). Returns the stream to wake.
+  virtual loop::StreamRef OnClaimed(const storage::ClaimResult& /*result*/) { return {}; }
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
   /// wake.
   virtual loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
@@ -81,6 +88,31 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   virtual loop::StreamRef OnWentBack(metrics::Ledger& ledger) = 0;
   /// Grows when what waits becomes void; entries of an older generation are dropped unwritten.
   [[nodiscard]] virtual std::uint64_t generation() const = 0;
+};
+
+/// A drone as the journal sees it, beside its robot: what is told of its claim and of its samples.
+/// It has numbers of its own, and holds no robot: whose the robot is, the robot is told.
+///
+/// OnFenced: another server claimed the drone, or the store was connected to anew. What waits is
+/// void; the drone claims anew, gets what the store remembers of its samples, and judges them
+/// again.
+class ClaimClient : public CommitClient {
+ public:
+  loop::StreamRef OnClaimed(const storage::ClaimResult& result) override = 0;
+
+  // What streams alone are told.
+  void OnHeld(const HoldNews& /*news*/) final {}
+  [[nodiscard]] bool HasStream() const final { return false; }
+  loop::StreamRef OnOpened(std::uint64_t /*open_id*/, const storage::OpenResult& /*result*/) final {
+    return {};
+  }
+  loop::StreamRef OnOtherFleet(std::uint64_t /*open_id*/, const std::string& /*fleet*/,
+                               metrics::Ledger& /*ledger*/) final {
+    return {};
+  }
+  loop::StreamRef OnGapsWritten(std::size_t /*count*/) final { return {}; }
+  [[nodiscard]] std::vector<storage::CommittedSession> Committed() const final { return {}; }
+  loop::StreamRef OnWentBack(metrics::Ledger& /*ledger*/) final { return {}; }
 };
 
 /// A client of which something waits: keeps it alive. One that nobody shares must outlive it. A

@@ -14,7 +14,7 @@ namespace uplink::robot {
 
 /// How a robot came to be held by this process.
 enum class HoldBegan : std::uint8_t {
-  /// A stream of it was opened here.
+  /// It speaks here: a stream of it was opened, or its calls claimed it from nobody.
   kOpened,
   /// Its holder was over, and this process took it.
   kAdopted,

@@ -39,6 +39,9 @@ static_assert(kStreamDelayMin * (1U << (kStreamTimesMax - kStreamsPerMinuteMax -
               kStreamDelayMax);
 /// Streams of one robot that wait at once; one more is refused.
 inline constexpr std::size_t kStreamsWaitingMax = 4;
+/// A robot that calls here while another process has it is claimed anew at most once in this time:
+/// that process may have let go of it.
+inline constexpr std::chrono::seconds kClaimAgainEvery{5};
 /// A robot is asked for a kind of message that the store lacks of it at most once in this time.
 inline constexpr std::chrono::minutes kResendEvery{1};
 /// Bytes of one part of a live state, in memory and in a checkpoint. Of a part with more, the keys

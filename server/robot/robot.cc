@@ -70,14 +70,18 @@ loop::StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fl
                                     metrics::Ledger& ledger) {
   const auto refused = sessions.OnOtherFleet(open_id, ledger);
   if (!refused) return {};
+  Disown(refused->claimed, fleet);
+  return refused->stream;
+}
+
+void Robot::Disown(std::string_view claimed, std::string_view actual) {
   // What its live messages said. Where this process holds the robot, they are not all that it has.
   if (state.held_since() == 0) {
     state.Lose();
     state.FollowHolder({}, {Presence::kUnknown, clock_.System()});
   }
   // A certificate that names the robot may have moved it meanwhile.
-  MoveFleet(refused->claimed, fleet);
-  return refused->stream;
+  MoveFleet(claimed, actual);
 }
 
 storage::RobotRef Robot::id() const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/robot/calls.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/durable_flow.h"
 #include "server/robot/rates.h"
@@ -30,7 +31,8 @@ using PresenceChanged =
 
 /// One robot that this process knows. Shared: whoever keeps it beyond one look keeps it alive. Its
 /// parts are thread-safe. As a CommitClient it passes on what the journal tells: to its sessions,
-/// and to its state what is news of its holder.
+/// and to its state what is news of its holder. What waits of its calls has a client of its own
+/// (ClaimClient).
 class Robot final : public CommitClient {
  public:
   /// `changed` outlives the robot.
@@ -42,6 +44,9 @@ class Robot final : public CommitClient {
   void SetFleet(std::string_view fleet);
   /// The same, unless it is in another fleet than `from` by now.
   void MoveFleet(std::string_view from, std::string_view to);
+  /// The store has it in fleet `actual`, and the word for `claimed` moves nothing: what was said of
+  /// it here meanwhile counts no more, unless this process holds it.
+  void Disown(std::string_view claimed, std::string_view actual);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
   /// By which way its messages come: its RURI says so.
   [[nodiscard]] model::MessageSource source() const { return sessions.source(); }
@@ -59,13 +64,17 @@ class Robot final : public CommitClient {
   [[nodiscard]] SystemTime heard_at() const { return FromUnixMs(heard_at_ms_.load()); }
   /// Never goes back.
   void NoteHeard(SystemTime at);
-  /// It has no stream, and nothing of it waits for the store.
-  [[nodiscard]] bool idle() const { return !HasStream() && sessions.in_flight() == 0; }
+  /// It has a stream, or its calls are served.
+  [[nodiscard]] bool speaks() const { return HasStream() || calls.open(); }
+  /// It does not speak, and nothing of it waits for the store.
+  [[nodiscard]] bool idle() const { return !speaks() && sessions.in_flight() == 0; }
   enum class LeaveWhen : std::uint8_t {
     /// Once it is not online any more.
     kNotOnline,
     kAtOnce,
   };
+  /// What of it waits for the store: of its streams and of its calls.
+  [[nodiscard]] JournalUse journal_use() const { return sessions.journal_use() + calls.waiting(); }
   /// It is to leave memory once the journal has let go of it. False if that was asked before.
   bool BeginLeaving(LeaveWhen when = LeaveWhen::kNotOnline);
   /// It stays after all. False if it was not leaving.
@@ -100,6 +109,7 @@ class Robot final : public CommitClient {
 
   RobotState state;
   RobotSessions sessions;
+  Calls calls;
   DurableFlow flow;
   Rates rates;
   /// Of its stream alone.

@@ -174,7 +174,8 @@ void RobotState::Lose() {
   held_since_ = 0;
   claimed_ = false;
   needs_restore_ = false;
-  foreign_ = Foreign();
+  // Who was known to hold it may be so still.
+  if (!foreign_) foreign_ = Foreign();
   presence_.Follow({presence_.presence(), presence_.since()});
 }
 
@@ -184,6 +185,11 @@ void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& pr
   if (!foreign_) Forget();
   foreign_ = std::move(foreign);
   presence_.Follow(presence);
+}
+
+bool RobotState::foreign() const {
+  const std::lock_guard lock(mutex_);
+  return foreign_.has_value();
 }
 
 storage::Epoch RobotState::held_since() const {

@@ -149,6 +149,8 @@ class RobotState final {
   /// Another process holds it and wrote this. Nothing happens if this process holds it, or if a
   /// stream of it is here.
   void FollowHolder(Foreign foreign, const storage::StoredPresence& presence);
+  /// Another process holds it: what it says live is not kept here.
+  [[nodiscard]] bool foreign() const;
   /// The epoch since which this process holds it; 0 if it does not, or the store has not said so.
   [[nodiscard]] storage::Epoch held_since() const;
   /// What the store has of it is to be restored (Restore), and nothing is checkpointed before.

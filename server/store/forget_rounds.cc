@@ -88,9 +88,10 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAt(const storage::PendingFo
 
 absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingForget& asked,
                                                        robot::Robot& robot) {
-  if (robot.HasStream()) {
+  if (robot.speaks()) {
     if (!asked.end_stream) return Tell(asked, ForgetAnswer::kHasStream);
     robot.sessions.EndStream().Wake();
+    robot.calls.AskToEnd();
     return Look::kUnderWay;
   }
   if (robot.sessions.in_flight() > 0) {
@@ -126,7 +127,7 @@ ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
   if (!is_gone) return Look::kDone;
   const fleet::RobotPtr robot = context_.fleet.Find(asked.ruri);
   if (robot == nullptr) return Look::kDone;
-  if (robot->HasStream()) {
+  if (robot->speaks()) {
     OpenAnew(*robot);
     return Look::kDone;
   }

@@ -54,6 +54,15 @@ TEST_F(HoldTest, ARecordWaitsAtTheBoundOfItsRobot) {
   EXPECT_EQ(OfRecord({.journal_bytes = 1}).by, HeldBack::kInFlight);
 }
 
+TEST_F(HoldTest, WhatWaitsOfTheRobotsCallsCountsInItsBounds) {
+  in_flight_max_ = 2;
+  AddWaiting(1);
+  robot_.calls.AddWaiting({.records = 1, .bytes = 1});
+  EXPECT_EQ(OfRecord({.journal_bytes = 1}).by, HeldBack::kInFlight);
+  robot_.calls.EndWaiting({.records = 1, .bytes = 1});
+  EXPECT_TRUE(OfRecord({.journal_bytes = 1}).none());
+}
+
 TEST_F(HoldTest, ARecordWaitsAtTheRobotsShareOfTheJournal) {
   EXPECT_TRUE(OfRecord({.journal_bytes = 1'000'000}).none()) << "one passes, whatever its size";
   AddWaiting(1'000);

@@ -117,6 +117,21 @@ TEST_F(ForgetRoundsTest, AStreamIsARefusal) {
   EXPECT_EQ(Shown()->sessions.StandingOf(streams_.stream()), robot::Standing::kCurrent);
 }
 
+TEST_F(ForgetRoundsTest, CallsAreARefusalAndEndIfThatIsAsked) {
+  Come();
+  Go();
+  Shown()->calls.Begin();
+  Ask(false);
+  EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kHasStream);
+  EXPECT_FALSE(Shown()->calls.asked_to_end());
+  Ask(true);
+  EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
+  EXPECT_TRUE(Shown()->calls.asked_to_end());
+  Shown()->calls.End();
+  EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
+  EXPECT_EQ(Shown(), nullptr);
+}
+
 TEST_F(ForgetRoundsTest, AStreamIsEndedIfThatIsAsked) {
   Come();
   EXPECT_GT(streams_.TakeWoken(), 0) << "it came";
