@@ -101,7 +101,7 @@ void Port::Append(const Line& line, std::vector<storage::CommitRecord> records,
                   SteadyTime arrived) {
   // Before the writer can settle them, so that no scrape sees them settled and not received.
   Publish();
-  line.journal.AppendMessage(line.robot, line.by, std::move(records), arrived);
+  line.journal.AppendMessage(line.appends_for(), line.by, std::move(records), arrived);
 }
 
 void Port::TakeFlow(const Line& line, Waits waits, std::optional<std::size_t> bytes) {

@@ -25,6 +25,12 @@ struct Line {
   journal::Journal& journal;
   model::SessionId session;
   journal::AppendedBy by;
+  /// For whom the journal keeps its records, if that is not the robot.
+  robot::CommitClient* client = nullptr;
+
+  [[nodiscard]] robot::CommitClient& appends_for() const {
+    return client == nullptr ? robot : *client;
+  }
 };
 
 /// Who waits while a message has no room.

@@ -26,6 +26,8 @@ struct Origin {
   bool tried = false;
   /// The robot's next entry comes of the same message: one commit has both.
   bool continues = false;
+  /// Of a drone, judged under a claim that the store answered (storage::SampleMark).
+  bool is_sample = false;
 
   /// A fence overtook it: it must not be written.
   [[nodiscard]] bool IsVoid() const { return generation != client->generation(); }

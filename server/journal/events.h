@@ -27,7 +27,8 @@ enum class Reconnected : std::uint8_t {
   kMayHaveGoneBack,
 };
 
-/// An OpenStream of the robot found it in another fleet in the store, and moved it. A value.
+/// An OpenStream of the robot, or a claim of it as a drone, found it in another fleet in the store,
+/// and moved it. A value.
 struct Moved {
   std::string ruri;
   /// The fleet in which the store had it, and that of the OpenStream.

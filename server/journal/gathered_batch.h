@@ -58,7 +58,8 @@ class GatheredBatch final {
   };
   /// Drops the records and gaps that became void.
   [[nodiscard]] Dropped DropVoid();
-  /// Writes into each record and gap since when its robot is held. Nothing may be void.
+  /// Writes into each record and gap since when its robot is held; 0 of samples, which their
+  /// claim decides. Nothing may be void.
   void SetHolds(const HeldRobots& held);
   /// A commit of this batch had no answer: its records may be stored.
   void MarkTried();

@@ -28,9 +28,10 @@ class HeldRobots final {
   /// Another process holds it.
   void Lose(robot::CommitClient& client) { since_.erase(&client); }
 
-  /// A robot's first OpenStream goes before its first records; what is void is only dropped.
+  /// A robot's first OpenStream goes before its first records; what is void is only dropped. A
+  /// sample needs no hold: the store knows it by its claim, which was answered before.
   [[nodiscard]] bool MayCommit(const Origin& origin) const {
-    return since_.contains(origin.client.get()) || origin.IsVoid();
+    return origin.is_sample || since_.contains(origin.client.get()) || origin.IsVoid();
   }
   /// 0 of a robot that is not held.
   [[nodiscard]] storage::Epoch Since(robot::CommitClient& client) const {

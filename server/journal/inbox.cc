@@ -28,6 +28,14 @@ void Inbox::Open(OpenEntry entry) {
   work_.notify_one();
 }
 
+void Inbox::Claim(ClaimEntry entry) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!claims_.Push(std::move(entry))) return;
+  }
+  work_.notify_one();
+}
+
 GatewayRef Inbox::GatewayOf(const std::string& name) {
   if (name.empty()) return nullptr;
   const std::lock_guard lock(mutex_);
@@ -47,6 +55,7 @@ void Inbox::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
     const std::size_t bytes = CostOf(record);
     Origin origin = OriginOf(client, by, arrived, bytes);
     origin.continues = entries.size() + 1 < records.size();
+    origin.is_sample = record.sample != nullptr;
     entries.push_back({.origin = std::move(origin), .item = std::move(record)});
   }
   Push(std::move(entries));

@@ -13,11 +13,11 @@
 
 #include "schema/base/clock.h"
 #include "server/journal/adopt_queue.h"
+#include "server/journal/ask_queue.h"
 #include "server/journal/entry.h"
 #include "server/journal/entry_queue.h"
 #include "server/journal/gateway_use.h"
 #include "server/journal/limits.h"
-#include "server/journal/open_queue.h"
 #include "server/journal/presence_log.h"
 #include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
@@ -35,11 +35,11 @@ enum class Room : std::uint8_t {
   kFull,
 };
 
-/// All that waits for the writer: records and gaps in a bounded queue, streams to open, changes of
-/// presence, and whether a checkpoint was asked for. What was taken and is not done yet still
-/// counts as waiting.
+/// All that waits for the writer: records and gaps in a bounded queue, streams to open, drones to
+/// claim, changes of presence, and whether a checkpoint was asked for. What was taken and is not
+/// done yet still counts as waiting.
 ///
-/// Limits: JournalLimits.records_max and bytes_max, kept by those who append; OpenQueue's and
+/// Limits: JournalLimits.records_max and bytes_max, kept by those who append; AskQueue's and
 ///         PresenceLog's.
 /// Thread: thread-safe by one mutex. What the writer alone does with it is WriterInbox.
 class Inbox final {
@@ -49,6 +49,7 @@ class Inbox final {
   // journal.h has the comments.
 
   void Open(OpenEntry entry);
+  void Claim(ClaimEntry entry);
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name);
   void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
@@ -72,8 +73,8 @@ class Inbox final {
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
   [[nodiscard]] bool idle() const {
-    return records_.load() == 0 && opens_.unopened() == 0 && presence_.uncommitted() == 0 &&
-           !checkpoint_open_.load();
+    return records_.load() == 0 && opens_.unanswered() == 0 && claims_.unanswered() == 0 &&
+           presence_.uncommitted() == 0 && !checkpoint_open_.load();
   }
 
  private:
@@ -108,6 +109,7 @@ class Inbox final {
   std::condition_variable_any work_;
   EntryQueue queue_;
   OpenQueue opens_;
+  ClaimQueue claims_;
   AdoptQueue adopts_;
   PresenceLog presence_;
   /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.

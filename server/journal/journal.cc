@@ -42,6 +42,14 @@ void Journal::Open(robot::CommitClient& client, std::uint64_t open_id, storage::
                .gateway = std::move(gateway)});
 }
 
+void Journal::Claim(robot::CommitClient& client, robot::CommitClient& robot,
+                    storage::ClaimRequest request, std::string gateway) {
+  inbox_.Claim({.client = &client,
+                .robot = &robot,
+                .request = std::move(request),
+                .gateway = std::move(gateway)});
+}
+
 void Journal::AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                             std::vector<storage::CommitRecord> records, SteadyTime arrived) {
   inbox_.AppendMessage(client, by, std::move(records), arrived);

@@ -26,6 +26,7 @@
 #include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
 #include "storage/batch.h"
+#include "storage/claim.h"
 #include "storage/commit_record.h"
 #include "storage/deliveries.h"
 #include "storage/identity.h"
@@ -62,6 +63,14 @@ class Journal final {
   /// same client. `gateway`: the subject of the one that the stream came through; empty without.
   void Open(robot::CommitClient& client, std::uint64_t open_id, storage::OpenRequest request,
             std::string gateway = {});
+  /// Queues the claim of a drone, which replaces a queued one of the same client. `client` is the
+  /// drone's, the only one of its robot, and shared, or it does not learn that the store was
+  /// connected to anew; `robot` is its robot's. The robot is told whose it is, as by an OpenStream:
+  /// where the claim took it, or where another process has it and no stream of it is here.
+  /// AppendMessage takes the drone's records, each with its mark; those that were judged under an
+  /// earlier claim are fenced.
+  void Claim(robot::CommitClient& client, robot::CommitClient& robot, storage::ClaimRequest request,
+             std::string gateway = {});
   /// Counts what waits here of all robots of the gateway with this subject; the same object for the
   /// same subject while a stream or an entry has it. Null for an empty subject.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }

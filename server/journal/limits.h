@@ -20,6 +20,7 @@ inline constexpr int kSuccessesToDouble = 16;
 
 /// What one robot may have in one commit, for which all robots of the shard wait: a few
 /// milliseconds' work of a store (128 rows take PostgreSQL one to three; 256 KiB take SQLite two).
+/// What it brings as a drone has a share of its own.
 struct BatchShare {
   std::size_t records_max = 128;
   std::size_t bytes_max = std::size_t{256} * 1024;

@@ -67,7 +67,7 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
   if (result.other_fleet) {
     return open.client->OnOtherFleet(open.open_id, *result.other_fleet, context_.ledger).Wake();
   }
-  TellMove(open, result);
+  TellMove(context_, *open.request.robot, result.moved_from, open.gateway);
   if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
   const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
                                         {.how = robot::HoldBegan::kOpened,
@@ -80,14 +80,6 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
     return holds_.WentBack(open.request.robot->ruri).Wake();
   }
   open.client->OnOpened(open.open_id, result).Wake();
-}
-
-void Opening::TellMove(const OpenEntry& open, const storage::OpenResult& result) const {
-  if (!result.moved_from || !context_.moved) return;
-  context_.moved({.ruri = open.request.robot->ruri,
-                  .from = *result.moved_from,
-                  .to = open.request.robot->fleet,
-                  .gateway = open.gateway});
 }
 
 }  // namespace uplink::journal

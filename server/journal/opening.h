@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "server/journal/ask_queue.h"
 #include "server/journal/call_size.h"
 #include "server/journal/holds.h"
-#include "server/journal/open_queue.h"
 #include "server/journal/writer_context.h"
 
 namespace uplink::journal {
@@ -32,7 +32,6 @@ class Opening final {
 
  private:
   void Tell(const OpenEntry& open, const storage::OpenResult& result);
-  void TellMove(const OpenEntry& open, const storage::OpenResult& result) const;
 
   const WriterContext context_;
   Holds& holds_;

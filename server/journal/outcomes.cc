@@ -43,6 +43,7 @@ robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& orig
 /// exactly.
 struct ByClient {
   std::vector<std::pair<robot::CommitClient*, std::vector<robot::Settled>>> settled;
+  /// Whose hold is over, with its robot; null of a drone, whose claim is over.
   std::vector<std::pair<robot::CommitClient*, storage::RobotRef>> fenced;
 };
 
@@ -56,7 +57,8 @@ ByClient Sort(const GatheredBatch& batch, std::vector<storage::Outcome> outcomes
     if (outcome.kind == storage::OutcomeKind::kFenced) {
       const auto client = [](const auto& fenced) { return fenced.first; };
       if (std::ranges::find(sorted.fenced, origin.client.get(), client) == sorted.fenced.end()) {
-        sorted.fenced.emplace_back(origin.client.get(), batch.batch().records[i].robot);
+        sorted.fenced.emplace_back(origin.client.get(),
+                                   origin.is_sample ? nullptr : batch.batch().records[i].robot);
       }
       continue;
     }
@@ -79,7 +81,9 @@ std::vector<loop::StreamRef> TellOutcomes(const GatheredBatch& batch,
   for (const auto& [client, settled] : sorted.settled) {
     wake.push_back(client->OnSettled(settled, ledger));
   }
-  for (const auto& [client, robot] : sorted.fenced) wake.push_back(holds.Lose(*client, robot));
+  for (const auto& [client, robot] : sorted.fenced) {
+    wake.push_back(robot == nullptr ? client->OnFenced(ledger) : holds.Lose(*client, robot));
+  }
   for (const Origin& origin : batch.gap_origins()) wake.push_back(origin.client->OnGapsWritten(1));
   std::ranges::copy(batch.asking(), std::back_inserter(wake));
   return wake;

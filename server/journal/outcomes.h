@@ -11,8 +11,8 @@
 namespace uplink::journal {
 
 /// Tells each robot what became of its records and gaps in `batch`, and fences those that another
-/// process owns. `outcomes` are the store's, one per record. What became void meanwhile is not
-/// told. Counts go to `ledger`.
+/// process owns, or drones that another one claimed. `outcomes` are the store's, one per record.
+/// What became void meanwhile is not told. Counts go to `ledger`.
 ///
 /// Returns the streams to wake, those last that wait for the commit alone: the caller does so once
 /// it has let go of the batch.

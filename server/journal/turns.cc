@@ -13,6 +13,7 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
       comparing_(context, holds_),
       opening_(context, holds_),
       adopting_(context, holds_),
+      claiming_(context, holds_),
       committing_(context, holds_,
                   {.records_max = limits.batch_records_max,
                    .bytes_max = limits.batch_bytes_max,
@@ -41,6 +42,7 @@ Step Turns::Advance() {
   if (comparing_.Due()) {
     // It is gathered anew afterwards: of what it holds some may be void by then.
     committing_.PutBack();
+    claiming_.LoseAll();
     if (const std::optional<Step> failed = comparing_.Do()) return *failed;
   }
   // What waits goes between two duties, so that a long one that is followed by the next keeps no
@@ -61,18 +63,23 @@ std::optional<Step> Turns::AdvanceWork() {
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return opening_.Open();
   if (!batch_turn) {
-    if (const std::optional<Step> adopted = adopting_.Advance()) {
+    if (const std::optional<Step> done = AdvanceHands()) {
       batch_turn_ = true;
-      return adopted;
+      return done;
     }
   }
   if (committing_.Gather()) return committing_.Commit();
   if (batch_turn && GatherOpens()) return opening_.Open();
   if (batch_turn) {
-    if (const std::optional<Step> adopted = adopting_.Advance()) return adopted;
+    if (const std::optional<Step> done = AdvanceHands()) return done;
   }
   after_work_ = false;
   return std::nullopt;
+}
+
+std::optional<Step> Turns::AdvanceHands() {
+  if (const std::optional<Step> adopted = adopting_.Advance()) return adopted;
+  return claiming_.Advance();
 }
 
 bool Turns::GatherOpens() {

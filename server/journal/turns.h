@@ -6,6 +6,7 @@
 #include "schema/base/clock.h"
 #include "server/journal/adopting.h"
 #include "server/journal/checkpoint_rounds.h"
+#include "server/journal/claiming.h"
 #include "server/journal/committing.h"
 #include "server/journal/comparing.h"
 #include "server/journal/expiry_sweep.h"
@@ -19,8 +20,8 @@
 
 namespace uplink::journal {
 
-/// The writer's side of a journal: decides whose turn it is. Opening, Adopting, Committing and the
-/// duties do the steps.
+/// The writer's side of a journal: decides whose turn it is. Opening, Adopting, Claiming,
+/// Committing and the duties do the steps.
 ///
 /// Thread: confined to the writer.
 class Turns final {
@@ -41,9 +42,11 @@ class Turns final {
   void WaitForWork(const std::stop_token& stop);
 
  private:
-  /// Lets robots change hands, opens streams or commits; the last two alternately. Nothing if
-  /// nothing waits.
+  /// Opens streams, lets robots change hands, claims drones or commits; the last and the others
+  /// alternately. Nothing if nothing waits.
   std::optional<Step> AdvanceWork();
+  /// Nothing if no robot changes hands, and no drone is to be claimed.
+  std::optional<Step> AdvanceHands();
   bool GatherOpens();
   /// Deletes what expired, what is too old or past its bound; nothing if none is due.
   std::optional<Step> AdvanceDuty();
@@ -54,12 +57,13 @@ class Turns final {
   Comparing comparing_;
   Opening opening_;
   Adopting adopting_;
+  Claiming claiming_;
   Committing committing_;
   ExpirySweep expiry_sweep_;
   Retention retention_;
   QuarantineTrim quarantine_trim_;
   CheckpointRounds checkpoints_;
-  /// The last call opened streams while records waited: they are next.
+  /// The last call opened streams, adopted or claimed while records waited: they are next.
   bool batch_turn_ = false;
   /// The last call was a duty's: what waits is next.
   bool after_duty_ = false;

@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "schema/model/ids.h"
 #include "server/journal/duty.h"
 #include "server/journal/events.h"
 #include "server/journal/probe.h"
@@ -50,5 +53,12 @@ struct WriterContext {
   /// Journal::OnMoved; empty if nothing listens.
   const std::function<void(const Moved&)>& moved;
 };
+
+/// Tells who listens that the robot moved to the fleet of `robot`, if it did.
+inline void TellMove(const WriterContext& context, const model::RobotId& robot,
+                     const std::optional<std::string>& moved_from, const std::string& gateway) {
+  if (!moved_from || !context.moved) return;
+  context.moved({.ruri = robot.ruri, .from = *moved_from, .to = robot.fleet, .gateway = gateway});
+}
 
 }  // namespace uplink::journal

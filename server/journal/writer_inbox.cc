@@ -16,6 +16,16 @@ void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {
   inbox_.opens_.PutBack(std::move(taken));
 }
 
+std::vector<ClaimEntry> WriterInbox::TakeClaims(std::vector<ClaimEntry> taken, std::size_t most) {
+  const std::lock_guard lock(inbox_.mutex_);
+  return inbox_.claims_.MoveTo(std::move(taken), most);
+}
+
+void WriterInbox::PutBackClaims(std::vector<ClaimEntry> taken) {
+  const std::lock_guard lock(inbox_.mutex_);
+  inbox_.claims_.PutBack(std::move(taken));
+}
+
 std::vector<AdoptEntry> WriterInbox::TakeAdopts(std::size_t most) {
   const std::lock_guard lock(inbox_.mutex_);
   return inbox_.adopts_.TakeAdopts(most);
@@ -100,8 +110,8 @@ void WriterInbox::EndCheckpoint() {
 void WriterInbox::WaitUntil(SteadyTime due, const std::stop_token& stop) {
   std::unique_lock lock(inbox_.mutex_);
   const auto work = [this] {
-    return inbox_.HasBatch() || !inbox_.opens_.empty() || !inbox_.adopts_.empty() ||
-           inbox_.checkpoint_asked_.load();
+    return inbox_.HasBatch() || !inbox_.opens_.empty() || !inbox_.claims_.empty() ||
+           !inbox_.adopts_.empty() || inbox_.checkpoint_asked_.load();
   };
   const SteadyTime::duration left = due - inbox_.clock_.Steady();
   inbox_.work_.wait_for(lock, stop, std::max(left, SteadyTime::duration(0)), work);

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/journal/ask_queue.h"
 #include "server/journal/gathered_batch.h"
 #include "server/journal/held_robots.h"
 #include "server/journal/inbox.h"
-#include "server/journal/open_queue.h"
 
 namespace uplink::journal {
 
@@ -30,10 +30,17 @@ class WriterInbox final {
     /// Records, gaps or changes of presence wait too.
     bool records_wait = false;
   };
-  /// OpenQueue::MoveTo.
+  /// AskQueue::MoveTo.
   [[nodiscard]] TakenOpens TakeOpens(std::vector<OpenEntry> taken, std::size_t most);
   void PutBackOpens(std::vector<OpenEntry> taken);
-  void CountOpened(std::size_t count) { inbox_.opens_.CountOpened(count); }
+  void CountOpened(std::size_t count) { inbox_.opens_.CountAnswered(count); }
+
+  // --- Drones ---
+
+  /// AskQueue::MoveTo.
+  [[nodiscard]] std::vector<ClaimEntry> TakeClaims(std::vector<ClaimEntry> taken, std::size_t most);
+  void PutBackClaims(std::vector<ClaimEntry> taken);
+  void CountClaimed(std::size_t count) { inbox_.claims_.CountAnswered(count); }
 
   // --- Robots that change hands ---
 

@@ -1,5 +1,6 @@
 #include "server/ingest/port.h"
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/robot/limits.h"
+#include "tests/unit/server/journal/recording_client.h"
 #include "tests/unit/server/session/session_bench.h"
 
 namespace uplink::ingest {
@@ -61,6 +63,7 @@ class SaidMessage final : public Message {
     if (is_lost) return Numbered::kLost;
     for (storage::CommitRecord& record : numbered) {
       record.seq = ++seq_;
+      record.sample = mark;
       EXPECT_EQ(robot_.sessions.AddWaiting(record.session, record.seq, journal::CostOf(record)), 1);
     }
     return Numbered::kWaiting;
@@ -75,6 +78,7 @@ class SaidMessage final : public Message {
   std::optional<std::size_t> flow_bytes = 1;
   std::size_t records = 1;
   bool is_lost = false;
+  storage::SampleRef mark;
   std::vector<std::string> asked;
   std::optional<Became> settled;
 
@@ -323,6 +327,20 @@ TEST_F(PortTest, KeepsNoPayloadWhileTheDiskIsShort) {
   message.cost->flow_bytes.reset();
   EXPECT_EQ(Offer(message).answer, Answer::kTaken);
   EXPECT_EQ(robot_.flow.bytes_total(), 0U);
+}
+
+TEST_F(PortTest, AppendsForTheClientOfTheLine) {
+  journal::RecordingClient drone{std::string(session::kRobot)};
+  Line line = line_;
+  line.client = &drone;
+  line.by = drone.generation();
+  SaidMessage message(robot_, Arrived(kStream), seq_);
+  // Of a claim that nobody has.
+  message.mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{.claim = 99});
+  EXPECT_EQ(port_.Offer(line, message).answer, Answer::kTaken);
+  while (server_.Advance() == journal::Step::kWorked) {
+  }
+  EXPECT_THAT(drone.Told(), ElementsAre("fenced"));
 }
 
 TEST_F(PortTest, FollowsAReloadOfTheAllowance) {

@@ -50,6 +50,12 @@ TEST_F(HeldRobotsTest, NothingIsCommittedOfARobotThatIsNotHeld) {
   EXPECT_FALSE(held_.MayCommit(OriginNow()));
 }
 
+TEST_F(HeldRobotsTest, ASampleNeedsNoHold) {
+  Origin origin = OriginNow();
+  origin.is_sample = true;
+  EXPECT_TRUE(held_.MayCommit(origin));
+}
+
 TEST_F(HeldRobotsTest, WhatIsVoidMayGoSinceItIsDropped) {
   const Origin origin = OriginNow();
   static_cast<void>(robot_.OnFenced(ledger_));

@@ -81,6 +81,22 @@ TEST_F(OutcomesTest, AFencedRobotIsToldOnceAfterTheOthersAndIsNotHeldAnyMore) {
   EXPECT_TRUE(bench_.holds.robots().MayCommit({.client = &b_, .generation = b_.generation()}));
 }
 
+TEST_F(OutcomesTest, AFencedSampleEndsNoHoldOfItsRobot) {
+  bench_.Hold(a_);
+  RecordingClient drone("rcan://a", {.inbox = &wakes_, .stream = 3});
+  for (const model::Seq seq : {1U, 2U}) {
+    Entry entry = StepBench::EntryOf(drone, seq);
+    entry.origin.is_sample = true;
+    batch_.Add(std::move(entry));
+    outcomes_.push_back({.kind = OutcomeKind::kFenced});
+  }
+  Add(a_, 1);
+  EXPECT_THAT(Tell(), ElementsAre(1, 3));
+  EXPECT_THAT(drone.Told(), ElementsAre("fenced"));
+  EXPECT_THAT(a_.Told(), ElementsAre("settled 1"));
+  EXPECT_NE(bench_.holds.robots().Since(a_), 0U);
+}
+
 TEST_F(OutcomesTest, WhatBecameVoidIsNotTold) {
   Add(a_, 1);
   Add(b_, 1);

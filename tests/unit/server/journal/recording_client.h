@@ -34,7 +34,7 @@ class CountingInbox final : public loop::WakeInbox {
   std::map<std::uint64_t, int> wakes_;
 };
 
-/// A robot that writes down what the journal tells it. Thread-safe.
+/// A robot, or a drone, that writes down what the journal tells it. Thread-safe.
 class RecordingClient final : public robot::CommitClient {
  public:
   explicit RecordingClient(std::string ruri, loop::StreamRef stream = {})
@@ -55,6 +55,14 @@ class RecordingClient final : public robot::CommitClient {
                                metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     return Note("refused " + std::to_string(open_id) + ": of " + fleet);
+  }
+  loop::StreamRef OnClaimed(const storage::ClaimResult& result) override {
+    if (result.other_fleet) return Note("of fleet " + *result.other_fleet);
+    {
+      const std::lock_guard lock(mutex_);
+      claims_.push_back(result);
+    }
+    return Note(result.held_since == 0 ? "claimed, held elsewhere" : "claimed");
   }
   loop::StreamRef OnSettled(std::span<const robot::Settled> settled,
                             metrics::Ledger& /*ledger*/) override {
@@ -95,6 +103,11 @@ class RecordingClient final : public robot::CommitClient {
     const std::lock_guard lock(mutex_);
     return std::exchange(holds_, {});
   }
+  /// All claims of it that were answered.
+  [[nodiscard]] std::vector<storage::ClaimResult> Claims() const {
+    const std::lock_guard lock(mutex_);
+    return claims_;
+  }
   void EndStream() { has_stream_.store(false); }
   /// What the store told it.
   void SetCommitted(std::vector<storage::CommittedSession> committed) {
@@ -118,6 +131,7 @@ class RecordingClient final : public robot::CommitClient {
   mutable std::mutex mutex_;
   std::vector<std::string> told_;
   std::vector<robot::HoldNews> holds_;
+  std::vector<storage::ClaimResult> claims_;
   std::vector<storage::CommittedSession> committed_;
   std::atomic<bool> has_stream_{true};
   mutable std::atomic<bool> away_once_{false};

@@ -1,4 +1,4 @@
-#include "server/journal/open_queue.h"
+#include "server/journal/ask_queue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ std::vector<std::uint64_t> IdsOf(const std::vector<OpenEntry>& entries) {
   return ids;
 }
 
-class OpenQueueTest : public ::testing::Test {
+class AskQueueTest : public ::testing::Test {
  protected:
   bool Push(RecordingClient& client, std::uint64_t open_id) {
     return queue_.Push(StepBench::OpenOf(client, open_id));
@@ -30,7 +30,7 @@ class OpenQueueTest : public ::testing::Test {
   OpenQueue queue_;
 };
 
-TEST_F(OpenQueueTest, HandsOverInOrderAtMostSoMany) {
+TEST_F(AskQueueTest, HandsOverInOrderAtMostSoMany) {
   EXPECT_TRUE(queue_.empty());
   EXPECT_TRUE(Push(a_, 1));
   EXPECT_TRUE(Push(b_, 2));
@@ -42,26 +42,26 @@ TEST_F(OpenQueueTest, HandsOverInOrderAtMostSoMany) {
   EXPECT_THAT(queue_.MoveTo({}, 2), IsEmpty());
 }
 
-TEST_F(OpenQueueTest, ANewerOneTakesThePlaceOfTheOneThatWaits) {
+TEST_F(AskQueueTest, ANewerOneTakesThePlaceOfTheOneThatWaits) {
   Push(a_, 1);
   Push(b_, 2);
   EXPECT_FALSE(Push(a_, 3));
-  EXPECT_EQ(queue_.unopened(), 2U);
+  EXPECT_EQ(queue_.unanswered(), 2U);
   EXPECT_THAT(IdsOf(queue_.MoveTo({}, 9)), ElementsAre(3, 2));
 }
 
-TEST_F(OpenQueueTest, ANewerOneTakesThePlaceOfTheOneThatWasTaken) {
+TEST_F(AskQueueTest, ANewerOneTakesThePlaceOfTheOneThatWasTaken) {
   Push(a_, 1);
   Push(b_, 2);
   std::vector<OpenEntry> taken = queue_.MoveTo({}, 9);
   Push(a_, 3);
-  EXPECT_EQ(queue_.unopened(), 3U);
+  EXPECT_EQ(queue_.unanswered(), 3U);
   taken = queue_.MoveTo(std::move(taken), 3);
   EXPECT_THAT(IdsOf(taken), ElementsAre(3, 2));
-  EXPECT_EQ(queue_.unopened(), 2U);
+  EXPECT_EQ(queue_.unanswered(), 2U);
 }
 
-TEST_F(OpenQueueTest, ACallThatIsFullTakesNoMore) {
+TEST_F(AskQueueTest, ACallThatIsFullTakesNoMore) {
   Push(a_, 1);
   const std::vector<OpenEntry> taken = queue_.MoveTo({}, 1);
   Push(a_, 2);
@@ -69,33 +69,33 @@ TEST_F(OpenQueueTest, ACallThatIsFullTakesNoMore) {
   EXPECT_FALSE(queue_.empty());
 }
 
-TEST_F(OpenQueueTest, WhatIsPutBackGoesFirstInItsOrder) {
+TEST_F(AskQueueTest, WhatIsPutBackGoesFirstInItsOrder) {
   Push(a_, 1);
   Push(b_, 2);
   std::vector<OpenEntry> taken = queue_.MoveTo({}, 9);
   Push(c_, 3);
   queue_.PutBack(std::move(taken));
-  EXPECT_EQ(queue_.unopened(), 3U);
+  EXPECT_EQ(queue_.unanswered(), 3U);
   EXPECT_THAT(IdsOf(queue_.MoveTo({}, 9)), ElementsAre(1, 2, 3));
 }
 
-TEST_F(OpenQueueTest, ANewerOneStandsForWhatIsPutBack) {
+TEST_F(AskQueueTest, ANewerOneStandsForWhatIsPutBack) {
   Push(a_, 1);
   Push(b_, 2);
   std::vector<OpenEntry> taken = queue_.MoveTo({}, 9);
   Push(a_, 3);
   queue_.PutBack(std::move(taken));
-  EXPECT_EQ(queue_.unopened(), 2U);
+  EXPECT_EQ(queue_.unanswered(), 2U);
   EXPECT_THAT(IdsOf(queue_.MoveTo({}, 9)), ElementsAre(2, 3));
 }
 
-TEST_F(OpenQueueTest, WhatWasTakenCountsUntilItIsOpen) {
+TEST_F(AskQueueTest, WhatWasTakenCountsUntilItIsAnswered) {
   Push(a_, 1);
   Push(b_, 2);
   EXPECT_THAT(queue_.MoveTo({}, 9), Not(IsEmpty()));
-  EXPECT_EQ(queue_.unopened(), 2U);
-  queue_.CountOpened(2);
-  EXPECT_EQ(queue_.unopened(), 0U);
+  EXPECT_EQ(queue_.unanswered(), 2U);
+  queue_.CountAnswered(2);
+  EXPECT_EQ(queue_.unanswered(), 0U);
 }
 
 }  // namespace
