@@ -61,9 +61,13 @@ void Connection::BeginGrpc() {
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();
-  const std::uint32_t streams_max = peer.IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
-  grpc_ = std::make_unique<GrpcConnection>(
-      thread_, *this, GrpcConnection::Setup{std::move(peer), origin_, streams_max});
+  GrpcConnection::Setup setup{.peer = std::move(peer), .origin = origin_};
+  setup.streams_max = setup.peer.IsGateway() ? gateway_streams_max_ : kRobotStreamsMax;
+  if (thread_.serves_calls) {
+    setup.calls_per_second = setup.streams_max * kCallsPerStream;
+    if (!setup.peer.IsGateway()) setup.streams_max += kRobotCallsMax;
+  }
+  grpc_ = std::make_unique<GrpcConnection>(thread_, *this, std::move(setup));
   lifetime_.Open(now, age_max_, UntilExpiry(), grpc_->tls_peer().jitter());
   owner_.OnHandshakeEnded(*this);
   thread_.debug.ConnectionOpened(id_, origin_);

@@ -48,23 +48,19 @@ std::size_t DescriptorsMax() {
   return static_cast<std::size_t>(limit.rlim_cur);
 }
 
-Methods ServedMethods() {
-  Methods methods;
-  methods.emplace(RelayHandler::kPath, Method{.kind = MethodKind::kBidirectional,
-                                              .roles = RelayHandler::Roles(),
-                                              .audience = RelayHandler::kAudience,
-                                              .serve = RelayHandler::Serve});
-  return methods;
-}
-
 }  // namespace
 
 /// Members are destroyed from the last.
 struct FrontServer::Impl {
-  Impl(const transport::RelayOptions& given_options, const RelayContext& given)
+  Impl(const transport::RelayOptions& given_options, const RelayContext& given,
+       transport::MethodsMaker others)
       : options(given_options),
         context(given),
-        methods(ServedMethods()),
+        make_methods([others = std::move(others)](const Clock& clock) {
+          transport::Methods methods = others ? others(clock) : transport::Methods();
+          methods.merge(RelayHandler::Served());
+          return methods;
+        }),
         limits(DoorLimitsFor({.streams_max = given_options.streams_max,
                               .descriptors_max = DescriptorsMax(),
                               .reserved = given_options.descriptors_reserved,
@@ -96,7 +92,7 @@ struct FrontServer::Impl {
   const transport::RelayOptions options;
   const RelayContext context;
   std::optional<log::RateLimited> pause_lines;
-  const Methods methods;
+  const transport::MethodsMaker make_methods;
   /// None with texts in place of files.
   std::unique_ptr<transport::KeyFiles> files;
   /// Whether the last texts of the files could be served.
@@ -129,8 +125,9 @@ absl::Status FrontServer::Impl::ServeFiles() {
 }
 
 absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(
-    const transport::RelayOptions& options, const RelayContext& context) {
-  auto impl = std::make_unique<Impl>(options, context);
+    const transport::RelayOptions& options, const RelayContext& context,
+    transport::MethodsMaker others) {
+  auto impl = std::make_unique<Impl>(options, context, std::move(others));
   absl::Status served;
   if (const auto* files = std::get_if<transport::PemFiles>(&options.key_material)) {
     impl->files = std::make_unique<transport::KeyFiles>(*files);
@@ -176,7 +173,7 @@ void FrontServer::Impl::StartWorkers() {
       for (const auto& worker : workers) worker->Evict(id);
     };
     workers.push_back(
-        std::make_unique<Worker>(setup, context, gate, methods, tls, book, unfinished));
+        std::make_unique<Worker>(setup, context, gate, make_methods, tls, book, unfinished));
   }
   for (const auto& worker : workers) worker->Start();
 }

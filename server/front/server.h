@@ -9,11 +9,12 @@
 #include "schema/base/clock.h"
 #include "server/front/call/relay_context.h"
 #include "server/transport/key_files.h"
+#include "server/transport/methods.h"
 #include "server/transport/options.h"
 
 namespace uplink::front {
 
-/// The listener for robots: UplinkRelay by gRPC over HTTP/2 over mutual TLS.
+/// The listener for robots: UplinkRelay, and other methods, by gRPC over HTTP/2 over mutual TLS.
 ///
 /// Life:   made listening; Drain; WaitForStreams, while the journal's writer still settles;
 ///         Shutdown; then the writer may stop. StreamRefs of its streams stay valid until it is
@@ -21,12 +22,14 @@ namespace uplink::front {
 /// Thread: main; streams(), draining() and port() from any; RefreshFiles on one.
 class FrontServer final {
  public:
-  /// Listens and serves.
+  /// Listens and serves the relay, and what `others` makes for each thread; what its methods hold
+  /// goes with the server.
   ///
   /// Errors: kUnavailable names the address and why nobody can listen there; kFailedPrecondition
   ///         names what is wrong with certificate, key or authority.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FrontServer>> Start(
-      const transport::RelayOptions& options, const RelayContext& context);
+      const transport::RelayOptions& options, const RelayContext& context,
+      transport::MethodsMaker others = {});
 
   /// Shuts down at once if Shutdown was not called.
   ~FrontServer();

@@ -13,11 +13,11 @@
 namespace uplink::front {
 
 Worker::Worker(const Setup& setup, const RelayContext& relay, transport::Gate& gate,
-               const Methods& methods, const ServedContext& tls, DoorBook& book,
-               Unfinished& unfinished)
+               const transport::MethodsMaker& make_methods, const ServedContext& tls,
+               DoorBook& book, Unfinished& unfinished)
     : setup_(setup),
       tls_(tls),
-      thread_state_(relay, gate, methods, *this, book, unfinished),
+      thread_state_(relay, gate, make_methods, *this, book, unfinished),
       loop_({.timer =
                  [this] {
                    thread_state_.clock.Advance();

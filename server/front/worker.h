@@ -40,7 +40,8 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
   };
 
   Worker(const Setup& setup, const RelayContext& relay, transport::Gate& gate,
-         const Methods& methods, const ServedContext& tls, DoorBook& book, Unfinished& unfinished);
+         const transport::MethodsMaker& make_methods, const ServedContext& tls, DoorBook& book,
+         Unfinished& unfinished);
   ~Worker() override;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

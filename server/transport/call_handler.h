@@ -10,6 +10,7 @@
 
 #include <absl/status/status.h>
 
+#include "schema/base/check.h"
 #include "schema/base/clock.h"
 #include "server/identity/peer_identity.h"
 #include "server/loop/wake.h"
@@ -25,6 +26,17 @@ inline void PutPrefix(std::size_t bytes, char* into) {
   for (std::size_t i = 1; i < kPrefixBytes; ++i) {
     into[i] = static_cast<char>((bytes >> (8 * (kPrefixBytes - 1 - i))) & 0xFFU);
   }
+}
+
+/// A message of protobuf as it goes out. `message` serializes: all of ours do.
+template <typename Message>
+[[nodiscard]] std::string WithPrefix(const Message& message) {
+  const std::size_t bytes = message.ByteSizeLong();
+  std::string text(kPrefixBytes + bytes, '\0');
+  PutPrefix(bytes, text.data());
+  const bool done = message.SerializeToArray(text.data() + kPrefixBytes, static_cast<int>(bytes));
+  UPLINK_CHECK(done, "a message of ours does not serialize");
+  return text;
 }
 
 /// A message that several calls send, without its prefix. Immutable.
@@ -51,6 +63,8 @@ class ServedCall {
   virtual void AskPeer() = 0;
   /// Who calls: somebody who may call the method.
   [[nodiscard]] virtual const identity::PeerIdentity& peer() const = 0;
+  /// When the time that the caller gave is over: the call then ends by itself, as its method says.
+  [[nodiscard]] virtual std::optional<SteadyTime> give_up_at() const = 0;
   /// By this any thread has the handler's OnWake called.
   [[nodiscard]] virtual loop::StreamRef self() const = 0;
 };

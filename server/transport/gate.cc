@@ -1,10 +1,30 @@
 #include "server/transport/gate.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 
 namespace uplink::transport {
+namespace {
+
+constexpr std::size_t IndexOf(Admission admission) { return static_cast<std::size_t>(admission); }
+
+constexpr std::string_view WordOf(Admission admission) {
+  return admission == Admission::kCall ? "calls" : "streams";
+}
+
+constexpr std::size_t CallsMax(const Gate::Limits& limits) {
+  return std::max(limits.streams_max, kCallsMaxAtLeast);
+}
+
+constexpr std::size_t PerGateway(std::size_t all_max, const Gate::Limits& limits) {
+  const std::size_t own =
+      std::max<std::size_t>(1, kGatewayFullConnections * limits.gateway_streams_max);
+  return std::clamp<std::size_t>(all_max * kGatewayStreamsPercent / 100, 1, own);
+}
+
+}  // namespace
 
 Entrant EntrantOf(const identity::PeerIdentity& peer) {
   switch (peer.role) {
@@ -21,61 +41,65 @@ Entrant EntrantOf(const identity::PeerIdentity& peer) {
 }
 
 Gate::Gate(const Limits& limits, RelayProbe& probe)
-    : streams_max_(limits.streams_max),
-      per_gateway_max_(std::clamp<std::size_t>(
-          limits.streams_max * kGatewayStreamsPercent / 100, 1,
-          std::max<std::size_t>(1, kGatewayFullConnections * limits.gateway_streams_max))),
-      probe_(probe) {}
+    : probe_(probe),
+      here_{
+          Here{.max = limits.streams_max,
+               .per_gateway_max = PerGateway(limits.streams_max, limits)},
+          Here{.max = CallsMax(limits), .per_gateway_max = PerGateway(CallsMax(limits), limits)}} {}
 
-absl::Status Gate::CheckRobot(const std::string& robot) const {
-  const std::size_t has = by_robot_.Of(robot);
-  if (has < kStreamsPerCertificateMax) return absl::OkStatus();
+absl::Status Gate::CheckRobot(const std::string& robot, Admission admission) const {
+  const std::size_t has = here_[IndexOf(admission)].by_robot.Of(robot);
+  if (has < (admission == Admission::kCall ? kCallsPerCertificateMax : kStreamsPerCertificateMax)) {
+    return absl::OkStatus();
+  }
   probe_.refused_robot_total.Add();
-  return absl::ResourceExhaustedError(
-      fmt::format("the server admits no more streams of this certificate: it has {}", has));
+  return absl::ResourceExhaustedError(fmt::format(
+      "the server admits no more {} of this certificate: it has {}", WordOf(admission), has));
 }
 
-absl::Status Gate::CheckGateway(const std::string& gateway) const {
-  const std::size_t has = by_gateway_.Of(gateway);
-  if (has < per_gateway_max_) return absl::OkStatus();
+absl::Status Gate::CheckGateway(const std::string& gateway, Admission admission) const {
+  const std::size_t has = here_[IndexOf(admission)].by_gateway.Of(gateway);
+  if (has < here_[IndexOf(admission)].per_gateway_max) return absl::OkStatus();
   probe_.refused_gateway_total.Add();
   return absl::ResourceExhaustedError(fmt::format(
-      "the server admits no more streams of gateway {}: it has {} (limits.gateway_streams_max, "
+      "the server admits no more {} of gateway {}: it has {} (limits.gateway_streams_max, "
       "limits.robots_max)",
-      gateway, has));
+      WordOf(admission), gateway, has));
 }
 
-absl::Status Gate::Enter(const Entrant& entrant) {
+absl::Status Gate::Enter(const Entrant& entrant, Admission admission) {
   const std::lock_guard lock(mutex_);
   if (closed_) {
     probe_.refused_draining_total.Add();
     return absl::UnavailableError("the server drains");
   }
-  if (streams_ >= streams_max_) {
+  Here& here = here_[IndexOf(admission)];
+  if (here.all >= here.max) {
     probe_.refused_full_total.Add();
     return absl::ResourceExhaustedError(
-        fmt::format("the server admits no more streams: it has {}", streams_));
+        fmt::format("the server admits no more {}: it has {}", WordOf(admission), here.all));
   }
-  if (absl::Status status = CheckRobot(entrant.robot); !status.ok()) return status;
-  if (absl::Status status = CheckGateway(entrant.gateway); !status.ok()) return status;
-  ++streams_;
-  if (!entrant.robot.empty()) by_robot_.Add(entrant.robot);
+  if (absl::Status status = CheckRobot(entrant.robot, admission); !status.ok()) return status;
+  if (absl::Status status = CheckGateway(entrant.gateway, admission); !status.ok()) return status;
+  ++here.all;
+  if (!entrant.robot.empty()) here.by_robot.Add(entrant.robot);
   if (!entrant.gateway.empty()) {
-    by_gateway_.Add(entrant.gateway);
-    probe_.gateway_streams.Add();
+    here.by_gateway.Add(entrant.gateway);
+    if (admission == Admission::kStream) probe_.gateway_streams.Add();
   }
   return absl::OkStatus();
 }
 
-void Gate::Leave(const Entrant& entrant) {
+void Gate::Leave(const Entrant& entrant, Admission admission) {
   const std::lock_guard lock(mutex_);
-  --streams_;
-  if (!entrant.robot.empty()) by_robot_.Drop(entrant.robot);
+  Here& here = here_[IndexOf(admission)];
+  --here.all;
+  if (!entrant.robot.empty()) here.by_robot.Drop(entrant.robot);
   if (!entrant.gateway.empty()) {
-    by_gateway_.Drop(entrant.gateway);
-    probe_.gateway_streams.Add(-1);
+    here.by_gateway.Drop(entrant.gateway);
+    if (admission == Admission::kStream) probe_.gateway_streams.Add(-1);
   }
-  if (streams_ == 0) empty_.notify_all();
+  if (All() == 0) empty_.notify_all();
 }
 
 void Gate::Close() {
@@ -90,12 +114,12 @@ bool Gate::closed() const {
 
 std::size_t Gate::streams() const {
   const std::lock_guard lock(mutex_);
-  return streams_;
+  return All();
 }
 
 bool Gate::WaitEmpty(milliseconds wait) const {
   std::unique_lock lock(mutex_);
-  return empty_.wait_for(lock, wait, [this] { return streams_ == 0; });
+  return empty_.wait_for(lock, wait, [this] { return All() == 0; });
 }
 
 }  // namespace uplink::transport

@@ -41,16 +41,6 @@ front::TlsPeer PeerOf(std::uint8_t robot) {
           .expiry = SystemTime{}};
 }
 
-front::Methods ServedMethods() {
-  front::Methods methods;
-  methods.emplace(front::RelayHandler::kPath,
-                  front::Method{.kind = front::MethodKind::kBidirectional,
-                                .roles = front::RelayHandler::Roles(),
-                                .audience = front::RelayHandler::kAudience,
-                                .serve = front::RelayHandler::Serve});
-  return methods;
-}
-
 }  // namespace
 
 std::string RuriOf(std::uint8_t number) { return "rcan://fuzz/" + std::to_string(number); }
@@ -147,20 +137,21 @@ void FrontWire::CheckStream(std::uint32_t id, const testing::RawStream& stream) 
 
 // --- The thread, and what stands behind it ---
 
-FrontBench::FrontBench() : FrontBench(ServedMethods()) {}
+FrontBench::FrontBench() : FrontBench(front::RelayHandler::Served()) {}
 
-FrontBench::FrontBench(front::Methods methods)
+FrontBench::FrontBench(transport::Methods methods)
     : limits_(SmallLimits()),
       fleet_(clock_, kRobots, robot::PresenceLimits{}),
       journal_(store_, SmallJournal(), clock_, book_.NewPage(), journal_probe_,
                storage::ProcessId{1}),
       context_(Context()),
-      methods_(std::move(methods)),
       gate_({.streams_max = kStreamsMax}, relay_probe_),
       door_book_({.connections_max = kPlacesMax, .lingers_max = kLingersMax}, relay_probe_,
                  nullptr),
       unfinished_({.bytes_max = kUnfinishedMax, .share_max = kUnfinishedMax / 2}, relay_probe_),
-      thread_(context_, gate_, methods_, *this, door_book_, unfinished_) {}
+      thread_(
+          context_, gate_, [&](const Clock&) { return std::move(methods); }, *this, door_book_,
+          unfinished_) {}
 
 FrontBench::~FrontBench() = default;
 

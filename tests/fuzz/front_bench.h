@@ -100,7 +100,7 @@ class FrontBench final : public loop::WakeInbox {
 
   FrontBench();
   /// Of other methods than the relay's.
-  explicit FrontBench(front::Methods methods);
+  explicit FrontBench(transport::Methods methods);
   ~FrontBench() override;
   FrontBench(const FrontBench&) = delete;
   FrontBench& operator=(const FrontBench&) = delete;
@@ -156,7 +156,6 @@ class FrontBench final : public loop::WakeInbox {
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};
   const front::RelayContext context_;
-  const front::Methods methods_;
   transport::Gate gate_;
   front::DoorBook door_book_;
   front::Unfinished unfinished_;

@@ -14,6 +14,8 @@
 
 namespace uplink::front {
 
+using transport::MethodKind;
+
 Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
     : thread_(thread),
       owner_(owner),
@@ -22,6 +24,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
       id_(thread.next_call++),
       head_(std::make_unique<RequestHead>()),
       inbound_(thread.unfinished, self()),
+      admittance_(thread, owner.origin()),
       response_(http2, stream) {
   thread_.calls.emplace(id_, this);
   // Headers that trickle in, and never end, keep a place no longer than silence does.
@@ -41,7 +44,8 @@ void Call::OnHeadersEnd() {
   if (cancelled_) return;
   const std::unique_ptr<RequestHead> head = std::move(head_);
   give_up_at_.reset();
-  const absl::Status may = MayCall(owner_.tls_peer().identity, thread_.methods, head->path());
+  const absl::Status may =
+      transport::MayCall(owner_.tls_peer().identity, thread_.methods, head->path());
   if (!may.ok()) {
     TurnAway(may);
   } else if (const std::optional<int> http_status = head->NotGrpc()) {
@@ -66,12 +70,16 @@ void Call::Serve(const RequestHead& head) {
     return Refuse(absl::UnimplementedError("no such method is served here"));
   }
   kind_ = method->second.kind;
+  if (absl::Status in = admittance_.Enter(peer(), method->second.admission); !in.ok()) {
+    return Finish(in);
+  }
+  if (head.timeout()) {
+    give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
+    at_deadline_ = method->second.at_deadline;
+  }
   auto handler = method->second.serve(*this);
   if (!handler.ok()) return Finish(handler.status());
   handler_ = *std::move(handler);
-  if (head.timeout()) {
-    give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
-  }
   handler_->Start();
 }
 
@@ -94,12 +102,6 @@ void Call::OnData(std::string_view bytes) {
   if (wants_message_ && serving() && inbound_.reader().waiting() > 0) handler_->OnMessageBytes();
   inbound_.reader().Keep();
   NoteUnfinished();
-  owner_.Touch(*this);
-}
-
-void Call::OnEnd() {
-  peer_ended_ = true;
-  Deliver();
   owner_.Touch(*this);
 }
 
@@ -186,6 +188,7 @@ Http2Stream::Body Call::OnBody(char* into, std::size_t size) {
   const Body body = response_.Take(into, size);
   if (was_writing && !response_.writing()) {
     written_ = true;
+    if (serving() || kind_ == MethodKind::kUnary) admittance_.NoteAnswered();
     owner_.Touch(*this);
   }
   return body;
@@ -239,14 +242,10 @@ void Call::Fail(const absl::Status& status) {
 
 void Call::OnReset(std::uint32_t code) { reset_code_ = CodeOfReset(code); }
 
-void Call::OnClosed() {
-  closed_ = true;
-  owner_.Touch(*this);
-}
-
 void Call::Break() {
   if (handler_ != nullptr) handler_->OnBroken(reset_code_);
   handler_.reset();
+  admittance_.Leave();
   finish_by_.reset();
   OpenWindow(inbound_.Drop());
   inbound_.End();
@@ -270,7 +269,7 @@ void Call::OnTimer() {
   if (serving()) {
     if (give_up_at_ && now >= *give_up_at_) {
       give_up_at_.reset();
-      Fail(absl::DeadlineExceededError("the time that grpc-timeout gave is over"));
+      Fail(at_deadline_);
     } else if (drain_at_ && now >= *drain_at_) {
       drain_at_.reset();
       handler_->OnDrain(

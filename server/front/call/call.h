@@ -11,14 +11,15 @@
 #include <absl/status/status.h>
 
 #include "schema/base/check.h"
+#include "server/front/call/admittance.h"
 #include "server/front/call/inbound.h"
-#include "server/front/call/methods.h"
 #include "server/front/call/request_head.h"
 #include "server/front/call/response.h"
 #include "server/front/door/origin.h"
 #include "server/front/http2/http2.h"
 #include "server/front/tls/tls_peer.h"
 #include "server/transport/call_handler.h"
+#include "server/transport/methods.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {
@@ -72,6 +73,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
     UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
     return *identity;
   }
+  [[nodiscard]] std::optional<SteadyTime> give_up_at() const override { return give_up_at_; }
   [[nodiscard]] loop::StreamRef self() const override;
 
   // --- For the relay's handler ---
@@ -110,9 +112,16 @@ class Call final : public Http2Stream, public transport::ServedCall {
   }
   void OnHeadersEnd() override;
   void OnData(std::string_view bytes) override;
-  void OnEnd() override;
+  void OnEnd() override {
+    peer_ended_ = true;
+    Deliver();
+    owner_.Touch(*this);
+  }
   void OnReset(std::uint32_t code) override;
-  void OnClosed() override;
+  void OnClosed() override {
+    closed_ = true;
+    owner_.Touch(*this);
+  }
   Body OnBody(char* into, std::size_t size) override;
   void OnBodyEnd() override { response_.SendTrailers(); }
 
@@ -149,7 +158,8 @@ class Call final : public Http2Stream, public transport::ServedCall {
   bool has_written_ = false;
   bool asks_peer_ = false;
   bool peer_ended_ = false;
-  MethodKind kind_ = MethodKind::kBidirectional;
+  transport::MethodKind kind_ = transport::MethodKind::kBidirectional;
+  Admittance admittance_;
 
   Response response_;
   /// What the handler wrote was taken, and it was not told yet.
@@ -159,6 +169,8 @@ class Call final : public Http2Stream, public transport::ServedCall {
   std::optional<SteadyTime> finish_by_;
   /// By grpc-timeout; until the headers are whole, by when they must be.
   std::optional<SteadyTime> give_up_at_;
+  /// How it then ends.
+  absl::Status at_deadline_;
   std::optional<SteadyTime> drain_at_;
   SteadyTime drain_end_;
   /// What the handler last answered: asked again once it has passed, it may say nothing.

@@ -16,7 +16,7 @@ GrpcConnection::GrpcConnection(Thread& thread, GrpcConnectionOwner& owner, Setup
       peer_(std::move(setup.peer)),
       origin_(setup.origin),
       http2_(thread.http2_rules, thread.http2_memory, *this, setup.streams_max),
-      frames_(setup.streams_max) {}
+      frames_(setup.streams_max, setup.calls_per_second) {}
 
 bool GrpcConnection::Receive(std::string_view plain) {
   if (http2_.Receive(plain)) return true;

@@ -42,6 +42,8 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
     const Origin& origin;
     /// Streams that the peer may open at once.
     std::uint32_t streams_max = 0;
+    /// Unary calls that it may make per second, beside what its streams need.
+    std::uint32_t calls_per_second = 0;
   };
 
   GrpcConnection(Thread& thread, GrpcConnectionOwner& owner, Setup setup);

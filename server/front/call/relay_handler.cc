@@ -3,43 +3,30 @@
 #include <utility>
 #include <vector>
 
-#include "schema/base/check.h"
 #include "server/front/call/outbound.h"
 #include "server/front/call/thread.h"
 
 namespace uplink::front {
-namespace {
 
-/// The frame as it goes out.
-std::string WithPrefix(const v1::RelayResponse& frame) {
-  const std::size_t bytes = frame.ByteSizeLong();
-  std::string message(kPrefixBytes + bytes, '\0');
-  transport::PutPrefix(bytes, message.data());
-  const bool done = frame.SerializeToArray(message.data() + kPrefixBytes, static_cast<int>(bytes));
-  UPLINK_CHECK(done, "a frame of ours does not serialize");
-  return message;
+transport::Methods RelayHandler::Served() {
+  transport::Methods methods;
+  // Each call that is served here is a Call.
+  methods.emplace("/uplink.v1.UplinkRelay/Relay",
+                  transport::Method{.kind = transport::MethodKind::kBidirectional,
+                                    .roles = {identity::Role::kRobot, identity::Role::kGateway},
+                                    .audience = "the relay takes robots and gateways alone",
+                                    .serve = [](transport::ServedCall& call) {
+                                      return Serve(static_cast<Call&>(call));
+                                    }});
+  return methods;
 }
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<transport::CallHandler>> RelayHandler::Serve(Call& call) {
   Thread& thread = call.thread();
-  transport::Entrant entrant = transport::EntrantOf(call.peer());
-  if (absl::Status in = thread.gate.Enter(entrant); !in.ok()) {
-    thread.book.TellRefusal(in, call.owner().origin(), thread.clock.Steady());
-    return in;
-  }
-  std::unique_ptr<RelayHandler> handler(new RelayHandler(call, std::move(entrant)));
+  std::unique_ptr<RelayHandler> handler(new RelayHandler(call));
   handler->session_.emplace(thread.sessions, call.peer(), call.self(), *handler, *handler);
   thread.debug.StreamOpened(call.stream(), call.owner().origin());
   return handler;
-}
-
-RelayHandler::~RelayHandler() {
-  session_.reset();
-  Thread& thread = call_.thread();
-  if (welcome_) thread.book.known().Leave(call_.owner().origin().source, thread.clock.Steady());
-  thread.gate.Leave(entrant_);
 }
 
 void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
@@ -48,14 +35,9 @@ void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
   session_->OnBroken(code);
 }
 
-void RelayHandler::OnWritten() {
-  if (!std::exchange(welcome_, true)) {
-    call_.thread().book.known().Enter(call_.owner().origin().source);
-  }
-  session_->OnWritten();
+void RelayHandler::Write(const v1::RelayResponse& frame) {
+  call_.Write(transport::WithPrefix(frame));
 }
-
-void RelayHandler::Write(const v1::RelayResponse& frame) { call_.Write(WithPrefix(frame)); }
 
 void RelayHandler::WriteEncoded(std::span<const session::EncodedFrame> frames) {
   call_.Write(std::vector<SharedMessage>(frames.begin(), frames.end()));

@@ -23,17 +23,8 @@ class RelayHandler final : public transport::CallHandler,
                            public session::FrameSource,
                            public session::FrameSink {
  public:
-  /// The path of the method.
-  static constexpr std::string_view kPath = "/uplink.v1.UplinkRelay/Relay";
-  /// Who may call it.
-  [[nodiscard]] static std::vector<identity::Role> Roles() {
-    return {identity::Role::kRobot, identity::Role::kGateway};
-  }
-  static constexpr std::string_view kAudience = "the relay takes robots and gateways alone";
-
-  /// Of a peer that may call it. Errors: those of transport::Gate::Enter.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<transport::CallHandler>> Serve(Call& call);
-  ~RelayHandler() override;
+  /// Its row of the table.
+  [[nodiscard]] static transport::Methods Served();
   RelayHandler(const RelayHandler&) = delete;
   RelayHandler& operator=(const RelayHandler&) = delete;
 
@@ -48,7 +39,7 @@ class RelayHandler final : public transport::CallHandler,
   void OnMessageBytes() override { session_->OnFrameBytes(); }
   void OnPeerAnswered() override { session_->OnPeerAnswered(); }
   void OnBroken(std::optional<absl::StatusCode> code) override;
-  void OnWritten() override;
+  void OnWritten() override { session_->OnWritten(); }
   void OnWake() override { session_->OnWake(); }
   void OnTimer() override { session_->OnTimer(); }
   [[nodiscard]] std::optional<SteadyTime> deadline() const override { return session_->deadline(); }
@@ -64,13 +55,10 @@ class RelayHandler final : public transport::CallHandler,
   void AskPeer() override { call_.AskPeer(); }
 
  private:
-  RelayHandler(Call& call, transport::Entrant entrant)
-      : call_(call), entrant_(std::move(entrant)) {}
+  explicit RelayHandler(Call& call) : call_(call) {}
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<transport::CallHandler>> Serve(Call& call);
 
   Call& call_;
-  const transport::Entrant entrant_;
-  /// A frame of ours went out, the Welcome: the robot's source is one that the door knows.
-  bool welcome_ = false;
   /// Last, so that it goes before what it writes to.
   std::optional<session::Session> session_;
 };

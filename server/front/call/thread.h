@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +8,6 @@
 #include <unordered_map>
 
 #include "schema/judge.h"
-#include "server/front/call/methods.h"
 #include "server/front/call/relay_context.h"
 #include "server/front/call/unfinished.h"
 #include "server/front/door/debug_lines.h"
@@ -19,24 +19,32 @@
 #include "server/session/context.h"
 #include "server/transport/event_clock.h"
 #include "server/transport/gate.h"
+#include "server/transport/methods.h"
 #include "server/transport/timers.h"
 
 namespace uplink::front {
+
+class Call;
 
 /// What the connections and calls of one thread share: the clock of the event that is being
 /// handled, timers, buffers that they use one after the other, and who is there by number.
 ///
 /// Thread: confined to it.
 struct Thread {
-  Thread(const RelayContext& given, transport::Gate& its_gate, const Methods& served,
-         loop::WakeInbox& its_inbox, DoorBook& door_book, Unfinished& unfinished_memory)
+  Thread(const RelayContext& given, transport::Gate& its_gate,
+         const transport::MethodsMaker& make_methods, loop::WakeInbox& its_inbox,
+         DoorBook& door_book, Unfinished& unfinished_memory)
       : relay(given),
         debug(given.logger),
         book(door_book),
         gate(its_gate),
-        methods(served),
         inbox(its_inbox),
         clock(given.clock),
+        methods(make_methods(clock)),
+        serves_calls(std::any_of(methods.begin(), methods.end(),
+                                 [](const auto& method) {
+                                   return method.second.admission == transport::Admission::kCall;
+                                 })),
         judge(given.judge_limits),
         sessions{clock,
                  given.fleet,
@@ -57,10 +65,12 @@ struct Thread {
   const DebugLines debug;
   DoorBook& book;
   transport::Gate& gate;
-  const Methods& methods;
   /// Where other threads wake calls.
   loop::WakeInbox& inbox;
   transport::EventClock clock;
+  const transport::Methods methods;
+  /// There are methods whose calls are answered soon: a connection may make many.
+  const bool serves_calls;
   schema::Judge judge;
   session::IntakeScratch scratch;
   const session::SessionContext sessions;

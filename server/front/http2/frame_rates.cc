@@ -11,11 +11,6 @@ constexpr SteadyTime::duration IntervalOf(std::uint32_t rate) {
   return SteadyTime::duration(std::chrono::seconds(1)) / rate;
 }
 
-constexpr std::uint32_t RateOf(const FrameLimit& limit, std::uint32_t streams_max) {
-  const bool grows = limit.scope == FrameScope::kStreams && streams_max > kRobotStreamsMax;
-  return limit.rate + (grows ? streams_max - kRobotStreamsMax : 0);
-}
-
 /// Rounded up: a peer with fewer streams than a robot's has its one frame, too.
 constexpr std::uint64_t BurstOf(const FrameLimit& limit, std::uint32_t streams_max) {
   if (limit.scope == FrameScope::kConnection) return limit.burst;
@@ -36,6 +31,12 @@ static_assert(TableIsSound(), "kFrameLimits is by kind, and its intervals are wh
 
 }  // namespace
 
+std::uint32_t FrameRates::RateOf(const FrameLimit& limit) const {
+  if (limit.scope == FrameScope::kConnection) return limit.rate;
+  const std::uint32_t streams = std::max(streams_max_, kRobotStreamsMax) - kRobotStreamsMax;
+  return limit.rate + streams + (limit.scope == FrameScope::kCalls ? calls_per_second_ : 0);
+}
+
 void FrameRates::NoteSent(SteadyTime now) {
   if (now - sent_at_ > kForSentWait) for_sent_.fill(0);
   sent_at_ = now;
@@ -55,7 +56,7 @@ bool FrameRates::TakeForSent(FrameKind kind, SteadyTime now) {
 bool FrameRates::Take(FrameKind kind, SteadyTime now) {
   const FrameLimit& limit = LimitOf(kind);
   SteadyTime& full_at = full_at_[static_cast<std::size_t>(kind)];
-  const SteadyTime::duration interval = IntervalOf(RateOf(limit, streams_max_));
+  const SteadyTime::duration interval = IntervalOf(RateOf(limit));
   const SteadyTime then = std::max(full_at, now) + interval;
   const auto burst = static_cast<SteadyTime::rep>(BurstOf(limit, streams_max_));
   if (then - now > interval * burst) return false;

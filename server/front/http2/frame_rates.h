@@ -36,16 +36,18 @@ enum class FrameKind : std::uint8_t {
 };
 inline constexpr std::size_t kFrameKinds = 11;
 
-/// What a limit is for: one stream costs some frames, so that a peer with many may send more.
-enum class FrameScope : std::uint8_t { kConnection, kStreams };
+/// What a limit is for: one stream costs some frames, so that a peer with many may send more; and
+/// so does each unary call.
+enum class FrameScope : std::uint8_t { kConnection, kStreams, kCalls };
 
 /// How many of a kind may come. A value.
 struct FrameLimit {
   FrameKind kind = FrameKind::kReset;
-  /// Frames per second; with FrameScope::kStreams one more for each stream past kRobotStreamsMax
-  /// that the connection may have: an agent opens its stream once a second at most.
+  /// Frames per second; but with FrameScope::kConnection one more for each stream past
+  /// kRobotStreamsMax that the connection may have: an agent opens its stream once a second at
+  /// most. With kCalls one more for each call per second besides.
   std::uint32_t rate = 0;
-  /// Frames at once, after a pause; with FrameScope::kStreams of a connection that may have
+  /// Frames at once, after a pause; but with FrameScope::kConnection of a connection that may have
   /// kRobotStreamsMax, and of others in proportion.
   std::uint32_t burst = 0;
   FrameScope scope = FrameScope::kConnection;
@@ -75,7 +77,7 @@ inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
      transport::TurnedAway::kWindowUpdates, "window_update"},
     {FrameKind::kUnknown, 50, 100, FrameScope::kConnection, 0,
      transport::TurnedAway::kUnknownFrames, "unknown"},
-    {FrameKind::kHeaders, 200, 400, FrameScope::kStreams, 0, transport::TurnedAway::kHeaders,
+    {FrameKind::kHeaders, 200, 400, FrameScope::kCalls, 0, transport::TurnedAway::kHeaders,
      "headers"},
     // Below the number with which nghttp2 ends a session for a rule that was broken.
     {FrameKind::kContinuation, 5, 7, FrameScope::kConnection, 0,
@@ -100,8 +102,11 @@ inline constexpr std::chrono::seconds kForSentWait{8};
 /// change. Allocates nothing. Confined to the connection's thread.
 class FrameRates final {
  public:
-  /// For a peer that may have so many streams; until TLS has shown which one, a robot's.
-  explicit FrameRates(std::uint32_t streams_max = kRobotStreamsMax) : streams_max_(streams_max) {}
+  /// For a peer that may have so many streams, and calls per second; until TLS has shown which one,
+  /// a robot's.
+  explicit FrameRates(std::uint32_t streams_max = kRobotStreamsMax,
+                      std::uint32_t calls_per_second = 0)
+      : streams_max_(streams_max), calls_per_second_(calls_per_second) {}
 
   /// We sent a HEADERS or DATA frame: the peer may answer it.
   void NoteSent(SteadyTime now);
@@ -112,7 +117,10 @@ class FrameRates final {
   [[nodiscard]] bool Take(FrameKind kind, SteadyTime now);
 
  private:
+  [[nodiscard]] std::uint32_t RateOf(const FrameLimit& limit) const;
+
   std::uint32_t streams_max_;
+  std::uint32_t calls_per_second_;
   /// By kind: answers outstanding, which NoteSent adds and TakeForSent takes.
   std::array<std::uint16_t, kFrameKinds> for_sent_{};
   SteadyTime sent_at_;

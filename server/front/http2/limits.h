@@ -22,6 +22,12 @@ inline constexpr std::size_t kHeaderBombBytes = std::size_t{8} * kHeaderBytesMax
 /// Streams of one connection of a robot: it needs one, and two at takeover. A gateway's has
 /// limits.gateway_streams_max.
 inline constexpr std::uint32_t kRobotStreamsMax = 16;
+/// Calls that a robot's connection may have open besides, where unary methods are served: more than
+/// their handler lets a drone have in flight (64), so that it is told that these are too many.
+inline constexpr std::uint32_t kRobotCallsMax = 80;
+/// Calls per second for each stream of a gateway that its connection may have: a drone publishes 26
+/// types once a second.
+inline constexpr std::uint32_t kCallsPerStream = 26;
 /// Answers to PING and SETTINGS that wait for a peer which does not read, before it is ended.
 inline constexpr std::size_t kAnswersWaitingMax = 64;
 /// Answers that one record of TLS (16 KiB) can ask for, by SETTINGS without content (9 bytes each).

@@ -55,6 +55,32 @@ TEST(Gate, AdmitsAsManyOfAGatewayAsFourFullConnectionsHold) {
   EXPECT_TRUE(gate.Enter(gateway).ok());
 }
 
+TEST(Gate, CallsTakeNoPlacesOfStreamsAndAreBoundedBesides) {
+  RelayProbe probe;
+  Gate gate({.streams_max = 1}, probe);
+  const Entrant robot{.robot = "a"};
+  for (std::size_t i = 0; i < kCallsPerCertificateMax; ++i) {
+    ASSERT_TRUE(gate.Enter(robot, Admission::kCall).ok()) << i;
+  }
+  const absl::Status status = gate.Enter(robot, Admission::kCall);
+  EXPECT_EQ(std::string(status.message()),
+            "the server admits no more calls of this certificate: it has 256");
+  EXPECT_TRUE(gate.Enter(robot).ok());
+  EXPECT_EQ(gate.streams(), kCallsPerCertificateMax + 1);
+  gate.Leave(robot, Admission::kCall);
+  EXPECT_TRUE(gate.Enter(robot, Admission::kCall).ok());
+}
+
+TEST(Gate, AGatewayHasAsManyCallsAsFourFullConnectionsHold) {
+  RelayProbe probe;
+  Gate gate({.streams_max = 10'000, .gateway_streams_max = 256}, probe);
+  const Entrant gateway{.gateway = "g"};
+  for (int i = 0; i < 1024; ++i) ASSERT_TRUE(gate.Enter(gateway, Admission::kCall).ok());
+  EXPECT_EQ(gate.Enter(gateway, Admission::kCall).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(probe.gateway_streams.value(), 0);
+  EXPECT_TRUE(gate.Enter(gateway).ok());
+}
+
 TEST(Gate, LeavesAQuarterOfTheStreamsToOthers) {
   RelayProbe probe;
   EXPECT_EQ(Gate({.streams_max = 1, .gateway_streams_max = 256}, probe).per_gateway_max(), 1U);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -16,6 +17,7 @@ namespace {
 
 using fuzz::FrontBench;
 using fuzz::FrontWire;
+using transport::MethodKind;
 using namespace uplink::testing;  // NOLINT(google-build-using-namespace): what peers say
 
 constexpr std::uint8_t kRobot = 1;
@@ -155,17 +157,16 @@ class Echo final : public transport::CallHandler {
   std::string answer_;
 };
 
-Methods Echoes(MethodKind kind, int answers) {
-  Methods methods;
-  methods.emplace(
-      "/e.E/Echo",
-      Method{.kind = kind,
-             .roles = {identity::Role::kRobot},
-             .audience = "robots alone",
-             .serve =
-                 [answers](Call& call) -> absl::StatusOr<std::unique_ptr<transport::CallHandler>> {
-               return std::make_unique<Echo>(call, answers);
-             }});
+transport::Methods Echoes(MethodKind kind, int answers) {
+  transport::Methods methods;
+  methods.emplace("/e.E/Echo",
+                  transport::Method{.kind = kind,
+                                    .roles = {identity::Role::kRobot},
+                                    .audience = "robots alone",
+                                    .serve = [answers](transport::ServedCall& call)
+                                        -> absl::StatusOr<std::unique_ptr<transport::CallHandler>> {
+                                      return std::make_unique<Echo>(call, answers);
+                                    }});
   return methods;
 }
 
@@ -195,6 +196,27 @@ TEST(MethodKinds, NoMessageOrTwoAreInternal) {
     EXPECT_EQ(StatusOf(AnswerOf(kind, 1, "")), "13");
     EXPECT_EQ(StatusOf(AnswerOf(kind, 1, WithPrefix("x") + WithPrefix("y"))), "13");
   }
+}
+
+TEST(MethodKinds, AMethodSaysHowItsCallsEndAtTheirDeadline) {
+  transport::Methods methods = Echoes(MethodKind::kUnary, 1);
+  methods.at("/e.E/Echo").at_deadline = absl::UnavailableError("not in time");
+  FrontBench bench(std::move(methods));
+  FrontWire& wire = bench.Connect(kRobot);
+  wire.Receive(http2::Preface() + http2::Settings({}) +
+               OpenRelay(1, {{":path", "/e.E/Echo"}, {"grpc-timeout", "50m"}}));
+  bench.Pass(milliseconds(200));
+  EXPECT_EQ(StatusOf(wire.answers().At(1)), "14");
+}
+
+TEST(MethodKinds, ACallThatWasAnsweredGivesItsPlacesBack) {
+  FrontBench bench(Echoes(MethodKind::kUnary, 1));
+  FrontWire& wire = bench.Connect(kRobot);
+  wire.Receive(http2::Preface() + http2::Settings({}) + OpenRelay(1, {{":path", "/e.E/Echo"}}) +
+               http2::Data(1, WithPrefix("x"), http2::kEndStream));
+  EXPECT_TRUE(bench.door_book().known().IsKnown(wire.origin().source, bench.now()));
+  EXPECT_FALSE(bench.door_book().known().IsKnown(wire.origin().source, bench.now() + 2 * kKnownFor))
+      << "it has ended";
 }
 
 TEST(MethodKindsDeathTest, TwoAnswersOfAUnaryCallAreABug) {

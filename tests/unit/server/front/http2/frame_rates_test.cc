@@ -63,14 +63,25 @@ TEST_P(FrameRatesOfAKind, APeerWithManyStreamsHasABurstForThemWhereTheyCostIt) {
   FrameRates rates(kTimes * kRobotStreamsMax);
   const FrameLimit& limit = GetParam();
   const std::uint32_t burst =
-      limit.scope == FrameScope::kStreams ? kTimes * limit.burst : limit.burst;
+      limit.scope != FrameScope::kConnection ? kTimes * limit.burst : limit.burst;
   EXPECT_EQ(TakeAtOnce(rates, limit.kind, 2 * burst, kNow), burst);
-  const std::uint32_t rate = limit.scope == FrameScope::kStreams
+  const std::uint32_t rate = limit.scope != FrameScope::kConnection
                                  ? limit.rate + (kTimes - 1) * kRobotStreamsMax
                                  : limit.rate;
   // Intervals are whole nanoseconds: of a second a frame may be left over.
   EXPECT_NEAR(TakeAtOnce(rates, limit.kind, 2 * burst, kNow + kSecond), rate, 1)
       << "one more per second for each stream";
+}
+
+TEST(FrameRates, TheDronesOfAFullGatewayMayPublishAllTypesOnceASecondForEver) {
+  constexpr std::uint32_t kDrones = 256;
+  FrameRates rates(kDrones, kDrones * kCallsPerStream);
+  for (int second = 0; second < 60; ++second) {
+    EXPECT_EQ(
+        TakeAtOnce(rates, FrameKind::kHeaders, kDrones * kCallsPerStream, kNow + second * kSecond),
+        kDrones * kCallsPerStream)
+        << second;
+  }
 }
 
 TEST(FrameRates, EachStreamOfAGatewayMayBeOpenedAndResetOnceASecondForEver) {

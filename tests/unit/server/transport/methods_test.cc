@@ -1,10 +1,10 @@
-#include "server/front/call/methods.h"
+#include "server/transport/methods.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-namespace uplink::front {
+namespace uplink::transport {
 namespace {
 
 using identity::Role;
@@ -50,4 +50,4 @@ TEST_F(MayCallTest, AFlawOfTheCertificateIsAllThatIsTold) {
 }
 
 }  // namespace
-}  // namespace uplink::front
+}  // namespace uplink::transport

@@ -1,10 +1,10 @@
-#include "server/front/call/methods.h"
+#include "server/transport/methods.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-namespace uplink::front {
+namespace uplink::transport {
 namespace {
 
 absl::Status WrongRole(identity::Role role, std::string_view audience) {
@@ -30,4 +30,4 @@ absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity, con
   return WrongRole(identity->role, "nothing here takes it");
 }
 
-}  // namespace uplink::front
+}  // namespace uplink::transport

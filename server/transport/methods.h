@@ -11,12 +11,12 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "schema/base/clock.h"
 #include "server/identity/peer_identity.h"
 #include "server/transport/call_handler.h"
+#include "server/transport/gate.h"
 
-namespace uplink::front {
-
-class Call;
+namespace uplink::transport {
 
 /// How many messages each side of a method sends.
 enum class MethodKind : std::uint8_t { kUnary, kServerStream, kBidirectional };
@@ -27,12 +27,20 @@ struct Method {
   /// Whose certificates may call it, and the same in words for those that may not.
   std::vector<identity::Role> roles;
   std::string_view audience;
-  /// Errors: the call ends with them, before it has begun.
-  std::function<absl::StatusOr<std::unique_ptr<transport::CallHandler>>(Call&)> serve;
+  /// In which bounds of the gate a call of it counts.
+  Admission admission = Admission::kStream;
+  /// How a call ends whose grpc-timeout is over.
+  absl::Status at_deadline = absl::DeadlineExceededError("the time that grpc-timeout gave is over");
+  /// Of a call that was admitted. Errors: the call ends with them, before it has begun.
+  std::function<absl::StatusOr<std::unique_ptr<CallHandler>>(ServedCall&)> serve;
 };
 
 /// The methods that are served, by path. Immutable once the first connection comes.
 using Methods = std::map<std::string, Method, std::less<>>;
+
+/// Makes the methods of one thread, once, before it serves: what they hold is confined to it.
+/// `clock` is the thread's, and outlives them.
+using MethodsMaker = std::function<Methods(const Clock& clock)>;
 
 /// Whether this peer may call the method of this path.
 ///
@@ -41,4 +49,4 @@ using Methods = std::map<std::string, Method, std::less<>>;
 [[nodiscard]] absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity,
                                    const Methods& methods, std::string_view path);
 
-}  // namespace uplink::front
+}  // namespace uplink::transport
