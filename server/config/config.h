@@ -226,6 +226,17 @@ struct CyberwaveConfig {
   std::string fleet = "cyberwave";
 };
 
+struct UncrewConfig {
+  /// AvatarService is served to drones.
+  bool avatar = false;
+  /// After so long a durable sample that is not committed is answered UNAVAILABLE.
+  milliseconds answer_within = std::chrono::seconds(5);
+  /// A type without a new sample for so long has no series.
+  milliseconds stale_after = std::chrono::seconds(10);
+  /// The RURI of a drone by its id (identity/uav_ruri.h).
+  std::string ruri_template = "rcan://local.rcan/uncrew/uav/{uav_id}";
+};
+
 struct HttpConfig {
   /// Names under which /api may be asked for, beside addresses and localhost; without a port.
   std::vector<std::string> hosts;
@@ -262,6 +273,7 @@ struct Config {
   RcanConfig rcan;
   MqttConfig mqtt;
   CyberwaveConfig cyberwave;
+  UncrewConfig uncrew;
   HttpConfig http;
   LogConfig log;
   DrainConfig drain;

@@ -12,6 +12,7 @@
 #include "server/config/broker_relations.h"
 #include "server/config/tls_groups.h"
 #include "server/config/units.h"
+#include "server/identity/uav_ruri.h"
 #include "storage/postgres/link/url.h"
 
 namespace uplink::config {
@@ -175,6 +176,9 @@ std::vector<Breach> CheckRelations(const Config& config) {
   CheckRcan(config.rcan, breaches);
   CheckHttp(config.http, breaches);
   for (Breach& breach : CheckBroker(config)) breaches.Add(std::move(breach));
+  if (const auto flaw = identity::FlawOfUavTemplate(config.uncrew.ruri_template)) {
+    breaches.Add("uncrew", "ruri_template", fmt::format("it {}", *flaw));
+  }
   return breaches.Take();
 }
 

@@ -79,7 +79,7 @@ constexpr std::array<string_view, 2> kCyberwaveMedia = {"off", "count"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 16> kSections = {{
+constexpr std::array<Section, 17> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -95,6 +95,7 @@ constexpr std::array<Section, 16> kSections = {{
     {"rcan", "RCAN Robot State and the robots' Prometheus series."},
     {"mqtt", "The broker of a fleet that speaks Cyberwave's MQTT topics."},
     {"cyberwave", "What is read from that broker, and what is made of it."},
+    {"uncrew", "Drones that call AvatarService on listen.relay (Uncrew)."},
     {"http", "The listener of probes, metrics and JSON."},
     {"log", "Lines on standard error."},
     {"drain", "The way down after SIGTERM or SIGINT."},
@@ -661,6 +662,35 @@ constexpr auto kSettings = std::to_array<Setting>({
      .allowed = "1 to 256 bytes without characters that nobody sees, and not \"*\"",
      .text = "The fleet that twins are in.",
      UPLINK_BIND(cyberwave, CyberwaveConfig, fleet)},
+
+    {.section = "uncrew",
+     .key = "avatar",
+     .kind = Kind::kSwitch,
+     .text = "Whether AvatarService is served: drones publish telemetry, alerts and requests by "
+             "unary calls, with the certificates of robots and gateways.",
+     UPLINK_BIND(uncrew, UncrewConfig, avatar)},
+    {.section = "uncrew",
+     .key = "answer_within",
+     .kind = Kind::kDuration,
+     .min = 100,
+     .max = kMinute,
+     .text = "A sample that is stored before it is answered, and is not stored after so long, is "
+             "answered UNAVAILABLE: the drone sends it again.",
+     UPLINK_BIND(uncrew, UncrewConfig, answer_within)},
+    {.section = "uncrew",
+     .key = "stale_after",
+     .kind = Kind::kDuration,
+     .min = kSecond,
+     .max = kHour,
+     .text = "A type of telemetry without a new sample for so long has no series.",
+     UPLINK_BIND(uncrew, UncrewConfig, stale_after)},
+    {.section = "uncrew",
+     .key = "ruri_template",
+     .kind = Kind::kText,
+     .allowed = "an RURI of at most 256 bytes with {uav_id} once, where a drone's id stands",
+     .text = "The RURI of a drone by its id. A drone whose certificate names another RURI keeps "
+             "that one.",
+     UPLINK_BIND(uncrew, UncrewConfig, ruri_template)},
 
     {.section = "http",
      .key = "connections_max",

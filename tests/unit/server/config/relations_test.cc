@@ -119,5 +119,11 @@ TEST(RelationsTest, TheDefaultsLackOnlyTheFiles) {
   EXPECT_THAT(CheckRelations(config), IsEmpty());
 }
 
+TEST(RelationsTest, TheTemplateOfDronesNamesThemAll) {
+  EXPECT_EQ(OneProblem("[uncrew]\nruri_template = \"rcan://a/{uav_id}\"\n"), "");
+  EXPECT_THAT(OneProblem("[uncrew]\nruri_template = \"rcan://a/b\"\n"),
+              HasSubstr("uncrew.ruri_template: it names no {uav_id}"));
+}
+
 }  // namespace
 }  // namespace uplink::config
