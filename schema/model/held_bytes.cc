@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "schema/model/uncrew/fields.h"
+
 namespace uplink::model {
 namespace {
 
@@ -124,6 +126,12 @@ struct Counter {
     return HeldByAll(rejection.field, rejection.detail);
   }
 
+  template <uncrew::Listed T>
+  static std::size_t Held(const T& body) {
+    return std::apply([&](const auto&... field) { return HeldByAll(body.*field.member...); },
+                      uncrew::kFields<T>);
+  }
+
   template <typename T>
   static std::size_t Held(const std::optional<T>& value) {
     return value ? Held(*value) : 0;
@@ -181,5 +189,7 @@ std::size_t HeldBytes(const ConsumableStatus& status) { return Counter::Held(sta
 std::size_t HeldBytes(const SpatialDirectiveStatus& status) { return Counter::Held(status); }
 
 std::size_t HeldBytes(const RcanState& state) { return Counter::Held(state); }
+
+std::size_t HeldBytes(const uncrew::Value& value) { return Counter::Held(value); }
 
 }  // namespace uplink::model

@@ -12,6 +12,7 @@
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
 #include "schema/model/status.h"
+#include "schema/model/uncrew/value.h"
 
 namespace uplink::model {
 
@@ -31,5 +32,6 @@ namespace uplink::model {
 [[nodiscard]] std::size_t HeldBytes(const ConsumableStatus& status);
 [[nodiscard]] std::size_t HeldBytes(const SpatialDirectiveStatus& status);
 [[nodiscard]] std::size_t HeldBytes(const RcanState& state);
+[[nodiscard]] std::size_t HeldBytes(const uncrew::Value& value);
 
 }  // namespace uplink::model

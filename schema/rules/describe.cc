@@ -79,6 +79,14 @@ Violation UnknownVariant(const Path& path, unsigned member) {
           .counts = {member}};
 }
 
+Violation WithoutKind(const Path& path) {
+  return {.reason = RejectReason::kUnknownVariant,
+          .path = &path,
+          .sentence = [](const Violation& self) {
+            return fmt::format("{} has no kind, or one that is unknown", self.path->Text());
+          }};
+}
+
 Violation PayloadTooLarge(std::size_t bytes, std::size_t bytes_max) {
   return {.reason = RejectReason::kPayloadTooLarge,
           .path = &kWhole,

@@ -38,6 +38,8 @@ struct Violation {
 /// What is nested deeper than may be.
 [[nodiscard]] Violation TooDeep(const Path& path, std::size_t depth_max);
 [[nodiscard]] Violation UnknownVariant(const Path& path, unsigned member);
+/// Of a union that is not set, or set to a member that is unknown.
+[[nodiscard]] Violation WithoutKind(const Path& path);
 [[nodiscard]] Violation PayloadTooLarge(std::size_t bytes, std::size_t bytes_max);
 [[nodiscard]] Violation TooManyItems(const Path& path, std::size_t count, std::size_t max,
                                      std::string_view what);

@@ -76,7 +76,8 @@ enum class GpsFix : std::int32_t {};
 struct GpsInfo {
   /// 0 to 255.
   std::optional<std::int32_t> num_satellites;
-  GpsFix fix_type{};
+  /// Always there: that it has no GPS is something to know.
+  std::optional<GpsFix> fix_type;
 
   friend bool operator==(const GpsInfo&, const GpsInfo&) = default;
 };

@@ -59,15 +59,10 @@ struct CommandResult {
   friend bool operator==(const CommandResult&, const CommandResult&) = default;
 };
 
-enum class AlertKind : std::uint8_t { kBattery, kBatteryPercentage, kFlightTermination };
+enum class AlertKind : std::int32_t { kBattery, kBatteryPercentage, kFlightTermination };
 
 /// What the drone does about an alert by itself.
-enum class AlertReaction : std::uint8_t { kNone, kReturnToLaunch };
-
-/// `battery_percentage`.
-[[nodiscard]] std::string_view ToText(AlertKind kind);
-/// `return_to_launch`.
-[[nodiscard]] std::string_view ToText(AlertReaction reaction);
+enum class AlertReaction : std::int32_t { kNone, kReturnToLaunch };
 
 /// What is wrong now. A value.
 struct Alert {
@@ -75,7 +70,7 @@ struct Alert {
   std::string alert_id;
   AlertKind kind = AlertKind::kBattery;
   /// The drone's clock; 0: unknown.
-  std::int64_t raised_at_unix_us = 0;
+  std::int64_t raised_at_us = 0;
   std::string text;
   std::optional<AlertReaction> reaction;
   // Of the kinds that have them.
@@ -101,7 +96,7 @@ struct OperatorActionRequest {
   std::string request_id;
   OperatorRequestKind kind = OperatorRequestKind::kConfirmDeliveryReady;
   /// The drone's clock; 0: unknown.
-  std::int64_t requested_at_unix_us = 0;
+  std::int64_t requested_at_us = 0;
   std::string text;
 
   friend bool operator==(const OperatorActionRequest&, const OperatorActionRequest&) = default;
@@ -124,6 +119,12 @@ inline constexpr auto kEnumNames<uncrew::StatusTextLevel> = std::to_array<std::s
 template <>
 inline constexpr auto kEnumNames<uncrew::ConnectionEventKind> =
     std::to_array<std::string_view>({"unknown", "connected", "disconnected"});
+template <>
+inline constexpr auto kEnumNames<uncrew::AlertKind> =
+    std::to_array<std::string_view>({"battery", "battery_percentage", "flight_termination"});
+template <>
+inline constexpr auto kEnumNames<uncrew::AlertReaction> =
+    std::to_array<std::string_view>({"none", "return_to_launch"});
 template <>
 inline constexpr auto kEnumNames<uncrew::ProcedureState> = std::to_array<std::string_view>(
     {"unspecified", "started", "succeeded", "failed", "refused", "expired", "cancelled"});

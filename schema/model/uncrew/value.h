@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,10 +27,14 @@ using Value = OneOfValues<void UPLINK_UNCREW_TYPES(UPLINK_TYPE)>;
 }
 
 /// By which key a drone has several of it; nothing for types without.
-[[nodiscard]] std::optional<std::int64_t> KeyOf(const Value& value);
-
-/// What a value holds in memory besides itself, in bytes: its texts and lists.
-[[nodiscard]] std::size_t HeldBytes(const Value& value);
+[[nodiscard]] inline std::optional<std::int64_t> KeyOf(const Value& value) {
+  return std::visit(
+      [](const auto& body) -> std::optional<std::int64_t> {
+        if constexpr (requires { body.key; }) return body.key;
+        return std::nullopt;
+      },
+      value);
+}
 
 /// Whose a sample is and when it was taken, as the drone says. A value.
 struct Metadata {
