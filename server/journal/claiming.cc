@@ -47,9 +47,10 @@ void Claiming::Tell(const ClaimEntry& claim, const storage::ClaimResult& result)
                   .presence = result.presence,
                   .was_known = result.was_known})
           .stream.Wake();
-    } else if (!claim.robot->HasStream()) {
-      // A stream that is here learns by its own records, or by its OpenStream, whose the robot is.
+    } else if (holds_.robots().Since(*claim.robot) != 0) {
       holds_.Lose(*claim.robot, robot).Wake();
+    } else {
+      claim.robot->OnHeldElsewhere(result.presence);
     }
   }
   // Last: the drone looks at what its robot was told.

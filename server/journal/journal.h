@@ -65,8 +65,9 @@ class Journal final {
             std::string gateway = {});
   /// Queues the claim of a drone, which replaces a queued one of the same client. `client` is the
   /// drone's, the only one of its robot, and shared, or it does not learn that the store was
-  /// connected to anew; `robot` is its robot's. The robot is told whose it is, as by an OpenStream:
-  /// where the claim took it, or where another process has it and no stream of it is here.
+  /// connected to anew; `robot` is its robot's. The robot is told whose it is: as by an OpenStream
+  /// where the claim took it; where another process has it, no stream ends but of a hold that was
+  /// lost.
   /// AppendMessage takes the drone's records, each with its mark; those that were judged under an
   /// earlier claim are fenced.
   void Claim(robot::CommitClient& client, robot::CommitClient& robot, storage::ClaimRequest request,

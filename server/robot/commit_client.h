@@ -18,6 +18,7 @@
 #include "storage/compare.h"
 #include "storage/open_stream.h"
 #include "storage/outcome.h"
+#include "storage/presence.h"
 
 namespace uplink::robot {
 
@@ -56,6 +57,9 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   /// The store says that this process holds the robot, and did not before (as far as the journal
   /// knew). Comes after OnFenced where both do.
   virtual void OnHeld(const HoldNews& news) = 0;
+  /// A claim found that another process holds the robot, which wrote this last; so far as the
+  /// journal knew, this one did not.
+  virtual void OnHeldElsewhere(const std::optional<storage::StoredPresence>& /*presence*/) {}
   /// A stream of the robot is here. Any thread.
   [[nodiscard]] virtual bool HasStream() const = 0;
   /// The robot is to leave memory, and nothing stands against it.

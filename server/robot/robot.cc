@@ -54,6 +54,13 @@ void Robot::OnHeld(const HoldNews& news) {
   state.BeginHold(news, clock_.Steady(), clock_.System());
 }
 
+void Robot::OnHeldElsewhere(const std::optional<storage::StoredPresence>& presence) {
+  // Who holds it may be known already. A stream that is here is about to take it from there.
+  if (state.foreign()) return;
+  state.FollowHolder(
+      {}, presence.value_or(storage::StoredPresence{Presence::kUnknown, state.presence_since()}));
+}
+
 loop::StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   // First: whatever a stream still applies until it learns of this is not kept.
   if (!Planted(Mutation::kFenceKeepsState)) state.Lose();

@@ -86,6 +86,7 @@ class Robot final : public CommitClient {
   // --- CommitClient ---
 
   void OnHeld(const HoldNews& news) override;
+  void OnHeldElsewhere(const std::optional<storage::StoredPresence>& presence) override;
   [[nodiscard]] bool HasStream() const override { return sessions.HasStream(); }
   [[nodiscard]] bool MayLeave() const override;
   void OnLeft() override;

@@ -174,8 +174,7 @@ void RobotState::Lose() {
   held_since_ = 0;
   claimed_ = false;
   needs_restore_ = false;
-  // Who was known to hold it may be so still.
-  if (!foreign_) foreign_ = Foreign();
+  foreign_ = Foreign();
   presence_.Follow({presence_.presence(), presence_.since()});
 }
 

@@ -77,21 +77,24 @@ TEST_F(ClaimingTest, IsNoNewsToARobotThatIsHeldHere) {
 
 TEST_F(ClaimingTest, LeavesARobotToTheProcessThatHasItsStream) {
   HoldElsewhere();
-  robot_.EndStream();
   ClaimNow();
   EXPECT_THAT(drone_->Told(), ElementsAre("claimed, held elsewhere"))
       << "what is durable commits all the same";
   EXPECT_NE(drone_->Claims().back().claim, 0U);
-  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+  EXPECT_THAT(robot_.Told(), ElementsAre("held elsewhere"))
+      << "a stream that is here goes on: its OpenStream takes the robot";
+  EXPECT_EQ(wakes_.wakes(1), 0);
   EXPECT_EQ(holds.robots().Since(robot_), 0U);
 }
 
-TEST_F(ClaimingTest, EndsNoStreamThatIsHereWhereAnotherProcessHasTheRobot) {
+TEST_F(ClaimingTest, EndsAHoldThatAnotherProcessHasByNow) {
+  Hold(robot_);
   HoldElsewhere();
   ClaimNow();
   EXPECT_THAT(drone_->Told(), ElementsAre("claimed, held elsewhere"));
-  EXPECT_THAT(robot_.Told(), IsEmpty()) << "its OpenStream is on its way, and takes the robot";
-  EXPECT_EQ(wakes_.wakes(1), 0);
+  EXPECT_THAT(robot_.Told(), ElementsAre("fenced"));
+  EXPECT_EQ(wakes_.wakes(1), 1);
+  EXPECT_EQ(holds.robots().Since(robot_), 0U);
 }
 
 TEST_F(ClaimingTest, ARobotThatAnotherProcessHeldBetweenIsFenced) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -44,6 +45,9 @@ class RecordingClient final : public robot::CommitClient {
   void OnHeld(const robot::HoldNews& news) override {
     const std::lock_guard lock(mutex_);
     holds_.push_back(news);
+  }
+  void OnHeldElsewhere(const std::optional<storage::StoredPresence>& /*presence*/) override {
+    static_cast<void>(Note("held elsewhere"));
   }
   [[nodiscard]] bool HasStream() const override {
     return has_stream_.load() && !away_once_.exchange(false);

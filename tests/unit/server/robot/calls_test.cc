@@ -1,6 +1,7 @@
 #include "server/robot/calls.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -80,6 +81,23 @@ TEST_F(CallsTest, ADisownedRobotThatIsHeldHereStaysKnown) {
   EXPECT_EQ(robot_.id()->fleet, "north") << "it was moved meanwhile";
   EXPECT_FALSE(robot_.state.foreign());
   EXPECT_EQ(robot_.state.presence(), Presence::kOnline);
+}
+
+TEST_F(CallsTest, ARobotThatAClaimFoundElsewhereIsKnownByItsHolder) {
+  robot_.OnHeldElsewhere(storage::StoredPresence{Presence::kOnline, clock_.System()});
+  EXPECT_TRUE(robot_.state.foreign());
+  EXPECT_EQ(robot_.state.presence(), Presence::kOnline);
+  robot_.state.FollowHolder({.held_by = "b", .written_at = {}},
+                            {Presence::kOnline, clock_.System()});
+  robot_.OnHeldElsewhere(std::nullopt);
+  EXPECT_EQ(robot_.state.Snapshot(RobotState::Parts::kNone).foreign->held_by, "b")
+      << "who holds it is known already";
+}
+
+TEST_F(CallsTest, ARobotWithAStreamHereIsNotElsewhereForAClaim) {
+  robot_.state.Claim(clock_.Steady());
+  robot_.OnHeldElsewhere(storage::StoredPresence{Presence::kOnline, clock_.System()});
+  EXPECT_FALSE(robot_.state.foreign());
 }
 
 TEST_F(CallsTest, CallsAloneKeepARobotOnlineThatAClaimTook) {

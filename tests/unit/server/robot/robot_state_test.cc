@@ -406,18 +406,6 @@ TEST_F(RobotStateTest, WhoGetsARobotBackOfWhichTheStoreHasNoPresenceJudgesIt) {
   EXPECT_EQ(All().presence, Presence::kOnline);
 }
 
-TEST_F(RobotStateTest, ARobotThatIsLostAgainIsStillWithWhoWasKnownToHoldIt) {
-  EXPECT_FALSE(state_.foreign());
-  state_.FollowHolder({.held_by = "b:2"}, {Presence::kOnline, FromUnixMs(kNow)});
-  state_.Lose();
-  EXPECT_TRUE(state_.foreign());
-  EXPECT_EQ(All().foreign->held_by, "b:2");
-  state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
-  EXPECT_FALSE(state_.foreign());
-  state_.Lose();
-  EXPECT_EQ(All().foreign->held_by, "") << "who took it is not known";
-}
-
 TEST_F(RobotStateTest, WhatIsReadForALostHoldIsNotTaken) {
   state_.BeginHold({.since = 3, .was_known = true}, clock_.Steady(), clock_.System());
   state_.Lose();
