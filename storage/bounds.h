@@ -34,6 +34,10 @@ inline constexpr std::size_t kOpenRunsPerRobotMax = 1'000;
 inline constexpr std::chrono::days kOpenRunAgeMax{30};
 /// Ranges of skipped numbers that the store lists for one robot; the oldest go.
 inline constexpr std::size_t kGapsPerRobotMax = 10'000;
+/// Open requests of one drone to its operator (validation rules), and closed ones that are listed;
+/// of these the oldest go.
+inline constexpr std::size_t kOpenRequestsPerRobotMax = 16;
+inline constexpr std::size_t kClosedRequestsPerRobotMax = 1'000;
 /// Sessions of processes that are kept; the least recently used go.
 inline constexpr std::size_t kServerSessionsMax = 256;
 

@@ -7,6 +7,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "schema/model/operator_request.h"
 #include "schema/model/record.h"
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
@@ -32,9 +33,10 @@ struct LimitedRange {
 };
 
 /// What a durable message says: a validated record of a robot, the rejected payload in its place,
-/// an update of what is no robot (its robot is a stand-in, origin.h), or of several messages that
-/// they were limited.
-using CommitContent = std::variant<model::Record, QuarantineItem, model::ScopeUpdate, LimitedRange>;
+/// an update of what is no robot (its robot is a stand-in, origin.h), of several messages that they
+/// were limited, or that a drone's request to its operator was opened or closed.
+using CommitContent = std::variant<model::Record, QuarantineItem, model::ScopeUpdate, LimitedRange,
+                                   model::OperatorRequest>;
 
 /// One durable message.
 struct CommitRecord {

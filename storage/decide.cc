@@ -1,9 +1,12 @@
 #include "storage/decide.h"
 
 #include <algorithm>
+#include <variant>
 
 #include "schema/base/check.h"
+#include "storage/bounds.h"
 #include "storage/expiry.h"
+#include "storage/refusal.h"
 
 namespace uplink::storage {
 
@@ -37,8 +40,41 @@ absl::StatusOr<DeliveryChanges> Decider::Remember(const Batch& batch,
   });
 }
 
+absl::StatusOr<std::optional<OutcomeKind>> Decider::LookAt(const CommitRecord& of_sample) {
+  const SampleMark& mark = *of_sample.sample;
+  UPLINK_CHECK(mark.type < kSampleTypesMax && mark.last.size() <= kSampleLastBytesMax,
+               "a sample past its bounds reached the store");
+  const absl::StatusOr<KnownRobot*> robot = known_.Robot(of_sample.robot->ruri);
+  if (!robot.ok()) return robot.status();
+  if (*robot == nullptr || (*robot)->claim != mark.claim) return OutcomeKind::kFenced;
+  const absl::StatusOr<KnownSamples*> samples = known_.Samples(of_sample);
+  if (!samples.ok()) return samples.status();
+  if (IsDuplicate(mark, (*samples)->memory)) return OutcomeKind::kDuplicate;
+  storage::Remember(mark, (*samples)->memory);
+  (*samples)->is_changed = true;
+  (*samples)->stored_at = std::max((*samples)->stored_at, of_sample.received_at);
+  return std::nullopt;
+}
+
+void Decider::GoOn(const CommitRecord& before, const Outcome& outcome) {
+  const bool is_over =
+      outcome.kind == OutcomeKind::kFenced || outcome.kind == OutcomeKind::kDuplicate;
+  sample_ = before.sample.get();
+  sample_outcome_ = is_over ? std::optional(outcome.kind) : std::nullopt;
+}
+
 absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record) {
   UPLINK_CHECK(record.seq <= model::kSeqMax, "a number past the contract's reached the store");
+  if (record.sample != nullptr) {
+    if (record.sample.get() != sample_) {
+      const absl::StatusOr<std::optional<OutcomeKind>> looked = LookAt(record);
+      if (!looked.ok()) return looked.status();
+      sample_ = record.sample.get();
+      sample_outcome_ = *looked;
+    }
+    if (!sample_outcome_) return std::optional<Outcome>();
+    return Outcome{*sample_outcome_, std::nullopt};
+  }
   const absl::StatusOr<bool> over = IsLeaseOver(HoldOf(record.origin));
   if (!over.ok()) return over.status();
   if (*over) return Outcome{OutcomeKind::kFenced, std::nullopt};
@@ -56,7 +92,33 @@ absl::StatusOr<std::optional<Outcome>> Decider::Look(const CommitRecord& record)
   return Outcome{OutcomeKind::kRefused, *std::move(why)};
 }
 
+absl::StatusOr<Ruling> Decider::JudgeRequest(const CommitRecord& record,
+                                             const model::OperatorRequest& request) {
+  const absl::StatusOr<KnownRobot*> robot = known_.Robot(record.robot->ruri);
+  if (!robot.ok()) return robot.status();
+  UPLINK_CHECK(*robot != nullptr, "a record of an unknown robot is fenced");
+  std::optional<KnownRobot::RequestIds>& open = (*robot)->open_requests;
+  if (!open) {
+    absl::StatusOr<KnownRobot::RequestIds> read = known_.OpenRequests(record.robot->ruri);
+    if (!read.ok()) return read.status();
+    open = *std::move(read);
+  }
+  Ruling ruling;
+  ruling.was_present = open->contains(request.request_id);
+  if (!request.open) {
+    open->erase(request.request_id);
+  } else if (!ruling.was_present && open->size() >= kOpenRequestsPerRobotMax) {
+    ruling.refusal = TooManyOpenRequests();
+  } else {
+    open->insert(request.request_id);
+  }
+  return ruling;
+}
+
 absl::StatusOr<Ruling> Decider::Judge(const CommitRecord& record) {
+  if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    return JudgeRequest(record, *request);
+  }
   Ruling ruling;
   ruling.change = PresentChangeOf(record, rules_);
   if (!ruling.change) return ruling;

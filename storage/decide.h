@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -19,18 +21,34 @@
 #include "storage/presence.h"
 #include "storage/present.h"
 #include "storage/remember.h"
+#include "storage/samples.h"
 #include "storage/store_rules.h"
 
 // What a store decides for the records of a batch (README.md: The contract), once for every store.
 namespace uplink::storage {
 
-/// A robot, as the batch at hand has it so far.
+/// A robot that has a row, as the batch at hand has it so far.
 struct KnownRobot {
-  /// The epoch since which its process holds it.
-  Epoch held_since = 0;
+  /// Ids of requests to its operator.
+  using RequestIds = std::set<std::string, std::less<>>;
+
+  /// The epoch since which the process that commits holds it; nothing: another process does.
+  std::optional<Epoch> held_since;
+  /// The epoch of that process's claim on the drone; nothing: it has none.
+  std::optional<Epoch> claim;
   /// Entries that are present, by PresentKind, expired ones included. Nothing: not counted yet;
   /// that is done when the first new entry asks.
   std::array<std::optional<std::size_t>, kPresentKinds> counts;
+  /// Those that are open. Nothing: not read yet; that is done when the first request asks.
+  std::optional<RequestIds> open_requests;
+};
+
+/// What is remembered of a drone's samples of one type, as the batch at hand has it so far.
+struct KnownSamples {
+  SampleMemory memory;
+  /// Whether the batch added to it, and the latest arrival of what did.
+  bool is_changed = false;
+  SystemTime stored_at;
 };
 
 /// A session, as the batch at hand has it so far.
@@ -53,14 +71,20 @@ class Known {
   Known& operator=(const Known&) = delete;
   virtual ~Known() = default;
 
-  /// Null if this process does not hold the robot, or the store does not know it. The answer is
-  /// valid for the whole batch.
+  /// Null if the store has no row of the robot. The answer is valid for the whole batch.
   [[nodiscard]] virtual absl::StatusOr<KnownRobot*> Robot(std::string_view ruri) = 0;
   /// Of a record whose robot was asked for, and is known. The answer is valid until the next call.
   [[nodiscard]] virtual absl::StatusOr<KnownSession*> Session(const CommitRecord& record) = 0;
   /// Why the record's number was rejected (in quarantine, or kept); nothing if it was not.
   [[nodiscard]] virtual absl::StatusOr<std::optional<model::Rejection>> Rejected(
       const CommitRecord& record) = 0;
+
+  /// Of a record's sample, whose robot was asked for, and is known. The answer is valid until the
+  /// next call.
+  [[nodiscard]] virtual absl::StatusOr<KnownSamples*> Samples(const CommitRecord& record) = 0;
+  /// A robot's requests to its operator that are open.
+  [[nodiscard]] virtual absl::StatusOr<KnownRobot::RequestIds> OpenRequests(
+      std::string_view ruri) = 0;
 
   /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: this
   /// process has none.
@@ -99,7 +123,8 @@ struct Ruling {
 ///
 /// 1. Look: the record is fenced, or was there before: that is its outcome, and nothing is written.
 ///    Nobody holds a robot that the store does not know: what comes of it is fenced. So is what
-///    came under a lease that another took.
+///    came under a lease that another took. What is of a sample is decided by its mark, once for
+///    all records of the sample; the memory of its type takes it in then.
 /// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
 ///    quarantine, a LimitedRange to the kept Rejects, and is stored.
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
@@ -114,6 +139,9 @@ class Decider final {
 
   /// The outcome of a record that is not new; nothing for one that is.
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
+  /// The decision begins within a sample whose first records another one decided: `outcome` was
+  /// that of the record that stands before.
+  void GoOn(const CommitRecord& before, const Outcome& outcome);
   /// Of a good record that Look found new. What it lets pass counts from now on.
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
   /// What becomes of the batch's deliveries, once `outcomes` has those of its records.
@@ -125,6 +153,10 @@ class Decider final {
   [[nodiscard]] absl::StatusOr<OutcomeKind> Decide(const PresenceItem& item, KnownSession& session);
 
  private:
+  /// Nothing: the sample is new, and is remembered from now on.
+  absl::StatusOr<std::optional<OutcomeKind>> LookAt(const CommitRecord& of_sample);
+  absl::StatusOr<Ruling> JudgeRequest(const CommitRecord& record,
+                                      const model::OperatorRequest& request);
   /// True if the lease is not that of the client id any more; none always is.
   absl::StatusOr<bool> IsLeaseOver(const TopicHold* hold);
   /// True unless this process holds the robot since exactly then: a store that went back gives an
@@ -137,6 +169,9 @@ class Decider final {
 
   Known& known_;
   const StoreRules& rules_;
+  /// The sample of the record that was looked at last, and what became of it (LookAt).
+  const SampleMark* sample_ = nullptr;
+  std::optional<OutcomeKind> sample_outcome_;
 };
 
 }  // namespace uplink::storage

@@ -15,7 +15,8 @@ struct HistoryTable {
 /// Tables of both stores, by `ruri`, of what a robot is and has now. They go with it at once.
 inline constexpr auto kRobotTables = std::to_array<std::string_view>(
     {"robots", "sessions", "faults_active", "mission_runs", "shapes", "objects", "latest",
-     "presence_latest", "gaps", "live", "quarantine_dropped", "kept_rejects"});
+     "presence_latest", "gaps", "live", "quarantine_dropped", "kept_rejects", "drone_claims",
+     "samples", "operator_requests"});
 
 /// Those of what a robot reported: rows with a `ruri` and an `entry`.
 inline constexpr auto kHistoryTables =

@@ -16,22 +16,24 @@
 /// Reader, the readers of both stores, tokens, the tables that a batch fills and what goes for its
 /// age are made from these rows, in this order. A new one also needs its row's struct, a table, a
 /// migration of each store, and a route for whoever asks.
-#define UPLINK_LISTS(LIST)                                              \
-  /* Faults that are active now, one row per fault. */                  \
-  LIST(FaultsActive, 1, FaultRow, HistoryQuery, kWhilePresent)          \
-  /* Every report of a fault. */                                        \
-  LIST(FaultHistory, 2, FaultRow, HistoryQuery, kAsHistory)             \
-  LIST(Events, 5, EventRow, HistoryQuery, kAsHistory)                   \
-  LIST(Messages, 6, MessageRow, HistoryQuery, kAsHistory)               \
-  LIST(ScopeUpdates, 12, ScopeUpdateRow, ScopeUpdatesQuery, kAsHistory) \
-  /* Every report of the runs that match. */                            \
-  LIST(MissionReports, 8, MissionReportRow, MissionsQuery, kAsHistory)  \
-  LIST(Quarantine, 3, QuarantineRow, QuarantineQuery, kAsSetAside)      \
-  LIST(PresenceChanges, 11, PresenceRow, HistoryQuery, kAsHistory)      \
-  /* from and to are of the first arrival. */                           \
-  LIST(MissionRuns, 7, MissionRunRow, MissionsQuery, kAsHistory)        \
-  LIST(Shapes, 9, ShapeRow, PresentQuery, kWhilePresent)                \
-  LIST(Objects, 10, ObjectRow, PresentQuery, kWhilePresent)             \
+#define UPLINK_LISTS(LIST)                                                          \
+  /* Faults that are active now, one row per fault. */                              \
+  LIST(FaultsActive, 1, FaultRow, HistoryQuery, kWhilePresent)                      \
+  /* Every report of a fault. */                                                    \
+  LIST(FaultHistory, 2, FaultRow, HistoryQuery, kAsHistory)                         \
+  LIST(Events, 5, EventRow, HistoryQuery, kAsHistory)                               \
+  LIST(Messages, 6, MessageRow, HistoryQuery, kAsHistory)                           \
+  LIST(ScopeUpdates, 12, ScopeUpdateRow, ScopeUpdatesQuery, kAsHistory)             \
+  /* Every report of the runs that match. */                                        \
+  LIST(MissionReports, 8, MissionReportRow, MissionsQuery, kAsHistory)              \
+  LIST(Quarantine, 3, QuarantineRow, QuarantineQuery, kAsSetAside)                  \
+  LIST(PresenceChanges, 11, PresenceRow, HistoryQuery, kAsHistory)                  \
+  /* from and to are of the first arrival. */                                       \
+  LIST(MissionRuns, 7, MissionRunRow, MissionsQuery, kAsHistory)                    \
+  /* from and to are of the arrival that opened it. */                              \
+  LIST(OperatorRequests, 13, OperatorRequestRow, OperatorRequestsQuery, kAsHistory) \
+  LIST(Shapes, 9, ShapeRow, PresentQuery, kWhilePresent)                            \
+  LIST(Objects, 10, ObjectRow, PresentQuery, kWhilePresent)                         \
   LIST(Gaps, 4, GapRow, HistoryQuery, kAsSetAside)
 
 namespace uplink::storage {

@@ -29,6 +29,12 @@ model::MessageSource MessageSourceOf(std::int64_t column) {
   return model::MessageSource::kUplink;
 }
 
+model::OperatorRequestKind OperatorRequestKindOf(std::int64_t column) {
+  using enum model::OperatorRequestKind;
+  return column == static_cast<std::int64_t>(kConfirmDeliveryComplete) ? kConfirmDeliveryComplete
+                                                                       : kConfirmDeliveryReady;
+}
+
 model::RejectReason ReasonOf(std::int64_t column) {
   for (const model::RejectReason reason : model::kAllRejectReasons) {
     if (static_cast<std::int64_t>(reason) == column) return reason;

@@ -5,6 +5,7 @@
 
 #include "schema/model/enum_text.h"
 #include "schema/model/message_source.h"
+#include "schema/model/operator_request.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
@@ -41,7 +42,10 @@ template <model::WireEnum E>
 /// kUplink for a number that this program does not know.
 [[nodiscard]] model::MessageSource MessageSourceOf(std::int64_t column);
 
-/// The same by the type: one of the five above.
+/// kConfirmDeliveryReady for a number that this program does not know.
+[[nodiscard]] model::OperatorRequestKind OperatorRequestKindOf(std::int64_t column);
+
+/// The same by the type: one of the six above.
 template <typename E>
 [[nodiscard]] E KnownMemberOf(std::int64_t column) {
   if constexpr (std::is_same_v<E, RunClosed>) {
@@ -52,6 +56,8 @@ template <typename E>
     return ReasonOf(column);
   } else if constexpr (std::is_same_v<E, model::ScopeKind>) {
     return ScopeKindOf(column);
+  } else if constexpr (std::is_same_v<E, model::OperatorRequestKind>) {
+    return OperatorRequestKindOf(column);
   } else {
     static_assert(std::is_same_v<E, model::MessageSource>, "no column holds such a number");
     return MessageSourceOf(column);

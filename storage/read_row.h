@@ -12,6 +12,7 @@
 #include "storage/rejects.h"
 #include "storage/robot_hold.h"
 #include "storage/rows.h"
+#include "storage/samples.h"
 #include "storage/topic_leases.h"
 
 // What a row of a statement says, for every store. A Row gives its columns by their place: Null,
@@ -136,6 +137,14 @@ void AddTopicLease(const Row& row, std::vector<TopicLease>& leases) {
                       .taken_at = row.Time(4)});
   }
   if (!row.Null(5)) leases.back().prefixes.push_back(TextIn(row, 5));
+}
+
+/// Type, digests, bytes of the last. Digests that no program of ours wrote are none.
+template <typename Row>
+[[nodiscard]] SampleMemory SamplesIn(const Row& row, int column = 0) {
+  return {static_cast<std::uint32_t>(row.Int(column)),
+          DigestsIn(row.Bytes(column + 1)).value_or(std::vector<SampleDigest>()),
+          TextIn(row, column + 2)};
 }
 
 /// Number, packet id, digest.

@@ -62,6 +62,13 @@ struct PresentQuery {
   bool include_expired = false;
 };
 
+/// Which requests to operators.
+struct OperatorRequestsQuery {
+  HistoryQuery rows;
+  /// Only those that wait for an operator.
+  bool open = false;
+};
+
 /// Which rows of quarantine.
 struct QuarantineQuery {
   HistoryQuery rows;
@@ -84,6 +91,9 @@ struct ScopeUpdatesQuery {
 [[nodiscard]] inline const HistoryQuery& RowsOf(const ScopeUpdatesQuery& query) {
   return query.rows;
 }
+[[nodiscard]] inline const HistoryQuery& RowsOf(const OperatorRequestsQuery& query) {
+  return query.rows;
+}
 [[nodiscard]] inline const HistoryQuery& RowsOf(const QuarantineQuery& query) { return query.rows; }
 
 /// Newest first by arrival. A token stays valid while rows are added: a walk sees every row that
@@ -98,8 +108,8 @@ struct Page {
 struct RobotRow {
   model::RobotId robot;
   SystemTime first_seen;
-  /// When it was heard last: it opened a stream, a message of it was committed, or a checkpoint
-  /// names a later sign of life.
+  /// When it was heard last: it opened a stream, was claimed, a message of it was committed, or a
+  /// checkpoint names a later sign of life.
   SystemTime last_seen;
   /// The last presence change that the store has.
   std::optional<model::Presence> last_presence;
@@ -132,6 +142,14 @@ struct ActiveFaults {
     const bool recognized = severity >= 0 && severity < known;
     by_severity[static_cast<std::size_t>(recognized ? severity : known)] += faults;
   }
+};
+
+/// Requests of a drone to its operator that are open.
+struct OpenRequestCount {
+  std::string ruri;
+  std::int64_t count = 0;
+
+  friend bool operator==(const OpenRequestCount&, const OpenRequestCount&) = default;
 };
 
 /// The query side of the store.
@@ -170,6 +188,9 @@ class Reader {
       const RejectsQuery& query) = 0;
   /// The number of active faults of each of `ruris`; robots without any may be left out.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
+      std::span<const std::string> ruris) = 0;
+  /// The number of open requests of each of `ruris`; robots without any may be left out.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<OpenRequestCount>> OpenRequestCounts(
       std::span<const std::string> ruris) = 0;
   /// What the store has of each of `ruris`, of the kinds in `kinds`. Stops after the robot with
   /// which the bodies passed kPageBytesMax; `ruris` that come after it are not looked at, and

@@ -26,6 +26,12 @@ model::Rejection TooManyObjects() {
               " objects already; delete some or let them expire"};
 }
 
+model::Rejection TooManyOpenRequests() {
+  return {model::RejectReason::kTooManyItems, "requestId",
+          "the robot has " + std::to_string(kOpenRequestsPerRobotMax) +
+              " open requests already; withdraw some"};
+}
+
 model::Rejection StoreRefused(std::string_view cause) {
   std::string detail = "the store does not take it: ";
   detail += IsCleanUtf8(cause) ? cause : std::string_view("no cause given");

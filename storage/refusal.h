@@ -14,6 +14,9 @@ namespace uplink::storage {
 [[nodiscard]] model::Rejection TooManyShapes();
 [[nodiscard]] model::Rejection TooManyObjects();
 
+/// The verdict on a request to an operator beyond kOpenRequestsPerRobotMax.
+[[nodiscard]] model::Rejection TooManyOpenRequests();
+
 /// The verdict on a record that the database itself will not take. `cause` is its own sentence; cut
 /// to kDetailBytesMax.
 [[nodiscard]] model::Rejection StoreRefused(std::string_view cause);

@@ -5,10 +5,10 @@
 
 namespace uplink::storage {
 
-/// Who holds a robot, as its row says.
+/// Who holds a robot, or has its claim, as its row says.
 struct RobotHold {
   ProcessId owner{};
-  /// Of its last stream, or adoption.
+  /// Of its last stream, adoption or claim.
   Epoch epoch = 0;
 
   friend bool operator==(const RobotHold&, const RobotHold&) = default;

@@ -8,6 +8,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/message_source.h"
 #include "schema/model/mission.h"
+#include "schema/model/operator_request.h"
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/reports.h"
@@ -117,6 +118,20 @@ struct MissionReportRow {
   model::MissionStatus status = model::MissionStatus::kUnknown;
   std::string report_json;
   SystemTime received_at;
+};
+
+/// A request of a drone to its operator. Stands in lists by the arrival that opened it; one that is
+/// opened again by the same id is another row.
+struct OperatorRequestRow {
+  model::RobotId robot;
+  std::string request_id;
+  model::OperatorRequestKind kind = model::OperatorRequestKind::kConfirmDeliveryReady;
+  std::string text;
+  /// Since when the drone waits, by its own clock, Unix milliseconds; 0 if unknown.
+  std::int64_t requested_at_ms = 0;
+  SystemTime opened_at;
+  /// The arrival of what closed it, Unix milliseconds; 0: it is open.
+  std::int64_t closed_at_ms = 0;
 };
 
 /// A shape that is there. Stands in lists by the arrival of the upsert that made its id present, so

@@ -19,7 +19,7 @@ namespace uplink::storage {
 inline constexpr std::size_t kSamplesKept = 64;
 /// Bytes of SampleMark::last.
 inline constexpr std::size_t kSampleLastBytesMax = std::size_t{64} * 1024;
-/// Type numbers are 1 to this: a drone has at most as many rows.
+/// Type numbers are below this: a drone has at most as many rows.
 inline constexpr std::uint32_t kSampleTypesMax = 64;
 /// Records of one sample at most: each alert and each request of two full sets comes or goes.
 inline constexpr std::size_t kSampleRecordsMax = 128;
@@ -32,7 +32,7 @@ using SampleDigest = std::array<std::uint8_t, 16>;
 struct SampleMark {
   /// ClaimResult.claim under which the sample was judged.
   Epoch claim = 0;
-  /// 1 to kSampleTypesMax.
+  /// Below kSampleTypesMax (model::uncrew::SampleType).
   std::uint32_t type = 0;
   SampleDigest digest{};
   /// Whether the sample names a time. One that does is a duplicate if it is among the last

@@ -56,10 +56,10 @@ class Store {
   /// presence: kStored, kDuplicate or kFenced.
   ///
   /// For each record: any hold but this process's own since exactly then is kFenced, and so is any
-  /// of a robot that has no row, since OpenStreams alone makes one. Gaps of such a hold are
-  /// dropped. At or below the session's cursor as it then stands: kRefused with the stored reason
-  /// if the number was rejected (it lies in quarantine, or in a range that was limited), else
-  /// kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
+  /// of a robot that has no row, since OpenStreams and ClaimDrones alone make one. Gaps of such a
+  /// hold are dropped. At or below the session's cursor as it then stands: kRefused with the stored
+  /// reason if the number was rejected (it lies in quarantine, or in a range that was limited),
+  /// else kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
   /// quarantine row), and the cursor becomes its number. Durable once this returns.
   ///
   /// A record with a SampleMark is decided by that alone, once for all records of its sample, and

@@ -21,6 +21,9 @@ std::size_t CostOf(const storage::CommitRecord& record) {
   if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
     return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(*update);
   }
+  if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    return robot::kRecordOverheadBytes + payload_bytes + model::HeldBytes(*request);
+  }
   if (std::holds_alternative<storage::LimitedRange>(record.content)) {
     return robot::kRecordOverheadBytes;
   }

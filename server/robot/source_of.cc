@@ -11,7 +11,6 @@ namespace {
 bool Owns(model::MessageSource source, std::string_view ruri) {
   switch (source) {
     case model::MessageSource::kUplink:
-    case model::MessageSource::kUncrew:
       return false;
     case model::MessageSource::kCyberwave:
       return cyberwave::IsTwinRuri(ruri) || storage::IsNoRobot(ruri);

@@ -53,6 +53,8 @@ constexpr std::string_view kSilent =
     " AND coalesce(p.changed_at < $1::timestamptz, true)"
     " AND NOT EXISTS (SELECT 1 FROM uplinkd.sessions AS s WHERE s.ruri = r.ruri"
     " AND s.last_used >= $1::timestamptz)"
+    " AND NOT EXISTS (SELECT 1 FROM uplinkd.drone_claims AS c WHERE c.ruri = r.ruri"
+    " AND c.last_used >= $1::timestamptz)"
     " AND (r.owner = $2::uuid OR o.process IS NULL OR o.released"
     " OR o.renewed_at < now() - make_interval(hours => $3::int))"
     " AND r.ruri > $5::text ORDER BY r.ruri LIMIT $4::bigint";

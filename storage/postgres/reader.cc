@@ -30,16 +30,17 @@ constexpr std::chrono::minutes kFolderLater{1};
 /// Robots of which the latest is read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
-// Commits touch a robot's sessions, not its own row.
+// Commits touch a robot's sessions, or its claim, not its own row.
 constexpr std::string_view kRobots =
-    "SELECT r.ruri, r.fleet, r.first_seen, greatest(r.last_seen, s.last_used, l.last_sign_at) AS"
-    " heard_at, p.presence,"
+    "SELECT r.ruri, r.fleet, r.first_seen,"
+    " greatest(r.last_seen, s.last_used, l.last_sign_at, c.last_used) AS heard_at, p.presence,"
     " p.changed_at, s.session, greatest(s.cursor_seq,"
     " CASE WHEN l.session = s.session THEN l.settled_seq END), r.owner"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"
     " LEFT JOIN LATERAL (SELECT session, cursor_seq, last_used FROM uplinkd.sessions"
     " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1) AS s ON true"
     " LEFT JOIN uplinkd.live AS l ON l.ruri = r.ruri"
+    " LEFT JOIN uplinkd.drone_claims AS c ON c.ruri = r.ruri"
     // Those that stand for no robot (origin.h).
     " WHERE left(r.ruri, 10) <> 'cyberwave:'"
     " ORDER BY heard_at DESC, r.ruri LIMIT $1::bigint";
@@ -53,6 +54,9 @@ constexpr std::string_view kFleetsBeyondAscii =
 constexpr std::string_view kActiveFaultCounts =
     "SELECT ruri, count(*), severity::bigint FROM uplinkd.faults_active"
     " WHERE ruri = ANY ($1::text[]) GROUP BY ruri, severity ORDER BY ruri";
+constexpr std::string_view kOpenRequestCounts =
+    "SELECT ruri, count(*) FROM uplinkd.operator_requests"
+    " WHERE ruri = ANY ($1::text[]) AND is_open GROUP BY ruri ORDER BY ruri";
 constexpr std::string_view kQuarantineDropped =
     "SELECT reason, count FROM uplinkd.quarantine_dropped WHERE ruri = $1::text ORDER BY reason";
 // A session's row is looked for from the greatest part down (see the migration of session parts).
@@ -242,6 +246,17 @@ absl::StatusOr<std::vector<ActiveFaults>> PostgresReader::ActiveFaultCounts(
       counts.back().Add(row.Int(2), row.Int(1));
     }
     return counts;
+  });
+}
+
+absl::StatusOr<std::vector<OpenRequestCount>> PostgresReader::OpenRequestCounts(
+    std::span<const std::string> ruris) {
+  return pool_->With([&](Connection& connection) {
+    Array robots{Type::kText};
+    for (const std::string& ruri : ruris) robots.Text(ruri);
+    return ReadAll(connection, StoreCallOf(kOpenRequestCounts, &robots), [](const ResultRow& row) {
+      return OpenRequestCount{TextIn(row, 0), row.Int(1)};
+    });
   });
 }
 

@@ -8,6 +8,7 @@
 #include "storage/postgres/link_options.h"
 #include "storage/postgres/live_rows.h"
 #include "storage/postgres/write/batch_commit.h"
+#include "storage/postgres/write/claims.h"
 #include "storage/postgres/write/holds.h"
 #include "storage/postgres/write/open_streams.h"
 #include "storage/postgres/write/retain.h"
@@ -121,8 +122,11 @@ absl::StatusOr<std::vector<AdoptResult>> PostgresStore::Adopt(
 }
 
 absl::StatusOr<std::vector<ClaimResult>> PostgresStore::ClaimDrones(
-    std::span<const ClaimRequest> /*requests*/) {
-  return absl::UnimplementedError("no claims yet");
+    std::span<const ClaimRequest> requests) {
+  const StoreOptions& options = impl_->options;
+  return With([&](Connection& connection) {
+    return ClaimAll(connection, requests, options.process, options.before_commit);
+  });
 }
 
 absl::StatusOr<std::vector<Outcome>> PostgresStore::Commit(const Batch& batch) {

@@ -90,7 +90,9 @@ absl::StatusOr<BatchCommit::Refusal> BatchCommit::WriteAlone(const CommitRecord&
     refusal = Refusal(StoreRefused({cause.data(), cause.size()}));
     status = database_.Execute("ROLLBACK TO one; RELEASE one");
     // What the record had changed is counted anew.
-    known_.robot(record.robot->ruri).known.counts = {};
+    KnownRobot& robot = known_.robot(record.robot->ruri).known;
+    robot.counts = {};
+    robot.open_requests.reset();
   } else if (refusal.ok()) {
     status = database_.Execute("RELEASE one");
   }
@@ -160,6 +162,12 @@ absl::Status BatchCommit::TrimServerSessions(const model::SessionId& present) {
   return absl::OkStatus();
 }
 
+absl::Status BatchCommit::WriteSamples(std::string_view ruri, const KnownSamples& samples) {
+  absl::Status written = tables_.rows.Write<kSamplesTable>({ruri, samples.memory});
+  if (!written.ok()) return written;
+  return tables_.claims.Use(ruri, samples.stored_at);
+}
+
 absl::Status BatchCommit::Finish() {
   for (const auto& [ruri, robot] : known_.robots()) {
     absl::Status status;
@@ -167,6 +175,9 @@ absl::Status BatchCommit::Finish() {
       if (!session.known.is_raised || !status.ok()) continue;
       status = tables_.deciding.RaiseCursor(
           ruri, session.id, {session.known.cursor, session.first_entry}, session.known.last_used);
+    }
+    for (const auto& [type, samples] : robot.samples) {
+      if (status.ok() && samples.is_changed) status = WriteSamples(ruri, samples);
     }
     if (status.ok() && robot.quarantined_payload) status = tables_.set_aside.ThinPayloads(ruri);
     if (status.ok() && robot.gaps) status = tables_.set_aside.TrimGaps(ruri);

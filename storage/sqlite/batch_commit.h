@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -75,7 +76,9 @@ class BatchCommit final {
   absl::Status WritePresence(const Batch& batch, std::vector<Outcome>& outcomes);
   /// Of the processes' sessions, the least recently used over their bound go.
   absl::Status TrimServerSessions(const model::SessionId& present);
-  /// Cursors, and the bounds that are kept by what goes.
+  /// What is remembered of a drone's samples of one type.
+  absl::Status WriteSamples(std::string_view ruri, const KnownSamples& samples);
+  /// Cursors, memories of samples, and the bounds that are kept by what goes.
   absl::Status Finish();
 
   Database& database_;

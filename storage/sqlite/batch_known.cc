@@ -12,10 +12,31 @@ absl::StatusOr<KnownRobot*> BatchKnown::Robot(std::string_view ruri) {
   if (found != robots_.end()) return &found->second.known;
   const absl::StatusOr<std::optional<RobotHold>> stored = tables_.deciding.HoldOf(ruri);
   if (!stored.ok()) return stored.status();
-  if (!*stored || (*stored)->owner != process_) return nullptr;
-  BatchRobot& robot = robots_[ruri];
-  robot.known.held_since = (*stored)->epoch;
-  return &robot.known;
+  if (!*stored) return nullptr;
+  const absl::StatusOr<std::optional<RobotHold>> claim = tables_.claims.ClaimOn(ruri);
+  if (!claim.ok()) return claim.status();
+  const auto if_own = [this](const std::optional<RobotHold>& hold) {
+    return hold && hold->owner == process_ ? std::optional(hold->epoch) : std::nullopt;
+  };
+  KnownRobot& robot = robots_[ruri].known;
+  robot.held_since = if_own(*stored);
+  robot.claim = if_own(*claim);
+  return &robot;
+}
+
+absl::StatusOr<KnownSamples*> BatchKnown::Samples(const CommitRecord& record) {
+  const std::uint32_t type = record.sample->type;
+  const auto [found, is_new] = robot(record.robot->ruri).samples.try_emplace(type);
+  if (is_new) {
+    absl::StatusOr<SampleMemory> memory = tables_.claims.Samples(record.robot->ruri, type);
+    if (!memory.ok()) return memory.status();
+    found->second.memory = *std::move(memory);
+  }
+  return &found->second;
+}
+
+absl::StatusOr<KnownRobot::RequestIds> BatchKnown::OpenRequests(std::string_view ruri) {
+  return tables_.claims.OpenRequests(ruri);
 }
 
 absl::StatusOr<KnownSession*> BatchKnown::Session(const CommitRecord& record) {

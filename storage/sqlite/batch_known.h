@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
@@ -26,6 +28,8 @@ struct BatchSession {
 struct BatchRobot {
   KnownRobot known;
   std::vector<BatchSession> sessions;
+  /// By type: those of which the batch has any.
+  std::map<std::uint32_t, KnownSamples> samples;
   /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps of it.
   bool quarantined_payload = false;
   bool gaps = false;
@@ -49,6 +53,8 @@ class BatchKnown final : public Known {
   [[nodiscard]] absl::StatusOr<KnownSession*> Session(const CommitRecord& record) override;
   [[nodiscard]] absl::StatusOr<std::optional<model::Rejection>> Rejected(
       const CommitRecord& record) override;
+  [[nodiscard]] absl::StatusOr<KnownSamples*> Samples(const CommitRecord& record) override;
+  [[nodiscard]] absl::StatusOr<KnownRobot::RequestIds> OpenRequests(std::string_view ruri) override;
   [[nodiscard]] absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override;
   [[nodiscard]] absl::StatusOr<std::optional<std::int64_t>> ExpiryOf(
       const PresentKey& key) override;

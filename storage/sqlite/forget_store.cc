@@ -96,6 +96,7 @@ class SqliteRobotRemoval final : public RobotRemoval {
         " AND coalesce((SELECT last_sign_at FROM live WHERE ruri = r.ruri) < ?1, 1)"
         " AND coalesce((SELECT changed_at FROM presence_latest WHERE ruri = r.ruri) < ?1, 1)"
         " AND NOT EXISTS (SELECT 1 FROM sessions WHERE ruri = r.ruri AND last_used >= ?1)"
+        " AND coalesce((SELECT last_used FROM drone_claims WHERE ruri = r.ruri) < ?1, 1)"
         " AND substr(ruri, 1, 10) <> 'cyberwave:'"
         " AND ruri > ?2 ORDER BY ruri LIMIT ?3");
     prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");

@@ -80,6 +80,12 @@ absl::Status KindWriter::Write(const CommitRecord& record, const Ruling& ruling)
   if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
     return tables_.rows.Write<kScopeUpdatesTable>({&record, update, next_entry_++});
   }
+  if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    if (request->open) {
+      return tables_.rows.Write<kOperatorRequestsTable>({&record, request, next_entry_++});
+    }
+    return ruling.was_present ? tables_.claims.CloseRequest(record, *request) : absl::OkStatus();
+  }
   return std::visit(Visitor{tables_, next_entry_, record, ruling},
                     std::get<model::Record>(record.content).body());
 }

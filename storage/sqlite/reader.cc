@@ -93,13 +93,14 @@ absl::StatusOr<std::unique_ptr<SqliteReader>> SqliteReader::Open(const std::stri
 absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_max) {
   constexpr std::string_view kSql =
       "SELECT r.ruri, r.fleet, r.first_seen, max(r.last_seen, coalesce(s.last_used, 0),"
-      " coalesce(l.last_sign_at, 0)) AS heard_ms,"
+      " coalesce(l.last_sign_at, 0), coalesce(c.last_used, 0)) AS heard_ms,"
       " p.presence, p.changed_at, s.session, CASE WHEN l.session = s.session THEN"
       " max(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END, r.owner FROM robots AS r"
       " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"
       " LEFT JOIN sessions AS s ON s.ruri = r.ruri AND s.session = (SELECT session FROM sessions"
       " WHERE ruri = r.ruri ORDER BY last_used DESC, session DESC LIMIT 1)"
       " LEFT JOIN live AS l ON l.ruri = r.ruri"
+      " LEFT JOIN drone_claims AS c ON c.ruri = r.ruri"
       " WHERE substr(r.ruri, 1, 10) <> 'cyberwave:'"
       " ORDER BY heard_ms DESC, r.ruri LIMIT ?";
   return pool_->With([&](Database& database) {
@@ -203,6 +204,22 @@ absl::StatusOr<std::vector<ActiveFaults>> SqliteReader::ActiveFaultCounts(
       });
       if (!read.ok()) return read;
       if (faults.count > 0) counts.push_back(std::move(faults));
+    }
+    return counts;
+  });
+}
+
+absl::StatusOr<std::vector<OpenRequestCount>> SqliteReader::OpenRequestCounts(
+    std::span<const std::string> ruris) {
+  return pool_->With([&](Database& database) -> absl::StatusOr<std::vector<OpenRequestCount>> {
+    auto statement =
+        database.Prepare("SELECT COUNT(*) FROM operator_requests WHERE ruri = ? AND is_open");
+    if (!statement.ok()) return statement.status();
+    std::vector<OpenRequestCount> counts;
+    for (const std::string& ruri : ruris) {
+      const absl::StatusOr<std::int64_t> count = (*statement)->Select(ruri).OnlyInt();
+      if (!count.ok()) return count.status();
+      if (*count > 0) counts.push_back({ruri, *count});
     }
     return counts;
   });

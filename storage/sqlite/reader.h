@@ -61,6 +61,8 @@ class SqliteReader final : public Reader {
       const RejectsQuery& query) override;
   [[nodiscard]] absl::StatusOr<std::vector<ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<std::vector<OpenRequestCount>> OpenRequestCounts(
+      std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;

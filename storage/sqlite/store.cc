@@ -1,6 +1,5 @@
 #include "storage/sqlite/store.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -8,13 +7,32 @@
 #include "storage/retention.h"
 #include "storage/shared_items.h"
 #include "storage/sqlite/batch_commit.h"
+#include "storage/sqlite/claims.h"
 #include "storage/sqlite/connections.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/file_lock.h"
+#include "storage/sqlite/open_stream.h"
 #include "storage/sqlite/store_files.h"
 #include "storage/sqlite/tables.h"
 
 namespace uplink::storage::sqlite {
+namespace {
+
+/// One answer per request, in order; the first that fails ends it.
+template <typename Result, typename Request, typename Answer>
+absl::StatusOr<std::vector<Result>> AnswerEach(std::span<const Request> requests,
+                                               const Answer& answer) {
+  std::vector<Result> all;
+  all.reserve(requests.size());
+  for (const Request& request : requests) {
+    absl::StatusOr<Result> one = answer(request);
+    if (!one.ok()) return one.status();
+    all.push_back(*std::move(one));
+  }
+  return all;
+}
+
+}  // namespace
 
 /// Destroyed in reverse: statements, then their database, then the lock.
 struct SqliteStore::Impl {
@@ -97,89 +115,14 @@ auto SqliteStore::InTransaction(const Work& work) -> std::invoke_result_t<Work> 
 
 absl::StatusOr<std::vector<OpenResult>> SqliteStore::OpenStreams(
     std::span<const OpenRequest> requests) {
-  using Results = std::vector<OpenResult>;
-  auto results = InTransaction([&]() -> absl::StatusOr<Results> {
-    Results all;
-    all.reserve(requests.size());
-    for (const OpenRequest& request : requests) {
-      absl::StatusOr<OpenResult> one = OpenOne(request);
-      if (!one.ok()) return one.status();
-      all.push_back(*std::move(one));
-    }
-    return all;
+  auto results = InTransaction([&] {
+    return AnswerEach<OpenResult>(requests, [this](const OpenRequest& request) {
+      return OpenStream(impl_->tables, request, impl_->options.process);
+    });
   });
   if (!absl::IsInvalidArgument(results.status())) return results;
   return absl::InternalError("a stream's row is refused: " +
                              std::string(results.status().message()));
-}
-
-absl::StatusOr<OpenResult> SqliteStore::OpenOne(const OpenRequest& request) {
-  DecidingTables& deciding = impl_->tables.deciding;
-  absl::StatusOr<std::optional<std::string>> other_fleet = deciding.OtherFleet(request);
-  if (!other_fleet.ok()) return other_fleet.status();
-  if (*other_fleet && request.fleet_word == FleetWord::kMatches) {
-    OpenResult refused;
-    refused.taken = false;
-    refused.other_fleet = *std::move(other_fleet);
-    return refused;
-  }
-  const absl::StatusOr<OpenedRobot> robot = deciding.OpenRobot(request, impl_->options.process);
-  if (!robot.ok()) return robot.status();
-  const absl::StatusOr<EntryNumber> next_entry = deciding.NextEntry();
-  if (!next_entry.ok()) return next_entry.status();
-  const absl::StatusOr<SessionCursor> session = deciding.OpenSession(request, *next_entry);
-  if (!session.ok()) return session.status();
-
-  OpenResult result;
-  result.moved_from = *std::move(other_fleet);
-  result.was_known = robot->was_known;
-  result.epoch = robot->epoch;
-  result.held_since = robot->held_since;
-  result.cursor = session->cursor;
-  RejectRange range;
-  range.ruri = request.robot->ruri;
-  range.session = request.session;
-  range.first_entry = session->first_entry;
-  range.above = std::min(request.settled_seq, session->cursor);
-  range.through = session->cursor;
-  absl::StatusOr<std::vector<StoredReject>> rejects =
-      impl_->tables.set_aside.Rejects(range, request.rejects_max);
-  if (!rejects.ok()) return rejects.status();
-  result.rejects = *std::move(rejects);
-  const auto total = impl_->tables.set_aside.CountRejects(range, kQuarantineRowsPerRobotMax);
-  if (!total.ok()) return total.status();
-  result.rejects_total = *total;
-  // Without a number yet the session is new: what is kept by its id is of one that went.
-  absl::Status forgot = impl_->tables.set_aside.ForgetKept(
-      range.ruri, range.session, range.through == 0 ? model::kSeqMax : range.above);
-  if (forgot.ok()) forgot = EvictSessions(request);
-  if (!forgot.ok()) return forgot;
-  const auto presence = deciding.Presence(request.robot->ruri);
-  if (!presence.ok()) return presence.status();
-  result.presence = *presence;
-  const auto latest_kinds = deciding.LatestKinds(request.robot->ruri);
-  if (!latest_kinds.ok()) return latest_kinds.status();
-  result.latest_kinds = *latest_kinds;
-  return result;
-}
-
-absl::Status SqliteStore::EvictSessions(const OpenRequest& request) {
-  DecidingTables& deciding = impl_->tables.deciding;
-  const auto sessions = deciding.Sessions(request.robot->ruri);
-  if (!sessions.ok()) return sessions.status();
-  std::size_t kept = sessions->size();
-  for (const model::SessionId& session : *sessions) {
-    if (kept <= kSessionsPerRobotMax) break;
-    if (session == request.session) continue;
-    if (std::ranges::find(request.sessions_held, session) != request.sessions_held.end()) continue;
-    absl::Status deleted = deciding.DeleteSession(request.robot->ruri, session);
-    if (deleted.ok()) {
-      deleted = impl_->tables.set_aside.ForgetKept(request.robot->ruri, session, model::kSeqMax);
-    }
-    if (!deleted.ok()) return deleted;
-    --kept;
-  }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
@@ -201,8 +144,12 @@ absl::StatusOr<std::vector<AdoptResult>> SqliteStore::Adopt(
 }
 
 absl::StatusOr<std::vector<ClaimResult>> SqliteStore::ClaimDrones(
-    std::span<const ClaimRequest> /*requests*/) {
-  return absl::UnimplementedError("no claims yet");
+    std::span<const ClaimRequest> requests) {
+  return InTransaction([&] {
+    return AnswerEach<ClaimResult>(requests, [this](const ClaimRequest& request) {
+      return ClaimDrone(impl_->tables, request, impl_->options.process);
+    });
+  });
 }
 
 absl::StatusOr<std::vector<Outcome>> SqliteStore::Commit(const Batch& batch) {
@@ -284,15 +231,10 @@ absl::StatusOr<std::vector<std::size_t>> SqliteStore::Checkpoint(std::span<const
 }
 
 absl::StatusOr<std::vector<FoundRobot>> SqliteStore::Compare(std::span<const ToldRobot> robots) {
-  return InTransaction([&]() -> absl::StatusOr<std::vector<FoundRobot>> {
-    std::vector<FoundRobot> found;
-    found.reserve(robots.size());
-    for (const ToldRobot& robot : robots) {
-      const auto one = impl_->tables.deciding.Compare(robot, impl_->options.process);
-      if (!one.ok()) return one.status();
-      found.push_back(*one);
-    }
-    return found;
+  return InTransaction([&] {
+    return AnswerEach<FoundRobot>(robots, [this](const ToldRobot& robot) {
+      return impl_->tables.deciding.Compare(robot, impl_->options.process);
+    });
   });
 }
 

@@ -85,8 +85,6 @@ class SqliteStore final : public Store {
  private:
   struct Impl;
   explicit SqliteStore(std::unique_ptr<Impl> impl);
-  absl::StatusOr<OpenResult> OpenOne(const OpenRequest& request);
-  absl::Status EvictSessions(const OpenRequest& request);
 
   /// Runs `work` in a transaction of its own; all or nothing.
   template <typename Work>

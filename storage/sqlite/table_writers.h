@@ -97,7 +97,7 @@ class TableWriters final {
  private:
 #define UPLINK_LIST(Name, number, Row, Query, retained) , TableWriter<k##Name##Table>
   std::tuple<TableWriter<kLatestTable>, TableWriter<kLatestPresenceTable>,
-             TableWriter<kKeptRejectsTable> UPLINK_LISTS(UPLINK_LIST)>
+             TableWriter<kKeptRejectsTable>, TableWriter<kSamplesTable> UPLINK_LISTS(UPLINK_LIST)>
       writers_;
 #undef UPLINK_LIST
 };

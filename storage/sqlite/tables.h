@@ -6,6 +6,7 @@
 #include <absl/status/status.h>
 
 #include "storage/present.h"
+#include "storage/sqlite/claim_tables.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/deciding_tables.h"
 #include "storage/sqlite/live_table.h"
@@ -19,6 +20,7 @@ namespace uplink::storage::sqlite {
 /// All statements of one writer, prepared once.
 struct Tables {
   DecidingTables deciding;
+  ClaimTables claims;
   SetAsideTables set_aside;
   TableWriters rows;
   /// By PresentKind.
@@ -28,6 +30,7 @@ struct Tables {
 
   [[nodiscard]] absl::Status Prepare(Database& database) {
     absl::Status status = deciding.Prepare(database);
+    if (status.ok()) status = claims.Prepare(database);
     if (status.ok()) status = set_aside.Prepare(database);
     if (status.ok()) status = rows.Prepare(database);
     for (std::size_t kind = 0; kind < kPresentKinds; ++kind) {

@@ -34,6 +34,11 @@ ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view /*open_colu
   return filter;
 }
 
+ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_column) {
+  if (!query.open) return {};
+  return {{{open_column}}};
+}
+
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_column*/) {
   if (!query.source) return {};
   // Nearly all rows are the relay's: the index has the others alone, and is taken if the statement

@@ -14,6 +14,7 @@
 #include "storage/tables/missions.h"
 #include "storage/tables/present.h"
 #include "storage/tables/reports.h"
+#include "storage/tables/samples.h"
 #include "storage/tables/set_aside.h"
 
 // Which table each list reads, how its rows are read, and what a query leaves of them.
@@ -106,6 +107,7 @@ struct ListFilter {
 [[nodiscard]] ListFilter FilterOf(const MissionsQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const PresentQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const QuarantineQuery& query, std::string_view open_column);
 
 }  // namespace uplink::storage

@@ -3,14 +3,17 @@
 #include <array>
 #include <string_view>
 
+#include "schema/base/clock.h"
 #include "schema/json/text.h"
+#include "schema/model/operator_request.h"
 #include "schema/model/reports.h"
 #include "schema/model/scope_update.h"
 #include "storage/commit_record.h"
 #include "storage/rows.h"
 #include "storage/tables/table.h"
 
-// What is reported and kept as it came: faults, events, messages, and updates of what is no robot.
+// What is reported and kept as it came: faults, events, messages, updates of what is no robot; and
+// requests to operators, a row each.
 namespace uplink::storage {
 
 /// A row that a report of a robot makes. The pointers lead into the batch.
@@ -81,14 +84,15 @@ inline constexpr Table<EventReport, EventRow, 9> kEventsTable = {
                  "detail", [](const auto& row) { return json::DetailText(row.body->kind); }),
          })};
 
-inline constexpr Table<MessageReport, MessageRow, 10> kMessagesTable = {
+inline constexpr Table<MessageReport, MessageRow, 11> kMessagesTable = {
     "messages", Writes::kInserts, ByArrival<MessageRow>(),
     Join(kReportColumns<MessageReport, MessageRow>,
-         std::array<Column<MessageReport, MessageRow>, 4>{
+         std::array<Column<MessageReport, MessageRow>, 5>{
              Same<&model::Message::unix_time_ms>("sampled_ms"),
              Same<&model::Message::level>("level"),
              Same<&model::Message::message>("message"),
              Same<&model::Message::detail_json>("detail"),
+             Same<&model::Message::source_level>("source_level"),
          })};
 
 inline constexpr Table<ScopeReport, ScopeUpdateRow, 11> kScopeUpdatesTable = {
@@ -101,5 +105,29 @@ inline constexpr Table<ScopeReport, ScopeUpdateRow, 11> kScopeUpdatesTable = {
              Same<&model::ScopeUpdate::type>("type"),
              Same<&model::ScopeUpdate::detail_json>("detail"),
          })};
+
+using OpenedRequest = Report<model::OperatorRequest>;
+
+/// opened_at and entry are those of the record that opened the request; by its id the one is found
+/// that is open.
+inline constexpr Table<OpenedRequest, OperatorRequestRow, 10> kOperatorRequestsTable = {
+    "operator_requests",
+    Writes::kUpserts,
+    {"opened_at", [](SystemTime time, OperatorRequestRow& row) { row.opened_at = time; }, "is_open",
+     "closed_at"},
+    std::array<Column<OpenedRequest, OperatorRequestRow>, 10>{
+        kRobotRuri.Key(),
+        Same("request_id", [](auto& row) { return &row.request_id; }).Key(),
+        kRobotFleet,
+        Col("opened_at", [](const auto& row) { return row.record->received_at; }).Kept(),
+        kRowEntry.Kept(),
+        Same("kind", [](auto& row) { return &row.kind; }),
+        Same("text", [](auto& row) { return &row.text; }),
+        Same("requested_ms", [](auto& row) { return &row.requested_at_ms; }),
+        Col("is_open", [](const auto& /*row*/) { return true; }),
+        Col<&OperatorRequestRow::closed_at_ms>("closed_at",
+                                               [](const auto& /*row*/) { return SystemTime(); }),
+    },
+    "is_open"};
 
 }  // namespace uplink::storage

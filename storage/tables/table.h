@@ -44,6 +44,8 @@ struct Table {
   Writes writes = Writes::kInserts;
   Listed<Out> listed;
   std::array<Column<In, Out>, kColumns> columns;
+  /// SQL of the rows among which the key finds one; empty: all.
+  std::string_view keyed_rows = {};
 };
 
 /// Columns that several tables begin with, before their own.
@@ -92,7 +94,9 @@ constexpr SqlText ConflictSql(const Table& table) {
     if (column.update.empty()) updates.Add({"excluded.", column.name});
     updates.Add(column.update);
   }
-  return {" ON CONFLICT (", keys.view(), ") DO UPDATE SET ", updates.view()};
+  return {
+      " ON CONFLICT (", keys.view(),       ")",           table.keyed_rows.empty() ? "" : " WHERE ",
+      table.keyed_rows, " DO UPDATE SET ", updates.view()};
 }
 
 }  // namespace uplink::storage

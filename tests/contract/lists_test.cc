@@ -1,6 +1,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -154,6 +155,14 @@ class ListContract : public StoreContract {
             }};
   }
 
+  static List RequestList() {
+    return {PageKind::kOperatorRequests, nullptr,
+            [](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf(reader.OperatorRequests({.rows = query}),
+                            [](const auto& row) { return std::stoi(row.request_id); });
+            }};
+  }
+
   void ForEachList(const std::function<void(const List& list)>& test) {
     const std::array lists = {FaultList(PageKind::kFaultHistory, &storage::Reader::FaultHistory),
                               FaultList(PageKind::kFaultsActive, &storage::Reader::FaultsActive),
@@ -165,7 +174,8 @@ class ListContract : public StoreContract {
                               ReportList(),
                               ShapeList(),
                               ObjectList(),
-                              PresenceList()};
+                              PresenceList(),
+                              RequestList()};
     for (const List& list : lists) {
       SCOPED_TRACE(static_cast<int>(list.kind));
       Fresh();
@@ -182,6 +192,8 @@ class ListContract : public StoreContract {
     } else if (list.kind == PageKind::kQuarantine) {
       storage::CommitRecord bad = Bad(++numbers_, std::to_string(item));
       batch.records = {At(after_ms, Of(std::move(robot), std::move(bad)))};
+    } else if (list.kind == PageKind::kOperatorRequests) {
+      batch.records = {At(after_ms, Asks(item, std::move(robot)))};
     } else if (list.kind == PageKind::kGaps) {
       const auto first = 2 * static_cast<model::Seq>(item) + 1;
       batch.gaps = {Gap(first, first)};
@@ -194,6 +206,20 @@ class ListContract : public StoreContract {
     Commit(batch);
   }
   void Put(const List& list, int item) { Put(list, item, robot_); }
+
+  /// A drone's request to its operator.
+  storage::CommitRecord Asks(int item, storage::RobotRef robot) {
+    const storage::ClaimRequest request{robot, Time()};
+    const auto claimed = store_->Process(kProcess).ClaimDrones({&request, 1});
+    EXPECT_TRUE(claimed.ok()) << claimed.status();
+    storage::SampleMark mark;
+    mark.claim = claimed->front().claim;
+    mark.digest[0] = static_cast<std::uint8_t>(item);
+    storage::CommitRecord asks = Of(std::move(robot), Good(++numbers_));
+    asks.content = model::OperatorRequest{.request_id = std::to_string(item), .open = true};
+    asks.sample = std::make_shared<const storage::SampleMark>(mark);
+    return asks;
+  }
 
   std::vector<int> ItemsOf(const List& list, const HistoryQuery& query = {}) {
     std::vector<int> items;

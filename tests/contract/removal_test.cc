@@ -1,3 +1,4 @@
+#include <memory>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -88,6 +89,14 @@ class RemovalContract : public StoreContract {
     live.last_sign_of_life = Time();
     EXPECT_TRUE(store_->Process(kProcess).Checkpoint({&live, 1}).ok());
     store_->NoteQuarantineDropped(robot_->ruri);
+    const storage::ClaimRequest request{robot_, Time()};
+    const auto claimed = store_->Process(kProcess).ClaimDrones({&request, 1});
+    ASSERT_TRUE(claimed.ok()) << claimed.status();
+    storage::CommitRecord asks = Good(13);
+    asks.content = model::OperatorRequest{.request_id = "r", .open = true};
+    asks.sample = std::make_shared<const storage::SampleMark>(
+        storage::SampleMark{.claim = claimed->front().claim});
+    Commit({asks});
   }
   static constexpr std::size_t kFilledHistories = 8;
   static std::vector<std::string_view> NamesOf(const std::vector<TableCount>& counts) {

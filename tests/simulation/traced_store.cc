@@ -43,6 +43,7 @@ std::string TextOf(const storage::CommitRecord& record) {
     return text + fmt::format(" limited from {} ", range->first) + TextOf(range->rejection);
   }
   if (std::holds_alternative<model::ScopeUpdate>(record.content)) return text + " scope update";
+  if (std::holds_alternative<model::OperatorRequest>(record.content)) return text + " request";
   const auto& good = std::get<model::Record>(record.content);
   return text + fmt::format(" variant {}", static_cast<int>(good.variant()));
 }

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
-#include <tuple>
 #include <variant>
 
 #include "schema/base/check.h"
 #include "schema/model/record.h"
 #include "storage/refusal.h"
-#include "storage/retention.h"
 
 namespace uplink::testing {
 
@@ -48,8 +45,18 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   const Transaction transaction{process, rules, store_rules};
   std::vector<Outcome> outcomes;
   outcomes.reserve(batch.records.size());
+  const storage::SampleMark* sample = nullptr;
+  std::optional<OutcomeKind> of_sample;
   for (const CommitRecord& record : batch.records) {
-    outcomes.push_back(CommitOne(transaction, record));
+    if (record.sample == nullptr) {
+      outcomes.push_back(CommitOne(transaction, record));
+      continue;
+    }
+    if (record.sample.get() != sample) of_sample = LookAtSample(process, record);
+    sample = record.sample.get();
+    outcomes.push_back(
+        of_sample ? Outcome{*of_sample, std::nullopt}
+                  : WriteNew(transaction, *FindRobot(record.robot->ruri), nullptr, record));
   }
   topics_.Write(batch, process, outcomes);
   for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
@@ -110,21 +117,6 @@ std::size_t FakeDatabase::Sweep(SystemTime now) {
   return kinds_.Sweep(now);
 }
 
-storage::Erased FakeDatabase::Retain(SystemTime now, const storage::StoreRules& rules) {
-  const std::lock_guard lock(mutex_);
-  storage::Erased erased;
-  if (const auto kept = storage::FirstDayKept(now, rules.retain_history)) {
-    erased.rows += EraseBefore(faults_history_, *kept, storage::kRetainRowsMax) +
-                   kinds_.EraseHistory(*kept) + presence_.EraseHistory(*kept);
-  }
-  if (const auto kept = storage::FirstDayKept(now, rules.retain_quarantine)) {
-    EraseQuarantine(*kept, erased);
-    erased.rows += EraseGaps(*kept);
-  }
-  erased.more = erased.rows >= storage::kRetainRowsMax;
-  return erased;
-}
-
 std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
                                                   std::span<const storage::LiveRow> rows) {
   const std::lock_guard lock(mutex_);
@@ -149,85 +141,6 @@ std::vector<std::size_t> FakeDatabase::Checkpoint(const ProcessId& process,
   return passed_over;
 }
 
-void FakeDatabase::EraseQuarantine(SystemTime until, storage::Erased& erased) {
-  std::set<std::uint64_t> gone;
-  const auto old = OldestBefore(quarantine_, until, storage::kRetainRowsMax);
-  for (const auto& [at, entry] : old) gone.insert(entry);
-  erased.rejects_kept += EraseQuarantineRows(gone);
-  erased.rows += gone.size();
-}
-
-std::size_t FakeDatabase::EraseQuarantineRows(const std::set<std::uint64_t>& gone) {
-  std::size_t kept = 0;
-  for (const auto& row : quarantine_) {
-    if (!gone.contains(row.entry)) continue;
-    auto& sessions = robots_[row.row.robot.ruri].sessions;
-    const auto session = sessions.find(row.row.session);
-    if (session == sessions.end() || row.entry < session->second.first_entry) continue;
-    const bool asked = row.row.source == model::MessageSource::kUplink;
-    const bool unsettled = row.row.seq > session->second.settled;
-    if (session->second.rejects.LoseRow(row.row.seq, asked && unsettled)) ++kept;
-  }
-  std::erase_if(quarantine_, [&gone](const auto& row) { return gone.contains(row.entry); });
-  for (auto& [ruri, robot] : robots_) robot.payload_rows.clear();
-  for (std::size_t i = 0; i < quarantine_.size(); ++i) {
-    if (quarantine_[i].row.payload.empty()) continue;
-    robots_[quarantine_[i].row.robot.ruri].payload_rows.push_back(i);
-  }
-  return kept;
-}
-
-storage::Trimmed FakeDatabase::TrimQuarantine(std::span<const std::string> ruris) {
-  const std::lock_guard lock(mutex_);
-  storage::Trimmed trimmed;
-  for (std::size_t place = 0; place < ruris.size(); ++place) {
-    Robot& robot = robots_[ruris[place]];
-    std::size_t rows = 0;
-    // Whether its session is kept, and its entry.
-    std::vector<std::tuple<bool, std::uint64_t, model::RejectReason>> may_go;
-    for (const auto& row : quarantine_) {
-      if (row.row.robot.ruri != ruris[place]) continue;
-      ++rows;
-      const auto session = robot.sessions.find(row.row.session);
-      const bool kept = session != robot.sessions.end() && row.entry >= session->second.first_entry;
-      const bool asked = row.row.source == model::MessageSource::kUplink;
-      if (kept && asked && row.row.seq > session->second.settled) continue;
-      may_go.emplace_back(kept, row.entry, row.row.rejection.reason);
-    }
-    if (rows <= storage::kQuarantineRowsPerRobotMax) continue;
-    std::ranges::sort(may_go);
-    may_go.resize(std::min(
-        {may_go.size(), rows - storage::kQuarantineRowsPerRobotMax, storage::kTrimRowsMax}));
-    std::set<std::uint64_t> gone;
-    for (const auto& [kept, entry, reason] : may_go) {
-      gone.insert(entry);
-      ++trimmed.dropped[static_cast<std::size_t>(reason)];
-      ++robot.dropped[reason];
-    }
-    EraseQuarantineRows(gone);
-    if (gone.size() == storage::kTrimRowsMax) trimmed.unfinished.push_back(place);
-  }
-  return trimmed;
-}
-
-std::size_t FakeDatabase::EraseGaps(SystemTime until) {
-  std::vector<std::pair<GapPlace, std::string>> old;
-  for (const auto& [ruri, robot] : robots_) {
-    for (const auto& [place, gap] : robot.gaps) {
-      if (place.first < until) old.emplace_back(place, ruri);
-    }
-  }
-  std::ranges::sort(old);
-  old.resize(std::min(old.size(), storage::kRetainRowsMax));
-  for (const auto& [place, ruri] : old) {
-    Robot& robot = robots_[ruri];
-    const storage::GapRow& gap = robot.gaps.at(place);
-    robot.gap_places.erase({gap.session, gap.first});
-    robot.gaps.erase(place);
-  }
-  return old.size();
-}
-
 OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& request) {
   Robot& robot = robots_[request.robot->ruri];
   const bool was_known = robot.epoch != 0;
@@ -244,6 +157,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);
+  robot.last_opened = std::max(robot.last_opened, request.at);
   robot.epoch = DrawEpoch(robot);
   if (!was_known || robot.owner != process) {
     robot.owner = process;
@@ -307,6 +221,11 @@ void FakeDatabase::DeleteRobotRow(std::string_view ruri) {
 void FakeDatabase::RemoveRobot(const std::string& ruri) {
   DeleteRobotRow(ruri);
   const std::lock_guard lock(mutex_);
+  const auto robot = robots_.find(ruri);
+  if (robot != robots_.end()) {
+    robot->second.claim.reset();
+    robot->second.samples.clear();
+  }
   kinds_.DeletePresent(ruri);
 }
 
@@ -333,13 +252,19 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
 
   session.cursor = record.seq;
   session.last_used = std::max(session.last_used, record.received_at);
+  return WriteNew(transaction, robot, &session, record);
+}
+
+Outcome FakeDatabase::WriteNew(const Transaction& transaction, Robot& robot, Session* session,
+                               const CommitRecord& record) {
   robot.last_seen = std::max(robot.last_seen, record.received_at);
   Outcome outcome;
   bool quarantined = true;
   if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
     WriteQuarantine(robot, session, record, item->rejection);
   } else if (const auto* range = std::get_if<storage::LimitedRange>(&record.content)) {
-    session.rejects.AddRange(*range, record.seq);
+    UPLINK_CHECK(session != nullptr, "no sample is a range");
+    session->rejects.AddRange(*range, record.seq);
     for (Seq seq = range->first; seq <= record.seq; ++seq) {
       robot.logs[record.session].quarantined[seq] = range->rejection;
       if (seq < record.seq) ++robot.logs[record.session].times_written[seq];
@@ -360,6 +285,9 @@ Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitReco
 std::optional<Rejection> FakeDatabase::Refusal(const Transaction& transaction, const Robot& robot,
                                                const CommitRecord& record) const {
   if (std::holds_alternative<model::ScopeUpdate>(record.content)) return std::nullopt;
+  if (std::holds_alternative<model::OperatorRequest>(record.content)) {
+    return kinds_.Refusal(record, transaction.store_rules);
+  }
   const auto& good = std::get<Record>(record.content);
   UPLINK_CHECK(good.durable(), "a live record reached the store");
   const auto* fault = std::get_if<Fault>(&good.body());
@@ -405,9 +333,9 @@ void FakeDatabase::WriteFault(Robot& robot, const Fault& fault, const CommitReco
   entry.row = {*record.robot, fault, received_at, entry.at};
 }
 
-void FakeDatabase::WriteQuarantine(Robot& robot, Session& session, const CommitRecord& record,
+void FakeDatabase::WriteQuarantine(Robot& robot, Session* session, const CommitRecord& record,
                                    const Rejection& rejection) {
-  session.rejects.Add(record.seq, rejection);
+  if (session != nullptr) session->rejects.Add(record.seq, rejection);
   robot.logs[record.session].quarantined[record.seq] = rejection;
   quarantine_.push_back({record.received_at,
                          ++entries_,

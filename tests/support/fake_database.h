@@ -16,6 +16,7 @@
 
 #include "storage/adopt.h"
 #include "storage/batch.h"
+#include "storage/claim.h"
 #include "storage/commit_record.h"
 #include "storage/compare.h"
 #include "storage/deliveries.h"
@@ -27,6 +28,8 @@
 #include "storage/outcome.h"
 #include "storage/reader.h"
 #include "storage/retention.h"
+#include "storage/robot_hold.h"
+#include "storage/samples.h"
 #include "storage/store_rules.h"
 #include "tests/support/fake_kinds.h"
 #include "tests/support/fake_lease_table.h"
@@ -95,6 +98,8 @@ class FakeDatabase final {
                                                std::span<const storage::OpenRequest> requests);
   std::vector<storage::AdoptResult> Adopt(const storage::ProcessId& process,
                                           std::span<const storage::AdoptRequest> requests);
+  std::vector<storage::ClaimResult> ClaimDrones(const storage::ProcessId& process,
+                                                std::span<const storage::ClaimRequest> requests);
   std::vector<storage::Outcome> Commit(const storage::ProcessId& process,
                                        const storage::Batch& batch, const FakeRules& rules,
                                        const storage::StoreRules& store_rules);
@@ -247,6 +252,11 @@ class FakeDatabase final {
     storage::HolderEnd end = storage::HolderEnd::kEnded;
     SystemTime first_seen;
     SystemTime last_seen;
+    /// When its last stream was opened, or its hold was taken for its calls.
+    SystemTime last_opened;
+    std::optional<storage::RobotHold> claim;
+    /// By type.
+    std::map<std::uint32_t, storage::SampleMemory> samples;
     std::map<model::SessionId, Session> sessions;
     /// As of the last checkpoint that told it.
     std::optional<storage::SettledSession> settled;
@@ -267,6 +277,10 @@ class FakeDatabase final {
 
   storage::OpenResult OpenOne(const storage::ProcessId& process,
                               const storage::OpenRequest& request);
+  storage::ClaimResult ClaimOne(const storage::ProcessId& process,
+                                const storage::ClaimRequest& request);
+  /// Whether a claim of the robot takes it as well.
+  [[nodiscard]] bool MayHold(const storage::ProcessId& process, const Robot& robot) const;
   static void EvictSessions(Robot& robot, const storage::OpenRequest& request);
   /// Null while there is no row of it in `robots`.
   Robot* FindRobot(std::string_view ruri);
@@ -275,12 +289,18 @@ class FakeDatabase final {
                               storage::Epoch held_since);
   [[nodiscard]] storage::Epoch DrawEpoch(const Robot& robot);
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
+  /// What becomes of all records of the sample; nothing: it is new, and remembered from now on.
+  std::optional<storage::OutcomeKind> LookAtSample(const storage::ProcessId& process,
+                                                   const storage::CommitRecord& record);
+  /// A record that is new; `session` is null for one of a sample.
+  storage::Outcome WriteNew(const Transaction& transaction, Robot& robot, Session* session,
+                            const storage::CommitRecord& record);
   std::optional<model::Rejection> Refusal(const Transaction& transaction, const Robot& robot,
                                           const storage::CommitRecord& record) const;
   void WriteRecord(const Transaction& transaction, Robot& robot,
                    const storage::CommitRecord& record);
   void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
-  void WriteQuarantine(Robot& robot, Session& session, const storage::CommitRecord& record,
+  void WriteQuarantine(Robot& robot, Session* session, const storage::CommitRecord& record,
                        const model::Rejection& rejection);
   Session& SessionOf(Robot& robot, const model::SessionId& session) const {
     const auto [found, is_new] = robot.sessions.try_emplace(session);

@@ -10,6 +10,7 @@ void FakeKinds::CopyRowsOf(const FakeKinds& other) {
   messages_ = other.messages_;
   reports_ = other.reports_;
   scope_updates_ = other.scope_updates_;
+  requests_ = other.requests_;
   runs_ = other.runs_;
   changes_ = other.changes_;
   shapes_.CopyRowsOf(other.shapes_);

@@ -1,5 +1,6 @@
 #include "tests/support/fake_kinds.h"
 
+#include <algorithm>
 #include <string_view>
 #include <variant>
 
@@ -23,6 +24,10 @@ const model::Body& BodyOf(const CommitRecord& record) {
 
 std::optional<model::Rejection> FakeKinds::Refusal(const CommitRecord& record,
                                                    const storage::StoreRules& rules) const {
+  if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    if (TakesRequest(record, *request)) return std::nullopt;
+    return storage::TooManyOpenRequests();
+  }
   const std::string& ruri = record.robot->ruri;
   const std::int64_t now_ms = storage::ExpiredByMs(record.received_at, rules);
   const auto* shape = std::get_if<model::ShapeOp>(&BodyOf(record));
@@ -43,6 +48,10 @@ void FakeKinds::Write(const CommitRecord& record, std::uint64_t entry,
   if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
     const SystemTime at = record.received_at;
     scope_updates_.push_back({at, entry, {*record.robot, *update, at}});
+    return;
+  }
+  if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    WriteRequest(target, *request);
     return;
   }
   const model::Body& body = BodyOf(record);
@@ -78,6 +87,60 @@ void FakeKinds::WriteEvent(const Target& target, const model::EventTelemetry& ev
 void FakeKinds::WriteMessage(const Target& target, const model::Message& message) {
   const SystemTime at = target.record.received_at;
   messages_.push_back({at, target.entry, {*target.record.robot, message, at}});
+}
+
+FakeEntry<storage::OperatorRequestRow>* FakeKinds::OpenRequest(const std::string& ruri,
+                                                               const std::string& request_id) {
+  const auto open = std::ranges::find_if(requests_, [&](const auto& entry) {
+    return entry.row.robot.ruri == ruri && entry.row.request_id == request_id &&
+           entry.row.closed_at_ms == 0;
+  });
+  return open == requests_.end() ? nullptr : &*open;
+}
+
+bool FakeKinds::TakesRequest(const CommitRecord& record,
+                             const model::OperatorRequest& request) const {
+  if (!request.open) return true;
+  std::size_t others = 0;
+  for (const auto& entry : requests_) {
+    if (entry.row.robot.ruri != record.robot->ruri || entry.row.closed_at_ms != 0) continue;
+    if (entry.row.request_id == request.request_id) return true;
+    ++others;
+  }
+  return others < storage::kOpenRequestsPerRobotMax;
+}
+
+void FakeKinds::WriteRequest(const Target& target, const model::OperatorRequest& request) {
+  const model::RobotId& robot = *target.record.robot;
+  const SystemTime at = target.record.received_at;
+  FakeEntry<storage::OperatorRequestRow>* entry = OpenRequest(robot.ruri, request.request_id);
+  if (!request.open) {
+    if (entry == nullptr) return;
+    entry->row.closed_at_ms = UnixMs(at);
+    TrimRequests(robot.ruri);
+    return;
+  }
+  if (entry == nullptr) {
+    entry = &requests_.emplace_back(
+        FakeEntry<storage::OperatorRequestRow>{at, target.entry, {.opened_at = at}});
+  }
+  entry->row.robot = robot;
+  entry->row.request_id = request.request_id;
+  entry->row.kind = request.kind;
+  entry->row.text = request.text;
+  entry->row.requested_at_ms = request.requested_at_ms;
+}
+
+void FakeKinds::TrimRequests(const std::string& ruri) {
+  std::vector<std::pair<SystemTime, std::uint64_t>> closed;
+  for (const auto& entry : requests_) {
+    if (entry.row.robot.ruri != ruri || entry.row.closed_at_ms == 0) continue;
+    closed.emplace_back(entry.at, entry.entry);
+  }
+  if (closed.size() <= storage::kClosedRequestsPerRobotMax) return;
+  const auto oldest = *std::ranges::min_element(closed);
+  std::erase_if(requests_,
+                [&](const auto& entry) { return std::pair(entry.at, entry.entry) == oldest; });
 }
 
 void FakeKinds::WriteReport(const Target& target, const model::MissionRunStatus& report) {
@@ -198,6 +261,16 @@ std::size_t FakeKinds::EraseHistory(SystemTime until) {
   erased += EraseBefore(messages_, until, storage::kRetainRowsMax);
   erased += EraseBefore(reports_, until, storage::kRetainRowsMax);
   erased += EraseBefore(scope_updates_, until, storage::kRetainRowsMax);
+  History<storage::OperatorRequestRow> ended;
+  for (const auto& request : requests_) {
+    if (request.row.closed_at_ms != 0 && request.row.closed_at_ms < UnixMs(until)) {
+      ended.push_back(request);
+    }
+  }
+  const auto gone = OldestBefore(ended, until, storage::kRetainRowsMax);
+  erased += std::erase_if(requests_, [&gone](const auto& request) {
+    return std::ranges::binary_search(gone, std::pair(request.at, request.entry));
+  });
   std::vector<std::tuple<SystemTime, std::uint64_t, RunKey>> closed;
   for (const auto& [key, run] : runs_) {
     if (!run.open() && run.row.last_received_at < until && run.at < until) {

@@ -59,8 +59,9 @@ class FakeKinds final {
     shapes_.Move(robot.ruri, robot.fleet);
     objects_.Move(robot.ruri, robot.fleet);
   }
-  /// A robot's shapes and objects go with it.
+  /// A robot's shapes, objects and requests go with it.
   void DeletePresent(const std::string& ruri) {
+    std::erase_if(requests_, [&ruri](const auto& entry) { return entry.row.robot.ruri == ruri; });
     shapes_.DeleteAll(ruri);
     objects_.DeleteAll(ruri);
   }
@@ -78,6 +79,7 @@ class FakeKinds final {
   [[nodiscard]] const History<storage::ScopeUpdateRow>& scope_updates() const {
     return scope_updates_;
   }
+  [[nodiscard]] const History<storage::OperatorRequestRow>& requests() const { return requests_; }
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const FakePresent<storage::ShapeRow>& shapes() const { return shapes_; }
   [[nodiscard]] const FakePresent<storage::ObjectRow>& objects() const { return objects_; }
@@ -99,6 +101,13 @@ class FakeKinds final {
 
   void WriteEvent(const Target& target, const model::EventTelemetry& event);
   void WriteMessage(const Target& target, const model::Message& message);
+  /// The row that is open; null if there is none.
+  [[nodiscard]] FakeEntry<storage::OperatorRequestRow>* OpenRequest(const std::string& ruri,
+                                                                    const std::string& request_id);
+  [[nodiscard]] bool TakesRequest(const storage::CommitRecord& record,
+                                  const model::OperatorRequest& request) const;
+  void WriteRequest(const Target& target, const model::OperatorRequest& request);
+  void TrimRequests(const std::string& ruri);
   void WriteReport(const Target& target, const model::MissionRunStatus& report);
   void CloseRunsOver(const std::string& ruri, SystemTime at);
   void WriteShape(const Target& target, const model::ShapeOp& shape);
@@ -109,6 +118,7 @@ class FakeKinds final {
   History<storage::MessageRow> messages_;
   History<storage::MissionReportRow> reports_;
   History<storage::ScopeUpdateRow> scope_updates_;
+  History<storage::OperatorRequestRow> requests_;
   Runs runs_;
   FakeChanges changes_;
   FakePresent<storage::ShapeRow> shapes_{storage::PresentKind::kShape, changes_};

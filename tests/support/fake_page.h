@@ -32,10 +32,14 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
   return row.kind.size() + row.detail_json.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::MessageRow& row) {
-  return row.message.message.size() + row.message.detail_json.size();
+  return row.message.message.size() + row.message.detail_json.size() +
+         row.message.source_level.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::ScopeUpdateRow& row) {
   return row.update.id.size() + row.update.type.size() + row.update.detail_json.size();
+}
+[[nodiscard]] inline std::size_t BytesOf(const storage::OperatorRequestRow& row) {
+  return row.request_id.size() + row.text.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::MissionRunRow& row) {
   return row.mission_id.size() + row.run_id.size() + row.name.size() + row.latest_json.size();

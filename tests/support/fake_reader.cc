@@ -136,6 +136,19 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts
   return counts;
 }
 
+absl::StatusOr<std::vector<storage::OpenRequestCount>> FakeReader::OpenRequestCounts(
+    std::span<const std::string> ruris) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<storage::OpenRequestCount> counts;
+  for (const std::string& ruri : ruris) {
+    const auto open = std::ranges::count_if(database_.kinds_.requests(), [&ruri](const auto& row) {
+      return row.row.robot.ruri == ruri && row.row.closed_at_ms == 0;
+    });
+    if (open > 0) counts.push_back({ruri, open});
+  }
+  return counts;
+}
+
 absl::StatusOr<Page<storage::QuarantineRow>> FakeReader::Quarantine(
     const storage::QuarantineQuery& query) {
   const std::lock_guard lock(database_.mutex_);
@@ -216,6 +229,15 @@ absl::StatusOr<Page<storage::MissionReportRow>> FakeReader::MissionReports(
   std::vector<FakePlaced<storage::MissionReportRow>> rows = AllOf(database_.kinds_.reports());
   std::erase_if(rows, [&query](const auto& row) { return !OfMission(*row.second, query); });
   return FakePageOf(PageKind::kMissionReports, query.rows, std::move(rows));
+}
+
+absl::StatusOr<Page<storage::OperatorRequestRow>> FakeReader::OperatorRequests(
+    const storage::OperatorRequestsQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::OperatorRequestRow>> rows = AllOf(database_.kinds_.requests());
+  std::erase_if(rows,
+                [&query](const auto& row) { return query.open && row.second->closed_at_ms != 0; });
+  return FakePageOf(PageKind::kOperatorRequests, query.rows, std::move(rows));
 }
 
 absl::StatusOr<Page<storage::ShapeRow>> FakeReader::Shapes(const PresentQuery& query) {

@@ -37,6 +37,8 @@ class FakeReader : public storage::Reader {
       const storage::RejectsQuery& query) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::OpenRequestCount>> OpenRequestCounts(
+      std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                                   storage::LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;

@@ -15,8 +15,9 @@ absl::StatusOr<std::vector<storage::AdoptResult>> FakeStore::Adopt(
 }
 
 absl::StatusOr<std::vector<storage::ClaimResult>> FakeStore::ClaimDrones(
-    std::span<const storage::ClaimRequest> /*requests*/) {
-  return absl::UnimplementedError("no claims yet");
+    std::span<const storage::ClaimRequest> requests) {
+  return Do({Orders::kAny, Orders::kClaims}, Call::kClaim,
+            [&](const FakeRules& /*rules*/) { return database_.ClaimDrones(process_, requests); });
 }
 
 absl::StatusOr<std::vector<storage::Outcome>> FakeStore::Commit(const storage::Batch& batch) {

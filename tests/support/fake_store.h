@@ -68,8 +68,8 @@ class FakeStore final : public storage::Store, public FakeReader {
   void Break();
 
   // Faults; each set of orders is worked off before the next of its kind.
-  /// The next `calls` calls of OpenStreams, Adopt, Commit or TrimQuarantine fail; FailAt::kBefore
-  /// goes first.
+  /// The next `calls` calls of OpenStreams, Adopt, ClaimDrones, Commit or TrimQuarantine fail;
+  /// FailAt::kBefore goes first.
   void FailNext(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
     Add(Orders::kAny, calls, at, status);
   }
@@ -79,6 +79,9 @@ class FakeStore final : public storage::Store, public FakeReader {
   }
   void FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
     Add(Orders::kOpens, calls, at, status);
+  }
+  void FailNextClaims(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+    Add(Orders::kClaims, calls, at, status);
   }
   /// Sweep and CloseRuns.
   void FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
@@ -108,6 +111,7 @@ class FakeStore final : public storage::Store, public FakeReader {
   [[nodiscard]] std::uint64_t commits() const { return Calls(Call::kCommit); }
   [[nodiscard]] std::uint64_t opens() const { return Calls(Call::kOpen); }
   [[nodiscard]] std::uint64_t adopts() const { return Calls(Call::kAdopt); }
+  [[nodiscard]] std::uint64_t claims() const { return Calls(Call::kClaim); }
   [[nodiscard]] std::uint64_t sweeps() const { return Calls(Call::kSweep); }
   [[nodiscard]] std::uint64_t trims() const { return Calls(Call::kTrim); }
   [[nodiscard]] std::uint64_t checkpoints() const { return Calls(Call::kCheckpoint); }
@@ -117,6 +121,7 @@ class FakeStore final : public storage::Store, public FakeReader {
   enum class Call : std::uint8_t {
     kOpen,
     kAdopt,
+    kClaim,
     kCommit,
     kSweep,
     kCloseRuns,
@@ -130,6 +135,7 @@ class FakeStore final : public storage::Store, public FakeReader {
     kAny,
     kCommits,
     kOpens,
+    kClaims,
     kSweeps,
     kTrims,
     kRetains,

@@ -84,6 +84,12 @@ absl::StatusOr<std::vector<storage::ActiveFaults>> SwitchedReader::ActiveFaultCo
   return reader_.ActiveFaultCounts(ruris);
 }
 
+absl::StatusOr<std::vector<storage::OpenRequestCount>> SwitchedReader::OpenRequestCounts(
+    std::span<const std::string> ruris) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.OpenRequestCounts(ruris);
+}
+
 absl::StatusOr<storage::Reader::LatestRows> SwitchedReader::Latest(
     std::span<const std::string> ruris, storage::LatestKindSet kinds) {
   if (absl::Status here = Enter(); !here.ok()) return here;

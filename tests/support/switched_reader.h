@@ -42,6 +42,8 @@ class SwitchedReader final : public storage::Reader {
       const storage::RejectsQuery& query) override;
   absl::StatusOr<std::vector<storage::ActiveFaults>> ActiveFaultCounts(
       std::span<const std::string> ruris) override;
+  absl::StatusOr<std::vector<storage::OpenRequestCount>> OpenRequestCounts(
+      std::span<const std::string> ruris) override;
   absl::StatusOr<LatestRows> Latest(std::span<const std::string> ruris,
                                     storage::LatestKindSet kinds) override;
   absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;

@@ -94,6 +94,7 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Run() {
 bool BatchCommit::MayWriteAtOnce() const {
   std::map<std::pair<std::string_view, model::SessionId>, model::Seq> last;
   for (const CommitRecord& record : batch_.records) {
+    if (record.sample != nullptr) return false;
     model::Seq& seq = last[{record.robot->ruri, record.session}];
     if (record.seq <= seq) return false;
     seq = record.seq;
@@ -190,7 +191,7 @@ absl::Status BatchCommit::CommitCalls(std::vector<StoreCall> calls) {
 
 absl::Status BatchCommit::Halve(const Slice& slice, Outcomes& outcomes) {
   if (slice.first == slice.last) return absl::OkStatus();
-  absl::StatusOr<Outcomes> written = WriteSlice(slice, std::nullopt);
+  absl::StatusOr<Outcomes> written = WriteSlice(slice, std::nullopt, outcomes);
   if (written.ok()) {
     std::ranges::move(*written, std::back_inserter(outcomes));
     return absl::OkStatus();
@@ -211,7 +212,7 @@ absl::Status BatchCommit::Isolate(const Slice& slice, const absl::Status& cause,
   for (const QuarantineDetail detail :
        {QuarantineDetail::kAll, QuarantineDetail::kWithoutPayload, QuarantineDetail::kBare}) {
     refusal.detail = detail;
-    absl::StatusOr<Outcomes> written = WriteSlice(slice, refusal);
+    absl::StatusOr<Outcomes> written = WriteSlice(slice, refusal, outcomes);
     if (written.ok()) {
       std::ranges::move(*written, std::back_inserter(outcomes));
       return absl::OkStatus();

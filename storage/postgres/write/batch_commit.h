@@ -19,7 +19,7 @@ namespace uplink::storage::postgres {
 /// Writes one batch in one transaction, by the first of three ways that can:
 ///
 /// 1. At once, in one round trip. The batch is written as if nothing stood against it, and
-///    begin_batch, which goes first, raises if anything does.
+///    begin_batch, which goes first, raises if anything does. It knows nothing of drones' samples.
 /// 2. After a look: what the batch touches is locked and read, each record decided, the rest
 /// written.
 /// 3. In halves, where the database itself refuses a row: each half behind a savepoint, down to the
@@ -52,7 +52,7 @@ class BatchCommit final {
   /// of it, and nothing of the slice is written then. `earlier`: of DecideSlice.
   absl::StatusOr<Outcomes> WriteSlice(const Slice& slice,
                                       const std::optional<DatabaseRefusal>& refusal,
-                                      std::span<const Outcome> earlier = {});
+                                      std::span<const Outcome> earlier);
   absl::Status CommitCalls(std::vector<StoreCall> calls);
   absl::Status Halve(const Slice& slice, Outcomes& outcomes);
   absl::Status Isolate(const Slice& slice, const absl::Status& cause, Outcomes& outcomes);

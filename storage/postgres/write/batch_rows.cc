@@ -107,22 +107,24 @@ struct BatchRows::KindWriter {
 void BatchRows::Write(const CommitRecord& record, std::int32_t place) {
   if (const auto* update = std::get_if<model::ScopeUpdate>(&record.content)) {
     added_.Add<kScopeUpdatesTable>({&record, update, place});
+  } else if (const auto* request = std::get_if<model::OperatorRequest>(&record.content)) {
+    drones_.Add({&record, request, place});
   } else {
     std::visit(KindWriter{*this, record, place}, std::get<model::Record>(record.content).body());
   }
-  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+  Raise(record);
 }
 
 void BatchRows::Reject(const CommitRecord& record, const model::Rejection& rejection,
                        QuarantineDetail detail, std::int32_t place) {
   added_.Add<kQuarantineTable>({&record, rejection, detail, place});
   if (!record.payload.empty()) robots_with_payloads_.insert(record.robot->ruri);
-  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+  Raise(record);
 }
 
 void BatchRows::Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place) {
   limited_.push_back({&record, &range, place});
-  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
+  Raise(record);
 }
 
 void BatchRows::Drop(const PresentKey& key) {
@@ -149,6 +151,11 @@ void BatchRows::AddPresence(const PresenceItem& item, const model::SessionId& se
                             std::int32_t place) {
   latest_presence_[item.robot->ruri] = presence_.emplace_back(PresenceChange{&item, place});
   Raise(kServerRuri, session, item.number, item.at);
+}
+
+void BatchRows::Raise(const CommitRecord& record) {
+  if (record.sample != nullptr) return;
+  Raise(record.robot->ruri, record.session, record.seq, record.received_at);
 }
 
 void BatchRows::Raise(std::string_view ruri, const model::SessionId& session, model::Seq seq,
@@ -184,6 +191,7 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   AddInsert<kGapsTable>(gaps_, calls);
   AddInsert<kKeptRejectsTable>(limited_, calls);
   AddDeliveryCalls(deliveries_, calls);
+  drones_.MoveInto(calls);
   MoveCursors(calls);
   if (!robots_with_payloads_.empty()) {
     calls.push_back(

@@ -14,6 +14,7 @@
 #include "storage/commit_record.h"
 #include "storage/postgres/link/connection.h"
 #include "storage/postgres/write/delivery_rows.h"
+#include "storage/postgres/write/drone_rows.h"
 #include "storage/postgres/write/present_rows.h"
 #include "storage/postgres/write/table_rows.h"
 #include "storage/presence.h"
@@ -41,6 +42,8 @@ class BatchRows final {
   /// The row of a range of limited numbers, and their last number.
   void Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place);
   void AddGap(const GapItem& gap, std::int32_t place);
+  /// What is remembered of samples of one type. The arguments must outlive this.
+  void Keep(std::string_view ruri, const KnownSamples& samples) { drones_.Keep(ruri, samples); }
   /// What is remembered of messages that a broker delivered.
   void Remember(DeliveryChanges changes) { deliveries_ = std::move(changes); }
   /// A change of presence, and its number in `session`.
@@ -57,6 +60,8 @@ class BatchRows final {
     model::Seq seq = 0;
     SystemTime last_used;
   };
+  /// The record's number; a sample's moves no cursor.
+  void Raise(const CommitRecord& record);
   void Raise(std::string_view ruri, const model::SessionId& session, model::Seq seq,
              SystemTime used);
   void MoveCursors(std::vector<StoreCall>& calls) const;
@@ -76,6 +81,7 @@ class BatchRows final {
   std::map<std::tuple<std::string_view, model::SessionId, model::Seq>, Gap> gaps_;
   std::vector<Limited> limited_;
   DeliveryChanges deliveries_;
+  DroneRows drones_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
   /// Robots of which a bound is to be kept after the writes.
   std::set<std::string_view> robots_with_payloads_;

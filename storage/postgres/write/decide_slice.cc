@@ -38,6 +38,16 @@ class KnownByRows final : public Known {
     if (why == known_.rejected.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
+  absl::StatusOr<KnownSamples*> Samples(const CommitRecord& record) override {
+    const std::uint32_t type = record.sample->type;
+    KnownSamples& samples = known_.samples[{record.robot->ruri, type}];
+    samples.memory.type = type;
+    return &samples;
+  }
+  absl::StatusOr<KnownRobot::RequestIds> OpenRequests(std::string_view ruri) override {
+    const auto ids = known_.open_requests.find(ruri);
+    return ids == known_.open_requests.end() ? KnownRobot::RequestIds() : ids->second;
+  }
   absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
     const auto lease = known_.leases.find(client_id);
     return lease == known_.leases.end() ? Epoch{0} : lease->second;
@@ -100,6 +110,9 @@ class SliceDecision final {
         rows_(rows),
         known_by_rows_(known, rows),
         decider_(known_by_rows_, rules) {}
+
+  /// The slice begins within a sample.
+  void GoOn(const CommitRecord& before, const Outcome& outcome) { decider_.GoOn(before, outcome); }
 
   Outcome Decide(const CommitRecord& record, std::int32_t place) {
     std::optional<Outcome> earlier = Sure(decider_.Look(record));
@@ -186,11 +199,16 @@ std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const Sto
                                  std::span<const Outcome> earlier, BatchRows& rows) {
   UPLINK_CHECK(!refusal || slice.last - slice.first == 1, "a refusal is of one record");
   SliceDecision decision(known, rules, refusal, rows);
+  UPLINK_CHECK(earlier.size() == slice.first, "what stands before a slice was decided");
+  if (slice.first > 0) decision.GoOn(slice.batch->records[slice.first - 1], earlier.back());
   std::vector<Outcome> outcomes;
   outcomes.reserve(slice.last - slice.first);
   for (std::size_t place = slice.first; place < slice.last; ++place) {
     outcomes.push_back(
         decision.Decide(slice.batch->records[place], static_cast<std::int32_t>(place)));
+  }
+  for (const auto& [key, samples] : known.samples) {
+    if (samples.is_changed) rows.Keep(key.first, samples);
   }
   if (!slice.with_rest) return outcomes;
   std::vector<Outcome> of_records(earlier.begin(), earlier.end());

@@ -20,8 +20,7 @@ struct DatabaseRefusal {
 /// Decides a slice of a batch (storage/decide.h) by what is known: gathers into `rows` what is to
 /// be written, and returns an outcome per record, then, with the rest, one per change of presence.
 /// `known` follows the writes. With `refusal` the slice's one record goes to quarantine for it, if
-/// it is to be written at all. `earlier` are the outcomes of the records before the slice, where it
-/// has the rest.
+/// it is to be written at all. `earlier` are the outcomes of the records before the slice.
 [[nodiscard]] std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known,
                                                const StoreRules& rules,
                                                const std::optional<DatabaseRefusal>& refusal,

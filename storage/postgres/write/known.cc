@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <set>
-#include <vector>
 
 #include "storage/bounds.h"
 #include "storage/expiry.h"
 #include "storage/postgres/tables/present_sql.h"
+#include "storage/postgres/write/known_drones.h"
+#include "storage/postgres/write/reads.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/read_row.h"
 
@@ -60,27 +61,6 @@ constexpr std::string_view kReadRejected =
     " AND l.last >= u.seq AND l.entry >= s.first_entry ORDER BY l.last LIMIT 1) AS k"
     " WHERE k.first <= u.seq) AS q WHERE u.seq <= s.cursor_seq";
 
-/// One call of a pipeline and what becomes of its answer.
-class Reads final {
- public:
-  using Take = std::function<void(const Result&)>;
-  void Add(
-      StoreCall call, Take take = [](const Result&) {}) {
-    calls_.push_back(std::move(call));
-    takes_.push_back(std::move(take));
-  }
-  absl::Status Run(Connection& connection) {
-    const auto results = connection.Run(calls_, "read what a batch touches");
-    if (!results.ok()) return results.status();
-    for (std::size_t i = 0; i < takes_.size(); ++i) takes_[i]((*results)[i]);
-    return absl::OkStatus();
-  }
-
- private:
-  std::vector<StoreCall> calls_;
-  std::vector<Take> takes_;
-};
-
 /// Before robots are locked, as hold_topics goes before begin_batch.
 void ReadLeases(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   std::set<std::string_view> clients;
@@ -118,8 +98,8 @@ void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, 
   for (const std::string_view ruri : robots) locked.Text(ruri);
   reads.Add(StoreCallOf(kLockRobots, &locked, process), [&known](const Result& rows) {
     for (const ResultRow& row : rows) {
-      if (!row.Bool(2)) continue;
-      known.robots[TextIn(row, 0)].held_since = static_cast<Epoch>(row.Int(1));
+      KnownRobot& robot = known.robots[TextIn(row, 0)];
+      if (row.Bool(2)) robot.held_since = NumberIn(row, 1);
     }
   });
   reads.Add({kNextBatch, {}});
@@ -133,7 +113,7 @@ void ReadSessions(const Slice& slice, const ProcessId& process, KnownRows& known
   };
   std::map<std::pair<std::string_view, model::SessionId>, Use> sessions;
   for (const CommitRecord& record : slice.records()) {
-    if (record.seq == 0) continue;
+    if (record.seq == 0 || record.sample != nullptr) continue;
     Use& use = sessions[{record.robot->ruri, record.session}];
     use.holds.insert(record.held_since);
     use.used = std::max(use.used, record.received_at);
@@ -170,6 +150,7 @@ void ReadRejected(const Slice& slice, KnownRows& known, Reads& reads) {
   Array ruri{Type::kText}, session{Type::kUuid}, seq{Type::kInt8}, place{Type::kInt4};
   for (std::size_t i = slice.first; i < slice.last; ++i) {
     const CommitRecord& record = slice.batch->records[i];
+    if (record.sample != nullptr) continue;
     ruri.Text(record.robot->ruri);
     session.Uuid(record.session);
     seq.Int8(record.seq);
@@ -259,6 +240,7 @@ absl::StatusOr<KnownRows> ReadKnown(Connection& connection, const Slice& slice,
   Reads reads;
   ReadLeases(slice, terms.process, known, reads);
   ReadRobots(slice, terms.process, known, reads);
+  ReadDrones(slice, terms.process, known, reads);
   ReadSessions(slice, terms.process, known, reads);
   ReadRejected(slice, known, reads);
   ReadAllPresent(slice, terms.rules, known, reads);

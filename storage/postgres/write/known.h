@@ -58,9 +58,13 @@ struct KnownRows {
   using Entries = std::map<Entry, std::int64_t, EntryOrder>;
   using Number = std::tuple<std::string, model::SessionId, model::Seq>;
 
-  /// Those that the process holds, each with the counts of the kinds that the slice names of it.
+  /// Those that have a row, each with the counts of the kinds that the slice names of it.
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
+  /// By RURI and type: of samples that the slice names.
+  std::map<std::pair<std::string, std::uint32_t>, KnownSamples> samples;
+  /// By RURI: of robots of whose requests the slice has any.
+  std::map<std::string, KnownRobot::RequestIds, std::less<>> open_requests;
   /// The epochs of the client ids under whose leases the slice came, as far as the process has
   /// them.
   std::map<std::string, Epoch, std::less<>> leases;

@@ -46,6 +46,14 @@ class PlainKnown final : public Known {
     if (why == rejected.end()) return std::optional<model::Rejection>();
     return std::optional(why->second);
   }
+  absl::StatusOr<KnownSamples*> Samples(const CommitRecord& record) override {
+    asked.emplace_back("samples");
+    return &samples[record.sample->type];
+  }
+  absl::StatusOr<KnownRobot::RequestIds> OpenRequests(std::string_view /*ruri*/) override {
+    asked.emplace_back("requests");
+    return open_requests;
+  }
   absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) override {
     if (!failure.ok()) return failure;
     const auto lease = leases.find(client_id);
@@ -86,6 +94,8 @@ class PlainKnown final : public Known {
   std::map<std::string, Epoch, std::less<>> leases;
   std::map<std::string, KnownRobot, std::less<>> robots;
   std::map<std::pair<std::string, model::SessionId>, KnownSession> sessions;
+  std::map<std::uint32_t, KnownSamples> samples;
+  KnownRobot::RequestIds open_requests;
   std::map<model::Seq, model::Rejection> rejected;
   std::map<Entry, std::int64_t> entries;
   /// Entries of a kind that count and stand nowhere.
@@ -215,6 +225,37 @@ TEST_F(Decide, LeavesASessionThatIsNotRaisedAlone) {
   known_.sessions[{"rcan://r", {}}].cursor = 5;
   EXPECT_EQ(Kind(Note(5)), OutcomeKind::kDuplicate);
   EXPECT_FALSE((known_.sessions[{"rcan://r", {}}].is_raised));
+}
+
+/// A record of a sample under claim 5.
+CommitRecord Sampled(CommitRecord record, std::uint8_t content, bool timed = true) {
+  record.held_since = 0;
+  record.sample = std::make_shared<const SampleMark>(SampleMark{5, 2, {content}, timed, "said"});
+  return record;
+}
+
+TEST_F(Decide, GoesByTheClaimForASampleWhoeverHoldsTheRobot) {
+  KnownRobot& robot = known_.robots["rcan://r"];
+  robot.held_since.reset();
+  EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kFenced) << "nobody claimed it";
+  robot.claim = 4;
+  EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kFenced);
+  EXPECT_THAT(known_.asked, IsEmpty());
+  robot.claim = 5;
+  EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kStored);
+  EXPECT_EQ(Kind(Note(1)), OutcomeKind::kFenced) << "a claim is no hold";
+  EXPECT_THAT(known_.sessions, IsEmpty());
+}
+
+TEST_F(Decide, GoesOnWithinASampleAsItsFirstRecordsWereDecided) {
+  known_.robots["rcan://r"].claim = 5;
+  const CommitRecord record = Sampled(Note(1), 1);
+  decider_.GoOn(record, {OutcomeKind::kRefused, TooManyShapes()});
+  EXPECT_EQ(Kind(record), OutcomeKind::kStored);
+  decider_.GoOn(record, {OutcomeKind::kDuplicate, std::nullopt});
+  EXPECT_EQ(Kind(record), OutcomeKind::kDuplicate);
+  EXPECT_THAT(known_.samples, IsEmpty());
+  EXPECT_EQ(Kind(Sampled(Note(2), 2)), OutcomeKind::kStored) << "another sample is looked at";
 }
 
 TEST_F(Decide, HandsOnAnErrorOfTheStore) {

@@ -21,6 +21,8 @@ TEST(Lists, KeepTheirNumbers) {
   EXPECT_EQ(static_cast<int>(PageKind::kShapes), 9);
   EXPECT_EQ(static_cast<int>(PageKind::kObjects), 10);
   EXPECT_EQ(static_cast<int>(PageKind::kPresenceChanges), 11);
+  EXPECT_EQ(static_cast<int>(PageKind::kScopeUpdates), 12);
+  EXPECT_EQ(static_cast<int>(PageKind::kOperatorRequests), 13);
 }
 
 TEST(Lists, AreVisitedInTheOrderOfTheirTable) {
