@@ -21,6 +21,8 @@ CALL_SECONDS = 10
 PATIENCE_SECONDS = 0.2
 # Durable samples that wait for their answer at most.
 WAITING_MAX = 10_000
+# gRPC's own pause between two tries to connect grows to two minutes: long for something that flies.
+OPTIONS = (("grpc.max_reconnect_backoff_ms", 10_000),)
 # The link, the server or its store is away: the same sample again, later.
 LATER = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.DEADLINE_EXCEEDED, grpc.StatusCode.RESOURCE_EXHAUSTED)
 
@@ -34,7 +36,7 @@ class Avatar:
                 return opened.read()
 
         credentials = grpc.ssl_channel_credentials(read("ca.crt"), read(f"{name}.key"), read(f"{name}.crt"))
-        self.stub = avatar_pb2_grpc.AvatarServiceStub(grpc.secure_channel(target, credentials))
+        self.stub = avatar_pb2_grpc.AvatarServiceStub(grpc.secure_channel(target, credentials, OPTIONS))
         # Oldest first: what the server has to store, and did not say that it has.
         self.waiting = collections.deque()
         # The call of the oldest.

@@ -31,7 +31,8 @@ LOST_AFTER_SECONDS = 0.01
 OPTIONS = (
     ("grpc.ssl_target_name_override", "localhost"),
     ("grpc.initial_reconnect_backoff_ms", 100),
-    ("grpc.min_reconnect_backoff_ms", 100),
+    # How long one try to connect may last, on a busy machine.
+    ("grpc.min_reconnect_backoff_ms", 5000),
     ("grpc.max_reconnect_backoff_ms", 500),
     # Two channels of one drone have two connections.
     ("grpc.use_local_subchannel_pool", 1),

@@ -8,7 +8,8 @@ from tcp_proxy import Cut
 from two_servers import DEADLINE_SECONDS, A, B, TwoServers
 
 KILLS = 4
-LEG = 60
+LEG = 40
+LEG_SECONDS = 120
 # Of those that wait for a server whose store is away.
 SLOW_LEG = 20
 # Until a server's lease has run out (30 s), on a busy machine.
@@ -87,7 +88,7 @@ class Flights(TwoServersWithDrones):
         self.settle(leg)
 
     def settle(self, leg):
-        self.wait_for(lambda: self.uav.tell("progress") >= leg, f"{leg} samples are settled")
+        self.wait_for(lambda: self.uav.tell("progress") >= leg, f"{leg} samples are settled", seconds=LEG_SECONDS)
 
     def assert_landed(self):
         book = self.land(self.uav)
