@@ -1,0 +1,368 @@
+#include "server/uncrew/drone.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "schema/uncrew/records.h"
+#include "server/robot/limits.h"
+#include "server/uncrew/drone_message.h"
+#include "server/uncrew/limits.h"
+
+namespace uplink::uncrew {
+namespace {
+
+using model::uncrew::SampleKind;
+using model::uncrew::SampleType;
+
+/// Null of a sample that was rejected before its type's kind matters.
+const model::uncrew::TypeRow& RowOf(const Sample& sample) {
+  return model::uncrew::RowOf(sample.judged.type);
+}
+
+bool IsSet(SampleType type) {
+  return type == SampleType::kAlerts || type == SampleType::kOperatorRequests;
+}
+
+Outcome OutcomeOf(metrics::Became became) {
+  switch (became) {
+    case metrics::Became::kApplied:
+      return Outcome::kApplied;
+    case metrics::Became::kSuperseded:
+      return Outcome::kSuperseded;
+    case metrics::Became::kDuplicate:
+      return Outcome::kDuplicate;
+    case metrics::Became::kStored:
+      return Outcome::kStored;
+    case metrics::Became::kRejected:
+      return Outcome::kRejected;
+    case metrics::Became::kRefused:
+    case metrics::Became::kObserved:
+    case metrics::Became::kIgnored:
+      break;
+  }
+  return Outcome::kUnavailable;
+}
+
+ingest::Arrival ArrivalOf(const Sample& sample) {
+  return {.steady = sample.arrived,
+          .system = sample.arrived_system,
+          .payload = sample.request,
+          .payload_bytes = sample.judged.payload_bytes,
+          .waits = ingest::Waits::kStream,
+          .is_counted = sample.is_counted};
+}
+
+std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made,
+                                             const Sample& sample) {
+  std::vector<storage::CommitRecord> records;
+  records.reserve(made.size());
+  for (DurableRecord& each : made) {
+    records.push_back(
+        {.received_at = sample.arrived_system,
+         .content = std::visit(
+             [](auto&& record) {
+               return storage::CommitContent(std::forward<decltype(record)>(record));
+             },
+             std::move(each)),
+         .payload = "",
+         .payload_bytes = sample.judged.payload_bytes});
+  }
+  // The store may refuse one; of many the first has what all of them came from.
+  if (!records.empty() && sample.judged.may_be_kept) {
+    records.front().payload = std::string(sample.request);
+  }
+  return records;
+}
+
+}  // namespace
+
+Drone::Drone(const Context& context, fleet::RobotPtr robot)
+    : context_(context), robot_(std::move(robot)) {
+  robot_->calls.Begin();
+}
+
+Drone::~Drone() {
+  robot_->calls.EndWaiting(waiting_.use());
+  robot_->calls.End();
+}
+
+// --- Who calls ---
+
+bool Drone::SetSpeaker(const fleet::Claim& claim) {
+  const bool moves = claim.grant != fleet::Grant::kFleet;
+  const bool same = robot_->id()->fleet == claim.robot.fleet;
+  if (!same && !moves) return false;
+  const std::lock_guard lock(mutex_);
+  word_ = moves ? storage::FleetWord::kMoves : storage::FleetWord::kMatches;
+  if (gateway_ != claim.gateway) {
+    gateway_ = claim.gateway;
+    gateway_use_ = context_.journal.GatewayOf(gateway_);
+  }
+  if (!same) {
+    robot_->SetFleet(claim.robot.fleet);
+    // The next claim tells the store.
+    other_fleet_ = false;
+    claimed_at_ = {};
+    if (waiting_.empty()) claim_ = 0;
+  }
+  return true;
+}
+
+bool Drone::Enter(SystemTime now) {
+  if (calls_.fetch_add(1) >= kCallsInFlightMax) {
+    calls_.fetch_sub(1);
+    return false;
+  }
+  called_at_ms_.store(ToUnixMs(now));
+  robot_->NoteHeard(now);
+  return true;
+}
+
+bool Drone::idle() const {
+  const std::lock_guard lock(mutex_);
+  return calls_.load() == 0 && waiting_.empty() && !claiming_;
+}
+
+// --- A sample ---
+
+Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
+  const std::lock_guard lock(mutex_);
+  // It is to be forgotten: what it says comes again, to a drone that is new.
+  if (robot_->calls.asked_to_end()) return Settle(port, sample, metrics::Became::kRefused);
+  ClaimIfDue(context_.clock.Steady());
+  if (other_fleet_) {
+    port.Count(ArrivalOf(sample), metrics::Became::kRefused);
+    return {.is = Offered::Is::kOtherFleet};
+  }
+  const bool is_foreign = robot_->state.foreign();
+  if (sample.judged.decoded && !is_foreign) {
+    port.NoteLife(line(), sample.arrived, sample.arrived_system);
+  }
+  if (sample.judged.rejection() != nullptr) return OfferDurable(port, sample, caller);
+  const model::uncrew::Value& value = *sample.judged.value();
+  // Sets are shown at once, whatever the store does.
+  if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(LiveOf(sample))) {
+    live_.Apply(LiveOf(sample));
+  }
+  switch (RowOf(sample).kind) {
+    case SampleKind::kLive:
+      return OfferLive(port, sample);
+    case SampleKind::kDurableOnChange:
+      // While nothing is known of the store: a repetition of what was heard since.
+      if (const LiveSample* held = live_.Newest(sample.judged.type);
+          claim_ == 0 && held != nullptr && held->value == value) {
+        return OfferLive(port, sample);
+      }
+      return OfferDurable(port, sample, caller);
+    case SampleKind::kDurable:
+      break;
+  }
+  return OfferDurable(port, sample, caller);
+}
+
+Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
+  // Another server has it, and shows what it says live.
+  if (robot_->state.foreign()) return Settle(port, sample, metrics::Became::kRefused);
+  const LiveSamples::Sample live = LiveOf(sample);
+  const bool is_old = live_.IsHeld(live) || live_.IsOlder(live);
+  DroneMessage message(
+      {.judged = sample.judged,
+       .arrival = ArrivalOf(sample),
+       .became = is_old ? metrics::Became::kSuperseded : metrics::Became::kApplied,
+       .rate = &rate_,
+       .now = context_.clock.Steady(),
+       .waiting = waiting_,
+       .ledger = context_.ledger});
+  const ingest::Port::Offered offered = port.Offer(line(), message);
+  port.Publish();
+  if (offered.answer == ingest::Port::Answer::kLimited) {
+    return {.answer = {.outcome = Outcome::kRejected,
+                       .rejection = message.limited(),
+                       .retry_after = message.retry_after()}};
+  }
+  if (!is_old) live_.Apply(live);
+  return {.answer = {.outcome = is_old ? Outcome::kSuperseded : Outcome::kApplied}};
+}
+
+Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
+                                   loop::StreamRef caller) {
+  if (claim_ == 0) return Hold(Offered::Is::kUnclaimed, caller);
+  const bool is_rejected = sample.judged.rejection() != nullptr;
+  const SampleType type = is_rejected ? SampleType::kRejected : sample.judged.type;
+  const auto mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{
+      .claim = claim_,
+      .type = NumberOf(type),
+      .digest = sample.digest,
+      .timed = sample.judged.metadata.timed(),
+      .last = is_rejected ? std::string() : std::string(MemoryOf(type, sample.request))});
+  const Answer if_known{.outcome = is_rejected ? Outcome::kRejected : Outcome::kDuplicate};
+  if (const TicketRef ticket = waiting_.Find(mark->type, &mark->digest)) {
+    port.Count(ArrivalOf(sample), metrics::Became::kDuplicate);
+    port.Publish();
+    return Wait(ticket, if_known, caller);
+  }
+  if (stored_.IsDuplicate(*mark)) {
+    Offered known = Settle(port, sample, metrics::Became::kDuplicate);
+    known.answer = if_known;
+    return known;
+  }
+  const bool is_ordered = !is_rejected && (IsSet(type) || RowOf(sample).kind != SampleKind::kDurable);
+  if (is_ordered && live_.IsOlder(LiveOf(sample))) {
+    return Settle(port, sample, metrics::Became::kSuperseded);
+  }
+  return OfferRecords(port, sample, mark, caller);
+}
+
+Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
+                                   const storage::SampleRef& mark, loop::StreamRef caller) {
+  const bool is_rejected = sample.judged.rejection() != nullptr;
+  std::vector<storage::CommitRecord> records;
+  if (!is_rejected) {
+    const SampleType type = sample.judged.type;
+    const auto before = Recall(type, stored_.Last(type));
+    records = RecordsOf(Records::Of(sample.judged, before ? &*before : nullptr), sample);
+    if (records.empty()) return SaysTheSame(port, sample, caller);
+  }
+  // A rejected one of a live type takes the same tokens as a good one.
+  const bool has_rate = is_rejected && RowOf(sample).kind == SampleKind::kLive;
+  DroneMessage message({.judged = sample.judged,
+                        .arrival = ArrivalOf(sample),
+                        .mark = mark,
+                        .records = std::move(records),
+                        .rate = has_rate ? &rate_ : nullptr,
+                        .now = context_.clock.Steady(),
+                        .waiting = waiting_,
+                        .ledger = context_.ledger});
+  const robot::JournalUse before = waiting_.use();
+  const ingest::Port::Offered offered = port.Offer(line(), message);
+  port.Publish();
+  if (offered.answer == ingest::Port::Answer::kWaits) return {.is = Offered::Is::kNoRoom};
+  if (message.limited()) {
+    return {.answer = {.outcome = Outcome::kRejected,
+                       .rejection = message.limited(),
+                       .retry_after = message.retry_after()}};
+  }
+  if (message.ticket() == nullptr) return {.answer = {.outcome = Outcome::kUnavailable}};
+  robot_->calls.AddWaiting({.records = waiting_.use().records - before.records,
+                            .bytes = waiting_.use().bytes - before.bytes});
+  stored_.Add(*mark);
+  if (!is_rejected && !robot_->state.foreign()) live_.Apply(LiveOf(sample));
+  return Wait(message.ticket(),
+              {.outcome = is_rejected ? Outcome::kRejected : Outcome::kStored}, caller);
+}
+
+Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
+                                  loop::StreamRef caller) {
+  if (RowOf(sample).kind == SampleKind::kDurableOnChange) return OfferLive(port, sample);
+  Offered same = Settle(port, sample, metrics::Became::kSuperseded);
+  // A drone may rely on the answer: the set is known once it is committed.
+  const TicketRef ticket = waiting_.Find(NumberOf(sample.judged.type), nullptr);
+  return ticket == nullptr ? same : Wait(ticket, same.answer, caller);
+}
+
+Drone::Offered Drone::Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
+  port.Count(ArrivalOf(sample), became);
+  port.Publish();
+  return {.answer = {.outcome = OutcomeOf(became)}};
+}
+
+Drone::Offered Drone::Hold(Offered::Is is, loop::StreamRef caller) {
+  if (std::ranges::find(unclaimed_, caller) == unclaimed_.end()) unclaimed_.push_back(caller);
+  return {.is = is};
+}
+
+Drone::Offered Drone::Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller) {
+  ticket->callers.push_back(caller);
+  return {.is = Offered::Is::kWaits, .answer = std::move(answer), .ticket = ticket};
+}
+
+Ticket Drone::Look(const TicketRef& ticket) const {
+  const std::lock_guard lock(mutex_);
+  return *ticket;
+}
+
+void Drone::Forget(const TicketRef& ticket, loop::StreamRef caller) {
+  const std::lock_guard lock(mutex_);
+  std::erase(unclaimed_, caller);
+  if (ticket != nullptr) std::erase(ticket->callers, caller);
+}
+
+LiveSamples::Sample Drone::LiveOf(const Sample& sample) const {
+  return {.value = *sample.judged.value(),
+          .metadata = sample.judged.metadata,
+          .digest = sample.digest,
+          .received = sample.arrived_system,
+          .received_steady = sample.arrived};
+}
+
+ingest::Line Drone::line() {
+  return {.robot = *robot_,
+          .id = robot_->id(),
+          .journal = context_.journal,
+          .session = context_.session,
+          .by = journal::AppendedBy(generation_.load(), gateway_use_),
+          .client = this};
+}
+
+// --- Its claim ---
+
+void Drone::ClaimIfDue(SteadyTime now) {
+  if (claiming_) return;
+  // What waits was judged under the claim that there is.
+  const bool is_again = claim_ != 0 || other_fleet_;
+  if (is_again) {
+    if (!waiting_.empty() || (!other_fleet_ && !robot_->state.foreign())) return;
+    if (now - claimed_at_ < robot::kClaimAgainEvery) return;
+  }
+  claiming_ = true;
+  claimed_at_ = now;
+  context_.journal.Claim(
+      *this, *robot_,
+      {.robot = robot_->id(), .at = context_.clock.System(), .fleet_word = word_}, gateway_);
+}
+
+loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
+  if (result.other_fleet) robot_->Disown(robot_->id()->fleet, *result.other_fleet);
+  std::vector<loop::StreamRef> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    claiming_ = false;
+    claim_ = result.claim;
+    other_fleet_ = result.other_fleet.has_value();
+    stored_.Set(result.samples);
+    if (result.held_since == 0 && robot_->state.foreign()) live_.Clear();
+    wake = std::exchange(unclaimed_, {});
+  }
+  for (const loop::StreamRef& caller : wake) caller.Wake();
+  return {};
+}
+
+loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
+                                 metrics::Ledger& /*ledger*/) {
+  WaitingSamples::Settling settling;
+  {
+    const std::lock_guard lock(mutex_);
+    settling = waiting_.Settle(settled);
+  }
+  robot_->calls.EndWaiting(settling.use);
+  context_.ledger.Publish(settling.counts);
+  for (const loop::StreamRef& caller : settling.wake) caller.Wake();
+  return {};
+}
+
+loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
+  WaitingSamples::Settling settling;
+  {
+    const std::lock_guard lock(mutex_);
+    generation_.fetch_add(1);
+    claim_ = 0;
+    settling = waiting_.VoidAll();
+  }
+  robot_->calls.EndWaiting(settling.use);
+  context_.ledger.Publish(settling.counts);
+  for (const loop::StreamRef& caller : settling.wake) caller.Wake();
+  return {};
+}
+
+}  // namespace uplink::uncrew

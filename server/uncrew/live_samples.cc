@@ -1,0 +1,54 @@
+#include "server/uncrew/live_samples.h"
+
+#include <algorithm>
+
+#include "server/uncrew/limits.h"
+
+namespace uplink::uncrew {
+namespace {
+
+constexpr std::uint64_t kOlderMaxUs =
+    static_cast<std::uint64_t>(std::chrono::microseconds(kOlderMax).count());
+
+}  // namespace
+
+const LiveSample* LiveSamples::Held(const Sample& sample) const {
+  const std::vector<LiveSample>& held = Of(model::uncrew::TypeOf(sample.value));
+  const auto found = std::ranges::find(held, model::uncrew::KeyOf(sample.value), &LiveSample::key);
+  return found == held.end() ? nullptr : &*found;
+}
+
+bool LiveSamples::IsHeld(const Sample& sample) const {
+  const LiveSample* held = Held(sample);
+  return held != nullptr && held->digest == sample.digest;
+}
+
+bool LiveSamples::IsOlder(const Sample& sample) const {
+  const LiveSample* held = Held(sample);
+  if (held == nullptr) return false;
+  const std::uint64_t now = sample.metadata.boot_us;
+  const std::uint64_t then = held->metadata.boot_us;
+  return now != 0 && now < then && then - now <= kOlderMaxUs;
+}
+
+void LiveSamples::Apply(const Sample& sample) {
+  const model::uncrew::SampleType type = model::uncrew::TypeOf(sample.value);
+  std::vector<LiveSample>& held = by_type_[static_cast<std::size_t>(type)];
+  LiveSample fresh{.key = model::uncrew::KeyOf(sample.value),
+                   .value = sample.value,
+                   .metadata = sample.metadata,
+                   .digest = sample.digest,
+                   .received = sample.received,
+                   .received_steady = sample.received_steady};
+  const auto found = std::ranges::find(held, fresh.key, &LiveSample::key);
+  if (found != held.end()) {
+    *found = std::move(fresh);
+    return;
+  }
+  if (held.size() >= model::uncrew::RowOf(type).parts_max) {
+    held.erase(std::ranges::min_element(held, {}, &LiveSample::received_steady));
+  }
+  held.push_back(std::move(fresh));
+}
+
+}  // namespace uplink::uncrew

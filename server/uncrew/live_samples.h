@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "schema/model/uncrew/value.h"
+#include "storage/samples.h"
+
+namespace uplink::uncrew {
+
+/// The newest sample of a type, or of one key of it. A value.
+struct LiveSample {
+  /// Nothing of types without.
+  std::optional<std::int64_t> key;
+  model::uncrew::Value value;
+  model::uncrew::Metadata metadata;
+  storage::SampleDigest digest{};
+  /// When it arrived.
+  SystemTime received;
+  SteadyTime received_steady;
+};
+
+/// What a drone says now: of each type the newest sample, of types with keys one for each key. One
+/// table over the types: a new type needs nothing here.
+///
+/// Limits: parts_max of each type's row; of a type with more keys the one that was heard least
+///         recently goes.
+/// Thread: confined to its owner's lock.
+class LiveSamples final {
+ public:
+  /// A sample as it arrived.
+  struct Sample {
+    const model::uncrew::Value& value;
+    const model::uncrew::Metadata& metadata;
+    const storage::SampleDigest& digest;
+    SystemTime received;
+    SteadyTime received_steady;
+  };
+  /// It is held: it was sent again.
+  [[nodiscard]] bool IsHeld(const Sample& sample) const;
+  /// One is held that is up to kOlderMax newer by boot time.
+  [[nodiscard]] bool IsOlder(const Sample& sample) const;
+  /// Holds it.
+  void Apply(const Sample& sample);
+
+  /// In the order in which their keys were first heard; empty of a type that was not heard.
+  [[nodiscard]] const std::vector<LiveSample>& Of(model::uncrew::SampleType type) const {
+    return by_type_[static_cast<std::size_t>(type)];
+  }
+  /// The newest of a type without keys; null if none was heard.
+  [[nodiscard]] const LiveSample* Newest(model::uncrew::SampleType type) const {
+    const std::vector<LiveSample>& held = Of(type);
+    return held.empty() ? nullptr : &held.back();
+  }
+  void Clear() { by_type_ = {}; }
+
+ private:
+  [[nodiscard]] const LiveSample* Held(const Sample& sample) const;
+
+  /// By SampleType; the first stays empty.
+  std::array<std::vector<LiveSample>, model::uncrew::kTypeRows.size() + 1> by_type_;
+};
+
+}  // namespace uplink::uncrew

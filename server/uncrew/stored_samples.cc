@@ -1,0 +1,22 @@
+#include "server/uncrew/stored_samples.h"
+
+#include <utility>
+
+namespace uplink::uncrew {
+
+void StoredSamples::Set(std::vector<storage::SampleMemory> memories) {
+  by_number_ = {};
+  for (storage::SampleMemory& memory : memories) {
+    // One of a later version of the program may have more types.
+    if (memory.type >= by_number_.size()) continue;
+    by_number_[memory.type] = std::move(memory);
+  }
+}
+
+void StoredSamples::Add(const storage::SampleMark& mark) {
+  storage::SampleMemory& memory = by_number_[mark.type];
+  memory.type = mark.type;
+  storage::Remember(mark, memory);
+}
+
+}  // namespace uplink::uncrew

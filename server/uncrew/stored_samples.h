@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "schema/model/uncrew/types.h"
+#include "storage/samples.h"
+
+namespace uplink::uncrew {
+
+/// The number of a type in stores.
+[[nodiscard]] constexpr std::uint32_t NumberOf(model::uncrew::SampleType type) {
+  return static_cast<std::uint32_t>(type);
+}
+static_assert(model::uncrew::kTypeRows.size() < storage::kSampleTypesMax);
+
+/// What the store remembers of a drone's samples, as far as this process knows: from the claim, and
+/// with what was given to the journal since, which may wait there still.
+///
+/// Thread: confined to its owner's lock.
+class StoredSamples final {
+ public:
+  /// What a claim returned.
+  void Set(std::vector<storage::SampleMemory> memories);
+  void Add(const storage::SampleMark& mark);
+
+  [[nodiscard]] bool IsDuplicate(const storage::SampleMark& mark) const {
+    return storage::IsDuplicate(mark, Of(mark.type));
+  }
+  /// What was given with the last stored sample of the type; empty if there is none.
+  [[nodiscard]] std::string_view Last(model::uncrew::SampleType type) const {
+    return Of(NumberOf(type)).last;
+  }
+
+ private:
+  [[nodiscard]] const storage::SampleMemory& Of(std::uint32_t number) const {
+    return by_number_[number];
+  }
+
+  std::array<storage::SampleMemory, storage::kSampleTypesMax + 1> by_number_;
+};
+
+}  // namespace uplink::uncrew

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/model/ids.h"
+#include "schema/model/rejection.h"
+#include "server/loop/wake.h"
+#include "server/robot/commit_client.h"
+#include "storage/commit_record.h"
+
+namespace uplink::uncrew {
+
+/// Stands for one sample that waits for its commit, with the calls that brought it. Under the lock
+/// of its drone.
+struct Ticket {
+  enum class State : std::uint8_t {
+    kWaiting,
+    kCommitted,
+    /// The claim under which it was judged is over: it is to be offered again.
+    kVoid,
+  };
+  State state = State::kWaiting;
+  /// Why the store did not keep it.
+  std::optional<model::Rejection> refused{};
+  /// The store had it before.
+  bool was_stored = false;
+  /// Whom to wake.
+  std::vector<loop::StreamRef> callers{};
+};
+using TicketRef = std::shared_ptr<Ticket>;
+
+/// The samples of one drone that wait for their commit, with numbers of the drone's own.
+///
+/// Limits: kCallsInFlightMax samples with a call, and what the journal takes of a robot.
+/// Thread: confined to its owner's lock.
+class WaitingSamples final {
+ public:
+  /// Numbers the records of a sample, which share this mark.
+  [[nodiscard]] TicketRef Add(const storage::SampleRef& mark,
+                              std::vector<storage::CommitRecord>& records,
+                              std::optional<model::RejectReason> rejected);
+  /// The last that waits with this digest or, where none is given, of this type; null if none does.
+  [[nodiscard]] TicketRef Find(std::uint32_t type, const storage::SampleDigest* digest) const;
+
+  /// What settling came to. A value.
+  struct Settling {
+    metrics::MessageCounts counts;
+    /// What waits no more.
+    robot::JournalUse use;
+    std::vector<loop::StreamRef> wake;
+  };
+  [[nodiscard]] Settling Settle(std::span<const robot::Settled> settled);
+  [[nodiscard]] Settling VoidAll();
+
+  [[nodiscard]] bool empty() const { return waiting_.empty(); }
+  [[nodiscard]] robot::JournalUse use() const { return use_; }
+
+ private:
+  struct Waiting {
+    model::Seq first = 0;
+    model::Seq last = 0;
+    storage::SampleRef mark;
+    robot::JournalUse use;
+    std::optional<model::RejectReason> rejected;
+    TicketRef ticket;
+    bool stored = false;
+    bool duplicate = false;
+  };
+
+  static void Note(const robot::Settled& settled, Waiting& sample);
+  static void Finish(Waiting& sample, Settling& settling);
+
+  model::Seq last_seq_ = 0;
+  robot::JournalUse use_;
+  /// In order of their numbers.
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace uplink::uncrew
