@@ -43,7 +43,8 @@ class Avatar:
         self.under_way = None
 
     def start(self, kind, request):
-        return getattr(self.stub, f"Publish{kind}").future(request, timeout=CALL_SECONDS)
+        # Python's library goes on connecting while a call waits for that, and hardly otherwise.
+        return getattr(self.stub, f"Publish{kind}").future(request, timeout=CALL_SECONDS, wait_for_ready=True)
 
     def is_answered(self, kind, call, seconds):
         """False: the sample has to be sent again. Raises FutureTimeoutError while there is no answer."""
