@@ -26,6 +26,10 @@ struct Adding {
   void operator()(const T& scalar) const {
     to.Set(name, scalar);
   }
+  /// A time; 0: unknown.
+  void operator()(std::int64_t unix_us) const {
+    if (unix_us != 0) to.Set(name, unix_us);
+  }
   void operator()(const std::string& text) const {
     if (!text.empty()) to.Set(name, text);
   }

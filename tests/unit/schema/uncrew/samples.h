@@ -117,10 +117,9 @@ inline constexpr auto kSamples = std::to_array<Sample>({
         alerts { flight_termination { cause: "parachute" } } })",
      R"({"battery/2":{"alertId":"battery/2","kind":"battery","raisedAtUs":5000,"reaction":"none",
            "batteryId":2,"condition":"cell low"},
-         "low":{"alertId":"low","kind":"battery_percentage","raisedAtUs":0,"text":"20 % left",
+         "low":{"alertId":"low","kind":"battery_percentage","text":"20 % left",
            "reaction":"return_to_launch","batteryId":2,"remainingPercent":20,"thresholdPercent":25},
-         "flight_termination":{"alertId":"flight_termination","kind":"flight_termination",
-           "raisedAtUs":0,"cause":"parachute"}})"},
+         "flight_termination":{"alertId":"flight_termination","kind":"flight_termination","cause":"parachute"}})"},
     {Type::kOperatorRequests,
      R"(operator_action_requests {
           requests { request_id: "r1" requested_at_unix_us: 7000 text: "ready?"
@@ -128,7 +127,7 @@ inline constexpr auto kSamples = std::to_array<Sample>({
           requests { request_id: "r2" confirm_delivery_complete {} } })",
      R"({"r1":{"requestId":"r1","kind":"confirm_delivery_ready","requestedAtUs":7000,
            "text":"ready?"},
-         "r2":{"requestId":"r2","kind":"confirm_delivery_complete","requestedAtUs":0}})"},
+         "r2":{"requestId":"r2","kind":"confirm_delivery_complete"}})"},
     {Type::kCommandResult,
      R"(command_id: "c1" status { state: STATE_FAILED code: "E7" text: "too windy" })",
      R"({"commandId":"c1","state":"failed","code":"E7","text":"too windy"})"},
