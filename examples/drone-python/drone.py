@@ -89,9 +89,8 @@ class Avatar:
 
 def now():
     """Both clocks. They make a sample the same when it is sent again, so they are read once for each."""
-    return avatar.Metadata(
-        sampled_at_unix_us=time.time_ns() // 1000, sampled_at_boot_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
-    )
+    boot_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+    return avatar.Metadata(sampled_at_unix_us=time.time_ns() // 1000, sampled_at_boot_us=boot_us)
 
 
 def flight(step, rounds):
@@ -99,7 +98,8 @@ def flight(step, rounds):
     percent = 60 - 50 * step / rounds
     battery = avatar.TelemetryBattery(id=0, remaining_percent=percent, voltage_v=22.2)
     yield False, "Battery", avatar.PublishBatteryRequest(metadata=now(), battery=battery)
-    position = avatar.TelemetryPosition(latitude_deg=47.3769 + step / 1e4, longitude_deg=8.5417, absolute_altitude_m=431)
+    latitude = 47.3769 + step / 1e4
+    position = avatar.TelemetryPosition(latitude_deg=latitude, longitude_deg=8.5417, absolute_altitude_m=431)
     yield False, "Position", avatar.PublishPositionRequest(metadata=now(), position=position)
 
     # A mode each time: the server stores the changes.
