@@ -24,6 +24,7 @@
 
 namespace uplink::front {
 
+class Call;
 struct Thread;
 
 /// Who a connection's calls belong to, and who settles them.
