@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <variant>
 
 #include "schema/uncrew/records.h"
 #include "server/robot/limits.h"
@@ -10,72 +9,9 @@
 #include "server/uncrew/limits.h"
 
 namespace uplink::uncrew {
-namespace {
 
 using model::uncrew::SampleKind;
 using model::uncrew::SampleType;
-
-/// Null of a sample that was rejected before its type's kind matters.
-const model::uncrew::TypeRow& RowOf(const Sample& sample) {
-  return model::uncrew::RowOf(sample.judged.type);
-}
-
-bool IsSet(SampleType type) {
-  return type == SampleType::kAlerts || type == SampleType::kOperatorRequests;
-}
-
-Outcome OutcomeOf(metrics::Became became) {
-  switch (became) {
-    case metrics::Became::kApplied:
-      return Outcome::kApplied;
-    case metrics::Became::kSuperseded:
-      return Outcome::kSuperseded;
-    case metrics::Became::kDuplicate:
-      return Outcome::kDuplicate;
-    case metrics::Became::kStored:
-      return Outcome::kStored;
-    case metrics::Became::kRejected:
-      return Outcome::kRejected;
-    case metrics::Became::kRefused:
-    case metrics::Became::kObserved:
-    case metrics::Became::kIgnored:
-      break;
-  }
-  return Outcome::kUnavailable;
-}
-
-ingest::Arrival ArrivalOf(const Sample& sample) {
-  return {.steady = sample.arrived,
-          .system = sample.arrived_system,
-          .payload = sample.request,
-          .payload_bytes = sample.judged.payload_bytes,
-          .waits = ingest::Waits::kStream,
-          .is_counted = sample.is_counted};
-}
-
-std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made,
-                                             const Sample& sample) {
-  std::vector<storage::CommitRecord> records;
-  records.reserve(made.size());
-  for (DurableRecord& each : made) {
-    records.push_back(
-        {.received_at = sample.arrived_system,
-         .content = std::visit(
-             [](auto&& record) {
-               return storage::CommitContent(std::forward<decltype(record)>(record));
-             },
-             std::move(each)),
-         .payload = "",
-         .payload_bytes = sample.judged.payload_bytes});
-  }
-  // The store may refuse one; of many the first has what all of them came from.
-  if (!records.empty() && sample.judged.may_be_kept) {
-    records.front().payload = std::string(sample.request);
-  }
-  return records;
-}
-
-}  // namespace
 
 Drone::Drone(const Context& context, fleet::RobotPtr robot)
     : context_(context), robot_(std::move(robot)) {
@@ -132,7 +68,7 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
   if (robot_->calls.asked_to_end()) return Settle(port, sample, metrics::Became::kRefused);
   ClaimIfDue(context_.clock.Steady());
   if (other_fleet_) {
-    port.Count(ArrivalOf(sample), metrics::Became::kRefused);
+    static_cast<void>(Settle(port, sample, metrics::Became::kRefused));
     return {.is = Offered::Is::kOtherFleet};
   }
   const bool is_foreign = robot_->state.foreign();
@@ -145,7 +81,7 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
   if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(LiveOf(sample))) {
     live_.Apply(LiveOf(sample));
   }
-  switch (RowOf(sample).kind) {
+  switch (sample.row().kind) {
     case SampleKind::kLive:
       return OfferLive(port, sample);
     case SampleKind::kDurableOnChange:
@@ -166,14 +102,13 @@ Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
   if (robot_->state.foreign()) return Settle(port, sample, metrics::Became::kRefused);
   const LiveSamples::Sample live = LiveOf(sample);
   const bool is_old = live_.IsHeld(live) || live_.IsOlder(live);
-  DroneMessage message(
-      {.judged = sample.judged,
-       .arrival = ArrivalOf(sample),
-       .became = is_old ? metrics::Became::kSuperseded : metrics::Became::kApplied,
-       .rate = &rate_,
-       .now = context_.clock.Steady(),
-       .waiting = waiting_,
-       .ledger = context_.ledger});
+  DroneMessage message({.judged = sample.judged,
+                        .arrival = sample.arrival(),
+                        .became = is_old ? metrics::Became::kSuperseded : metrics::Became::kApplied,
+                        .rate = &rate_,
+                        .now = context_.clock.Steady(),
+                        .waiting = waiting_,
+                        .ledger = context_.ledger});
   const ingest::Port::Offered offered = port.Offer(line(), message);
   port.Publish();
   if (offered.answer == ingest::Port::Answer::kLimited) {
@@ -187,7 +122,7 @@ Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
 
 Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
                                    loop::StreamRef caller) {
-  if (claim_ == 0) return Hold(Offered::Is::kUnclaimed, caller);
+  if (claim_ == 0) return AwaitClaim(caller);
   const bool is_rejected = sample.judged.rejection() != nullptr;
   const SampleType type = is_rejected ? SampleType::kRejected : sample.judged.type;
   const auto mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{
@@ -198,7 +133,7 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
       .last = is_rejected ? std::string() : std::string(MemoryOf(type, sample.request))});
   const Answer if_known{.outcome = is_rejected ? Outcome::kRejected : Outcome::kDuplicate};
   if (const TicketRef ticket = waiting_.Find(mark->type, &mark->digest)) {
-    port.Count(ArrivalOf(sample), metrics::Became::kDuplicate);
+    port.Count(sample.arrival(), metrics::Became::kDuplicate);
     port.Publish();
     return Wait(ticket, if_known, caller);
   }
@@ -207,7 +142,8 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
     known.answer = if_known;
     return known;
   }
-  const bool is_ordered = !is_rejected && (IsSet(type) || RowOf(sample).kind != SampleKind::kDurable);
+  const bool is_ordered =
+      !is_rejected && (IsSet(type) || sample.row().kind != SampleKind::kDurable);
   if (is_ordered && live_.IsOlder(LiveOf(sample))) {
     return Settle(port, sample, metrics::Became::kSuperseded);
   }
@@ -221,13 +157,13 @@ Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
   if (!is_rejected) {
     const SampleType type = sample.judged.type;
     const auto before = Recall(type, stored_.Last(type));
-    records = RecordsOf(Records::Of(sample.judged, before ? &*before : nullptr), sample);
+    records = sample.RecordsOf(Records::Of(sample.judged, before ? &*before : nullptr));
     if (records.empty()) return SaysTheSame(port, sample, caller);
   }
   // A rejected one of a live type takes the same tokens as a good one.
-  const bool has_rate = is_rejected && RowOf(sample).kind == SampleKind::kLive;
+  const bool has_rate = is_rejected && sample.row().kind == SampleKind::kLive;
   DroneMessage message({.judged = sample.judged,
-                        .arrival = ArrivalOf(sample),
+                        .arrival = sample.arrival(),
                         .mark = mark,
                         .records = std::move(records),
                         .rate = has_rate ? &rate_ : nullptr,
@@ -248,13 +184,13 @@ Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
                             .bytes = waiting_.use().bytes - before.bytes});
   stored_.Add(*mark);
   if (!is_rejected && !robot_->state.foreign()) live_.Apply(LiveOf(sample));
-  return Wait(message.ticket(),
-              {.outcome = is_rejected ? Outcome::kRejected : Outcome::kStored}, caller);
+  return Wait(message.ticket(), {.outcome = is_rejected ? Outcome::kRejected : Outcome::kStored},
+              caller);
 }
 
 Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
                                   loop::StreamRef caller) {
-  if (RowOf(sample).kind == SampleKind::kDurableOnChange) return OfferLive(port, sample);
+  if (sample.row().kind == SampleKind::kDurableOnChange) return OfferLive(port, sample);
   Offered same = Settle(port, sample, metrics::Became::kSuperseded);
   // A drone may rely on the answer: the set is known once it is committed.
   const TicketRef ticket = waiting_.Find(NumberOf(sample.judged.type), nullptr);
@@ -262,24 +198,19 @@ Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
 }
 
 Drone::Offered Drone::Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
-  port.Count(ArrivalOf(sample), became);
+  port.Count(sample.arrival(), became);
   port.Publish();
   return {.answer = {.outcome = OutcomeOf(became)}};
 }
 
-Drone::Offered Drone::Hold(Offered::Is is, loop::StreamRef caller) {
+Drone::Offered Drone::AwaitClaim(loop::StreamRef caller) {
   if (std::ranges::find(unclaimed_, caller) == unclaimed_.end()) unclaimed_.push_back(caller);
-  return {.is = is};
+  return {.is = Offered::Is::kUnclaimed};
 }
 
 Drone::Offered Drone::Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller) {
   ticket->callers.push_back(caller);
   return {.is = Offered::Is::kWaits, .answer = std::move(answer), .ticket = ticket};
-}
-
-Ticket Drone::Look(const TicketRef& ticket) const {
-  const std::lock_guard lock(mutex_);
-  return *ticket;
 }
 
 void Drone::Forget(const TicketRef& ticket, loop::StreamRef caller) {
@@ -318,8 +249,8 @@ void Drone::ClaimIfDue(SteadyTime now) {
   claiming_ = true;
   claimed_at_ = now;
   context_.journal.Claim(
-      *this, *robot_,
-      {.robot = robot_->id(), .at = context_.clock.System(), .fleet_word = word_}, gateway_);
+      *this, *robot_, {.robot = robot_->id(), .at = context_.clock.System(), .fleet_word = word_},
+      gateway_);
 }
 
 loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
@@ -345,10 +276,7 @@ loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
     const std::lock_guard lock(mutex_);
     settling = waiting_.Settle(settled);
   }
-  robot_->calls.EndWaiting(settling.use);
-  context_.ledger.Publish(settling.counts);
-  for (const loop::StreamRef& caller : settling.wake) caller.Wake();
-  return {};
+  return Tell(settling);
 }
 
 loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
@@ -359,6 +287,10 @@ loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
     claim_ = 0;
     settling = waiting_.VoidAll();
   }
+  return Tell(settling);
+}
+
+loop::StreamRef Drone::Tell(const WaitingSamples::Settling& settling) {
   robot_->calls.EndWaiting(settling.use);
   context_.ledger.Publish(settling.counts);
   for (const loop::StreamRef& caller : settling.wake) caller.Wake();

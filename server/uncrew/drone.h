@@ -22,23 +22,13 @@
 #include "server/limits/token_bucket.h"
 #include "server/robot/commit_client.h"
 #include "server/uncrew/answer.h"
+#include "server/uncrew/judged_sample.h"
 #include "server/uncrew/live_samples.h"
 #include "server/uncrew/stored_samples.h"
 #include "server/uncrew/waiting_samples.h"
 #include "storage/samples.h"
 
 namespace uplink::uncrew {
-
-/// A request that was judged, as its call holds it. The bytes outlive the look.
-struct Sample {
-  const Judgement& judged;
-  std::string_view request;
-  const storage::SampleDigest& digest;
-  SteadyTime arrived;
-  SystemTime arrived_system;
-  /// It had to wait, and is counted as in flight.
-  bool is_counted = false;
-};
 
 /// One drone as its calls see it: what it says now, what the store remembers of it, and what of it
 /// waits for the store. A sample is offered again each time that its call is woken, until there is
@@ -90,7 +80,10 @@ class Drone final : public robot::ClaimClient {
   };
   [[nodiscard]] Offered Offer(ingest::Port& port, const Sample& sample, loop::StreamRef caller);
   /// What came of a sample that waits.
-  [[nodiscard]] Ticket Look(const TicketRef& ticket) const;
+  [[nodiscard]] Ticket Look(const TicketRef& ticket) const {
+    const std::lock_guard lock(mutex_);
+    return *ticket;
+  }
   /// The call waits no more.
   void Forget(const TicketRef& ticket, loop::StreamRef caller);
 
@@ -115,11 +108,13 @@ class Drone final : public robot::ClaimClient {
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
 
  private:
+  /// What waits no more is counted, and its calls are woken. Without the lock.
+  loop::StreamRef Tell(const WaitingSamples::Settling& settling);
   // Under the lock.
   [[nodiscard]] ingest::Line line();
   void ClaimIfDue(SteadyTime now);
   [[nodiscard]] LiveSamples::Sample LiveOf(const Sample& sample) const;
-  [[nodiscard]] Offered Hold(Offered::Is is, loop::StreamRef caller);
+  [[nodiscard]] Offered AwaitClaim(loop::StreamRef caller);
   [[nodiscard]] Offered OfferLive(ingest::Port& port, const Sample& sample);
   [[nodiscard]] Offered OfferDurable(ingest::Port& port, const Sample& sample,
                                      loop::StreamRef caller);

@@ -27,8 +27,8 @@ std::optional<ingest::RecordCost> DroneMessage::Cost() {
 
 std::optional<model::Rejection> DroneMessage::TakeRate() {
   if (plan_.rate == nullptr || plan_.rate->TryTake(1, kLiveRate, plan_.now)) return std::nullopt;
-  retry_after_ = std::chrono::ceil<milliseconds>(plan_.rate->PassesAt(1, kLiveRate, plan_.now) -
-                                                 plan_.now);
+  retry_after_ =
+      std::chrono::ceil<milliseconds>(plan_.rate->PassesAt(1, kLiveRate, plan_.now) - plan_.now);
   return limited_ = model::Rejection{
              .reason = model::RejectReason::kRateLimited,
              .field = {},
@@ -62,11 +62,10 @@ ingest::Brought DroneMessage::Take() {
 
 Numbered DroneMessage::Number(std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected) {
-  const storage::OriginRef origin =
-      storage::OriginOf(model::MessageSource::kUncrew,
-                        plan_.judged.type == model::uncrew::SampleType::kRejected
-                            ? std::string_view()
-                            : model::uncrew::RowOf(plan_.judged.type).method);
+  const storage::OriginRef origin = storage::OriginOf(
+      model::MessageSource::kUncrew, plan_.judged.type == model::uncrew::SampleType::kRejected
+                                         ? std::string_view()
+                                         : model::uncrew::RowOf(plan_.judged.type).method);
   for (storage::CommitRecord& record : records) record.origin = origin;
   ticket_ = plan_.waiting.Add(plan_.mark, records, rejected);
   return Numbered::kWaiting;

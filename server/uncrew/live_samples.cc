@@ -1,6 +1,8 @@
 #include "server/uncrew/live_samples.h"
 
 #include <algorithm>
+#include <utility>
+#include <variant>
 
 #include "server/uncrew/limits.h"
 
@@ -31,8 +33,19 @@ bool LiveSamples::IsOlder(const Sample& sample) const {
   return now != 0 && now < then && then - now <= kOlderMaxUs;
 }
 
+void LiveSamples::NoteRequests(const Sample& sample) {
+  std::map<std::string, SteadyTime> now;
+  for (const auto& request : std::get<model::uncrew::OperatorRequests>(sample.value).items) {
+    const auto since = requests_.find(request.request_id);
+    now.emplace(request.request_id,
+                since == requests_.end() ? sample.received_steady : since->second);
+  }
+  requests_ = std::move(now);
+}
+
 void LiveSamples::Apply(const Sample& sample) {
   const model::uncrew::SampleType type = model::uncrew::TypeOf(sample.value);
+  if (type == model::uncrew::SampleType::kOperatorRequests) NoteRequests(sample);
   std::vector<LiveSample>& held = by_type_[static_cast<std::size_t>(type)];
   LiveSample fresh{.key = model::uncrew::KeyOf(sample.value),
                    .value = sample.value,

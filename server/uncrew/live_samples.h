@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -56,13 +58,21 @@ class LiveSamples final {
     const std::vector<LiveSample>& held = Of(type);
     return held.empty() ? nullptr : &held.back();
   }
-  void Clear() { by_type_ = {}; }
+  /// Requests that wait for an operator, by id, and since when each is heard here.
+  [[nodiscard]] const std::map<std::string, SteadyTime>& requests() const { return requests_; }
+  void Clear() {
+    by_type_ = {};
+    requests_.clear();
+  }
 
  private:
   [[nodiscard]] const LiveSample* Held(const Sample& sample) const;
+  void NoteRequests(const Sample& sample);
 
   /// By SampleType; the first stays empty.
   std::array<std::vector<LiveSample>, model::uncrew::kTypeRows.size() + 1> by_type_;
+  /// By request_id, since when it waits: at most kOperatorRequestsMax.
+  std::map<std::string, SteadyTime> requests_;
 };
 
 }  // namespace uplink::uncrew

@@ -31,7 +31,7 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("schema/uncrew/", "server/session/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
+        ("schema/uncrew/", "server/session/", "server/uncrew/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/http2/", "server/front/call/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -69,6 +69,7 @@ ROOMS = (
     ("fleet",),  # the map of robots
     ("journal",),  # what stands before the store
     ("ingest",),  # what every message goes through, by whichever source it came
+    ("uncrew",),  # what drones say by calls: the queries show it, and the series are made of it
     ("session", "view"),  # one stream's protocol; the queries
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),

@@ -1,0 +1,180 @@
+#include "server/uncrew/avatar_call.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/uncrew/limits.h"
+#include "server/uncrew/publish_response.h"
+#include "server/uncrew/sample_digest.h"
+#include "server/uncrew/speaker.h"
+
+namespace uplink::uncrew {
+namespace {
+
+absl::Status NotInTime() {
+  return absl::UnavailableError(
+      "the store did not confirm the sample in time: send the same sample again");
+}
+
+}  // namespace
+
+void AvatarCall::Start() {
+  began_ = thread_.clock.Steady();
+  began_system_ = thread_.clock.System();
+  answer_by_ = SteadyTime::max();
+  call_.RequestMessage();
+}
+
+void AvatarCall::OnTooLarge(std::uint64_t bytes) {
+  Fail(absl::ResourceExhaustedError(
+           fmt::format("the request has {} bytes, the limit is {}", bytes, kRequestBytesMax)),
+       Outcome::kRefused);
+}
+
+void AvatarCall::OnMessage(std::string_view bytes) {
+  began_ = thread_.clock.Steady();
+  began_system_ = thread_.clock.System();
+  answer_by_ = began_ + thread_.answer_within;
+  request_ = std::string(bytes);
+  judged_ = Judge(type_, request_);
+  digest_ = DigestOf(type_, request_);
+  if (const absl::Status found = FindDrone(); !found.ok()) return Fail(found, Outcome::kRefused);
+  Offer();
+}
+
+absl::Status AvatarCall::FindDrone() {
+  const auto claim = SpeakerOf(call_.peer(), judged_.metadata.uav_id, thread_.ruri_template);
+  if (!claim.ok()) return claim.status();
+  auto drone = thread_.drones.Enter(*claim);
+  if (!drone.ok()) return drone.status();
+  drone_ = *std::move(drone);
+  return absl::OkStatus();
+}
+
+void AvatarCall::Offer() {
+  again_at_.reset();
+  Drone::Offered offered = drone_->Offer(thread_.port,
+                                         {.judged = judged_,
+                                          .request = request_,
+                                          .digest = digest_,
+                                          .arrived = began_,
+                                          .arrived_system = began_system_,
+                                          .is_counted = is_held_},
+                                         call_.self());
+  using Is = Drone::Offered::Is;
+  const bool was_held =
+      std::exchange(is_held_, offered.is == Is::kNoRoom || offered.is == Is::kUnclaimed);
+  if (is_held_ && !was_held) {
+    thread_.port.CountHeld();
+    thread_.port.Publish();
+  }
+  Take(std::move(offered));
+}
+
+void AvatarCall::Take(Drone::Offered offered) {
+  switch (offered.is) {
+    case Drone::Offered::Is::kAnswer:
+      return Tell(offered.answer);
+    case Drone::Offered::Is::kWaits:
+      ticket_ = std::move(offered.ticket);
+      once_committed_ = std::move(offered.answer);
+      return;
+    case Drone::Offered::Is::kNoRoom:
+      again_at_ = thread_.clock.Steady() + kRoomAgain;
+      return;
+    case Drone::Offered::Is::kUnclaimed:
+      return;
+    case Drone::Offered::Is::kOtherFleet:
+      return Fail(absl::PermissionDeniedError(
+                      "the drone is of another fleet, and the certificate does not name it"),
+                  Outcome::kRefused);
+  }
+}
+
+void AvatarCall::OnWake() {
+  if (drone_ == nullptr) return;
+  if (ticket_ == nullptr) return Offer();
+  const Ticket ticket = drone_->Look(ticket_);
+  switch (ticket.state) {
+    case Ticket::State::kWaiting:
+      return;
+    case Ticket::State::kCommitted:
+      return OnCommitted(ticket);
+    case Ticket::State::kVoid:
+      ticket_.reset();
+      return Offer();
+  }
+}
+
+void AvatarCall::OnCommitted(const Ticket& ticket) {
+  Answer answer = std::move(once_committed_);
+  if (answer.outcome == Outcome::kStored) {
+    if (ticket.was_stored) answer.outcome = Outcome::kDuplicate;
+    if (ticket.refused) answer = {.outcome = Outcome::kRejected, .rejection = ticket.refused};
+  }
+  Tell(answer);
+}
+
+void AvatarCall::OnTimer() {
+  const SteadyTime now = thread_.clock.Steady();
+  if (drone_ == nullptr) return;
+  if (now >= answer_by_) return Fail(NotInTime(), Outcome::kUnavailable);
+  if (again_at_ && now >= *again_at_) Offer();
+}
+
+std::optional<SteadyTime> AvatarCall::deadline() const {
+  if (drone_ == nullptr) return std::nullopt;
+  return again_at_ ? std::min(*again_at_, answer_by_) : answer_by_;
+}
+
+void AvatarCall::OnDrain(milliseconds grace) {
+  // A sample that still waits then is sent again, to another server.
+  answer_by_ = std::min(answer_by_, thread_.clock.Steady() + grace);
+}
+
+void AvatarCall::OnBroken(std::optional<absl::StatusCode> /*code*/) {
+  if (drone_ != nullptr) Count(Outcome::kUnavailable);
+  End();
+}
+
+void AvatarCall::Tell(const Answer& answer) {
+  if (answer.outcome == Outcome::kUnavailable) {
+    return Fail(absl::UnavailableError("the drone is held by another server, or is let go of: "
+                                       "send the same sample again"),
+                Outcome::kUnavailable);
+  }
+  Count(answer.outcome);
+  AnswerSeconds& seconds = thread_.probe.answer_seconds;
+  (ticket_ == nullptr ? seconds.live : seconds.durable)
+      .ObserveSince(began_, thread_.clock.Steady());
+  ticket_.reset();
+  End();
+  call_.Write(transport::WithPrefix(ResponseOf(answer, judged_)));
+  call_.Finish(absl::OkStatus());
+}
+
+void AvatarCall::Fail(const absl::Status& status, Outcome outcome) {
+  Count(outcome);
+  End();
+  call_.Finish(status);
+}
+
+void AvatarCall::Count(Outcome outcome) {
+  thread_.probe.publishes_total[static_cast<std::size_t>(type_)][static_cast<std::size_t>(outcome)]
+      .Add();
+}
+
+void AvatarCall::End() {
+  if (drone_ == nullptr) return;
+  if (std::exchange(is_held_, false)) {
+    thread_.port.Count({.is_counted = true}, metrics::Became::kRefused);
+    thread_.port.Publish();
+  }
+  drone_->Forget(ticket_, call_.self());
+  drone_->Leave();
+  drone_.reset();
+}
+
+}  // namespace uplink::uncrew

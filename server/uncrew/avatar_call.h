@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "schema/model/uncrew/types.h"
+#include "schema/uncrew/judge.h"
+#include "schema/uncrew/limits.h"
+#include "server/ingest/port.h"
+#include "server/transport/call_handler.h"
+#include "server/uncrew/drones.h"
+#include "server/uncrew/probe.h"
+
+namespace uplink::uncrew {
+
+/// What the calls of one thread share. The references outlive it. Confined to the thread.
+struct AvatarThread {
+  const Clock& clock;
+  Drones& drones;
+  AvatarProbe& probe;
+  /// uncrew.answer_within and uncrew.ruri_template.
+  milliseconds answer_within;
+  std::string ruri_template;
+  ingest::Port port;
+};
+
+/// One Publish call: a sample comes, is judged, offered to its drone, and answered: at once, or
+/// once it is committed.
+///
+/// Thread: confined to its connection's.
+class AvatarCall final : public transport::CallHandler {
+ public:
+  AvatarCall(AvatarThread& thread, transport::ServedCall& call, model::uncrew::SampleType type)
+      : thread_(thread), call_(call), type_(type) {}
+  ~AvatarCall() override { End(); }
+  AvatarCall(const AvatarCall&) = delete;
+  AvatarCall& operator=(const AvatarCall&) = delete;
+
+  // transport::CallHandler
+  void Start() override;
+  [[nodiscard]] std::uint64_t message_bytes_max() const override { return kRequestBytesMax; }
+  void OnMessage(std::string_view bytes) override;
+  void OnTooLarge(std::uint64_t bytes) override;
+  void OnHalfClose() override {}
+  void OnBroken(std::optional<absl::StatusCode> code) override;
+  void OnWritten() override {}
+  void OnWake() override;
+  void OnTimer() override;
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override;
+  void OnDrain(milliseconds grace) override;
+
+ private:
+  [[nodiscard]] absl::Status FindDrone();
+  void Offer();
+  void Take(Drone::Offered offered);
+  void OnCommitted(const Ticket& ticket);
+  void Tell(const Answer& answer);
+  /// Ends the call without an answer.
+  void Fail(const absl::Status& status, Outcome outcome);
+  void Count(Outcome outcome);
+  /// Lets go of the drone. Idempotent.
+  void End();
+
+  AvatarThread& thread_;
+  transport::ServedCall& call_;
+  const model::uncrew::SampleType type_;
+  SteadyTime began_;
+  SystemTime began_system_;
+  SteadyTime answer_by_;
+  /// When to offer it again that had no room.
+  std::optional<SteadyTime> again_at_;
+  std::string request_;
+  Judgement judged_;
+  storage::SampleDigest digest_{};
+  /// Null before the message, and after the end.
+  DronePtr drone_;
+  /// Null while it does not wait for a commit.
+  TicketRef ticket_;
+  Answer once_committed_;
+  /// The sample waits before the journal, and is counted as in flight.
+  bool is_held_ = false;
+};
+
+}  // namespace uplink::uncrew

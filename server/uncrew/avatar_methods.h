@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "server/fleet/fleet.h"
+#include "server/ingest/allowances.h"
+#include "server/transport/methods.h"
+#include "server/uncrew/drones.h"
+#include "server/uncrew/probe.h"
+
+namespace uplink::uncrew {
+
+/// What AvatarService works with. All of it outlives the server.
+struct AvatarContext {
+  Drones& drones;
+  fleet::Fleet& fleet;
+  AvatarProbe& probe;
+  /// Each thread takes a page.
+  metrics::LedgerBook& ledgers;
+  const ingest::Allowances& allowances;
+  milliseconds answer_within;
+  std::string ruri_template;
+  /// limits.in_flight_uplinks_max and limits.payload_bytes_max.
+  std::size_t in_flight_max = 0;
+  std::size_t payload_bytes_max = 0;
+};
+
+/// The methods of AvatarService, for one thread after the other: a Publish call of each type, and
+/// SubscribeUAVCommands, which is UNIMPLEMENTED, since the server sends no commands.
+[[nodiscard]] transport::MethodsMaker AvatarMethods(AvatarContext context);
+
+}  // namespace uplink::uncrew

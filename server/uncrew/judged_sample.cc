@@ -1,0 +1,58 @@
+#include "server/uncrew/judged_sample.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace uplink::uncrew {
+
+ingest::Arrival Sample::arrival() const {
+  return {.steady = arrived,
+          .system = arrived_system,
+          .payload = request,
+          .payload_bytes = judged.payload_bytes,
+          .waits = ingest::Waits::kStream,
+          .is_counted = is_counted};
+}
+
+std::vector<storage::CommitRecord> Sample::RecordsOf(std::vector<DurableRecord> made) const {
+  std::vector<storage::CommitRecord> records;
+  records.reserve(made.size());
+  for (DurableRecord& each : made) {
+    records.push_back({.received_at = arrived_system,
+                       .content = std::visit(
+                           [](auto&& record) {
+                             return storage::CommitContent(std::forward<decltype(record)>(record));
+                           },
+                           std::move(each)),
+                       .payload = "",
+                       .payload_bytes = judged.payload_bytes});
+  }
+  // The store may refuse one; of many the first has what all of them came from.
+  if (!records.empty() && judged.may_be_kept) {
+    records.front().payload = std::string(request);
+  }
+  return records;
+}
+
+Outcome OutcomeOf(metrics::Became became) {
+  switch (became) {
+    case metrics::Became::kApplied:
+      return Outcome::kApplied;
+    case metrics::Became::kSuperseded:
+      return Outcome::kSuperseded;
+    case metrics::Became::kDuplicate:
+      return Outcome::kDuplicate;
+    case metrics::Became::kStored:
+      return Outcome::kStored;
+    case metrics::Became::kRejected:
+      return Outcome::kRejected;
+    case metrics::Became::kRefused:
+    case metrics::Became::kObserved:
+    case metrics::Became::kIgnored:
+      break;
+  }
+  return Outcome::kUnavailable;
+}
+
+}  // namespace uplink::uncrew

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "metrics/ledger.h"
+#include "schema/base/clock.h"
+#include "schema/model/uncrew/types.h"
+#include "schema/uncrew/judge.h"
+#include "schema/uncrew/records.h"
+#include "server/ingest/message.h"
+#include "server/uncrew/answer.h"
+#include "storage/commit_record.h"
+#include "storage/samples.h"
+
+namespace uplink::uncrew {
+
+/// A request that was judged, as its call holds it. The references outlive the look.
+struct Sample {
+  const Judgement& judged;
+  std::string_view request;
+  const storage::SampleDigest& digest;
+  SteadyTime arrived;
+  SystemTime arrived_system;
+  /// It had to wait, and is counted as in flight.
+  bool is_counted = false;
+
+  [[nodiscard]] const model::uncrew::TypeRow& row() const {
+    return model::uncrew::RowOf(judged.type);
+  }
+  [[nodiscard]] ingest::Arrival arrival() const;
+  /// What was made of it, as the journal takes it.
+  [[nodiscard]] std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made) const;
+};
+
+/// Whether a sample of this type is all of its kind that there is, and what is not in it is over.
+[[nodiscard]] constexpr bool IsSet(model::uncrew::SampleType type) {
+  return type == model::uncrew::SampleType::kAlerts ||
+         type == model::uncrew::SampleType::kOperatorRequests;
+}
+
+/// What a drone is told of a message that became this.
+[[nodiscard]] Outcome OutcomeOf(metrics::Became became);
+
+}  // namespace uplink::uncrew

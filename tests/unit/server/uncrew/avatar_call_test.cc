@@ -1,0 +1,241 @@
+#include "server/uncrew/avatar_call.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/uncrew/limits.h"
+#include "tests/unit/server/uncrew/avatar_bench.h"
+
+namespace uplink::uncrew {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::string_view kText = "metadata { sampled_at_unix_us: 7 } status_text { text: \"a\" }";
+constexpr std::string_view kRequest =
+    "operator_action_requests { requests { request_id: \"r\" confirm_delivery_ready {} } }";
+
+class AvatarCallTest : public ::testing::Test {
+ protected:
+  /// The drone is claimed.
+  void Begin() {
+    static_cast<void>(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }"));
+    bench_.Commit();
+  }
+  [[nodiscard]] std::size_t OpenRequests() {
+    std::size_t open = 0;
+    for (const DronePtr& drone : bench_.drones().All()) {
+      drone->LookAt([&](const LiveSamples& live) { open += live.requests().size(); });
+    }
+    return open;
+  }
+
+  testing::ManualClock clock_;
+  testing::FakeDatabase database_;
+  AvatarBench bench_{clock_, database_, 1};
+};
+
+TEST_F(AvatarCallTest, ALiveSampleIsAnsweredAtOnceWhateverTheStoreDoes) {
+  bench_.store().Break();
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }").End(), "APPLIED");
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 2 }").End(), "APPLIED");
+}
+
+TEST_F(AvatarCallTest, ALiveSampleThatIsSentAgainIsSuperseded) {
+  const std::string_view text = "metadata { sampled_at_boot_us: 5 } heading { heading_deg: 1 }";
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, text).End(), "APPLIED");
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, text).End(), "SUPERSEDED");
+}
+
+TEST_F(AvatarCallTest, AnOlderSampleIsSupersededUnlessTheDroneRebooted) {
+  const auto at = [&](std::string_view seconds) {
+    return bench_
+        .Call(SampleType::kHeading, "metadata { sampled_at_boot_us: " + std::string(seconds) +
+                                        "000000 } heading { heading_deg: 1 }")
+        .End();
+  };
+  EXPECT_EQ(at("100"), "APPLIED");
+  EXPECT_EQ(at("99"), "SUPERSEDED");
+  EXPECT_EQ(at("40"), "SUPERSEDED");
+  EXPECT_EQ(at("39"), "APPLIED");
+}
+
+TEST_F(AvatarCallTest, ADurableSampleIsAnsweredOnceItIsCommitted) {
+  FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
+  EXPECT_EQ(call.End(), "waits");
+  bench_.Commit();
+  EXPECT_EQ(call.End(), "STORED");
+  EXPECT_EQ(bench_.counts().stored, 1U);
+  EXPECT_TRUE(bench_.counts().Balanced());
+  EXPECT_EQ(bench_.counts().in_flight, 0);
+}
+
+TEST_F(AvatarCallTest, ADurableSampleThatIsSentAgainIsADuplicateWhereverItComes) {
+  static_cast<void>(bench_.Call(SampleType::kStatusText, kText));
+  // While the first waits, too.
+  FakeCall& again = bench_.Call(SampleType::kStatusText, kText);
+  EXPECT_EQ(again.End(), "waits");
+  bench_.Commit();
+  EXPECT_EQ(again.End(), "DUPLICATE");
+  EXPECT_EQ(bench_.Call(SampleType::kStatusText, kText).End(), "DUPLICATE");
+
+  AvatarBench elsewhere(clock_, database_, 2);
+  FakeCall& there = elsewhere.Call(SampleType::kStatusText, kText);
+  elsewhere.Commit();
+  EXPECT_EQ(there.End(), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, ADroneThatAlternatesLosesNothing) {
+  AvatarBench elsewhere(clock_, database_, 2);
+  for (int i = 0; i < 3; ++i) {
+    for (AvatarBench* bench : {&bench_, &elsewhere}) {
+      const std::string text = "metadata { sampled_at_unix_us: " + std::to_string(i) +
+                               (bench == &bench_ ? "1" : "2") + " } status_text { text: \"a\" }";
+      FakeCall& call = bench->Call(SampleType::kStatusText, text);
+      bench->Commit();
+      EXPECT_EQ(call.End(), "STORED") << text;
+    }
+  }
+}
+
+TEST_F(AvatarCallTest, WithoutACommitItIsUnavailableInTimeAndStillCommits) {
+  Begin();
+  FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Pass(std::chrono::seconds(4));
+  EXPECT_EQ(call.End(), "waits");
+  bench_.Pass(std::chrono::seconds(1));
+  EXPECT_EQ(call.End(), "UNAVAILABLE");
+  bench_.Commit();
+  EXPECT_EQ(bench_.counts().stored, 1U);
+  EXPECT_EQ(bench_.Call(SampleType::kStatusText, kText).End(), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, AnUnclaimedDroneWaitsForNoLonger) {
+  FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Pass(std::chrono::seconds(5));
+  EXPECT_EQ(call.End(), "UNAVAILABLE");
+  EXPECT_EQ(bench_.counts().refused, 1U);
+  EXPECT_TRUE(bench_.counts().Balanced());
+  EXPECT_EQ(bench_.counts().in_flight, 0);
+}
+
+TEST_F(AvatarCallTest, AChangeIsStoredAndARepetitionIsLive) {
+  const auto mode = [&](std::string_view at, std::string_view name) -> FakeCall& {
+    return bench_.Call(SampleType::kFlightMode,
+                       "metadata { sampled_at_unix_us: " + std::string(at) +
+                           " } flight_mode { mode: FLIGHT_MODE_" + std::string(name) + " }");
+  };
+  FakeCall& first = mode("1", "HOLD");
+  bench_.Commit();
+  EXPECT_EQ(first.End(), "STORED");
+  EXPECT_EQ(mode("2", "HOLD").End(), "APPLIED");
+  FakeCall& second = mode("3", "LAND");
+  EXPECT_EQ(second.End(), "waits");
+  bench_.Commit();
+  EXPECT_EQ(second.End(), "STORED");
+  EXPECT_EQ(mode("4", "LAND").End(), "APPLIED");
+}
+
+TEST_F(AvatarCallTest, RequestsAreShownAtOnceAndEndWithTheSet) {
+  bench_.store().Break();
+  static_cast<void>(bench_.Call(SampleType::kOperatorRequests, kRequest));
+  EXPECT_EQ(OpenRequests(), 1U);
+  static_cast<void>(bench_.Call(SampleType::kOperatorRequests, "operator_action_requests {}"));
+  EXPECT_EQ(OpenRequests(), 0U);
+}
+
+TEST_F(AvatarCallTest, ASetThatSaysTheSameIsSupersededOnceTheFirstIsCommitted) {
+  Begin();
+  FakeCall& first = bench_.Call(SampleType::kOperatorRequests, kRequest);
+  FakeCall& same = bench_.Call(SampleType::kOperatorRequests,
+                               "metadata { sampled_at_unix_us: 9 } " + std::string(kRequest));
+  EXPECT_EQ(same.End(), "waits");
+  bench_.Commit();
+  EXPECT_EQ(first.End(), "STORED");
+  EXPECT_EQ(same.End(), "SUPERSEDED");
+}
+
+TEST_F(AvatarCallTest, ASetWithoutItsMessageClearsNothing) {
+  FakeCall& first = bench_.Call(SampleType::kOperatorRequests, kRequest);
+  bench_.Commit();
+  EXPECT_EQ(first.End(), "STORED");
+  FakeCall& call = bench_.Call(SampleType::kOperatorRequests, "");
+  bench_.Commit();
+  EXPECT_EQ(call.End(), "REJECTED");
+  EXPECT_EQ(call.response().reason(), v1::REJECT_REASON_MISSING_FIELD);
+  EXPECT_EQ(OpenRequests(), 1U);
+}
+
+TEST_F(AvatarCallTest, BadContentIsAnAnswerAndKeptOnce) {
+  const std::string_view bad = "battery { remaining_percent: 200 }";
+  FakeCall& call = bench_.Call(SampleType::kBattery, bad);
+  bench_.Commit();
+  EXPECT_EQ(call.End(), "REJECTED");
+  EXPECT_EQ(call.response().field(), "battery.remaining_percent");
+  EXPECT_EQ(bench_.Call(SampleType::kBattery, bad).End(), "REJECTED");
+  EXPECT_EQ(bench_.counts().rejected, 1U);
+  EXPECT_EQ(bench_.counts().duplicate, 1U);
+}
+
+TEST_F(AvatarCallTest, TooManyLiveSamplesAreRateLimitedAndDurableOnesAreNot) {
+  Begin();
+  std::string last;
+  for (std::uint64_t i = 0; i <= kLiveRate.burst; ++i) {
+    FakeCall& call = bench_.Call(SampleType::kHeading,
+                                 "metadata { sampled_at_unix_us: " + std::to_string(i + 1) +
+                                     " } heading { heading_deg: 2 }");
+    last = call.End();
+    if (last == "REJECTED") {
+      EXPECT_EQ(call.response().reason(), v1::REJECT_REASON_RATE_LIMITED);
+      EXPECT_GT(call.response().retry_after_ms(), 0);
+    }
+  }
+  EXPECT_EQ(last, "REJECTED");
+  FakeCall& durable = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Commit();
+  EXPECT_EQ(durable.End(), "STORED");
+  EXPECT_TRUE(bench_.counts().Balanced());
+}
+
+TEST_F(AvatarCallTest, The65thCallOfADroneIsOneTooMany) {
+  for (std::size_t i = 0; i < kCallsInFlightMax; ++i) {
+    const std::string text = "metadata { sampled_at_unix_us: " + std::to_string(i + 1) +
+                             " } status_text { text: \"a\" }";
+    ASSERT_EQ(bench_.Call(SampleType::kStatusText, text).End(), "waits");
+  }
+  FakeCall& one_more = bench_.Call(SampleType::kStatusText, kText);
+  EXPECT_EQ(one_more.End(), "RESOURCE_EXHAUSTED");
+  FakeCall& other =
+      bench_.CallBytes(AvatarBench::Drone("2"), SampleType::kHeading,
+                       test::RequestOf(SampleType::kHeading, "heading { heading_deg: 1 }"));
+  EXPECT_EQ(other.End(), "APPLIED");
+  bench_.Commit();
+  EXPECT_EQ(bench_.counts().stored, kCallsInFlightMax);
+}
+
+TEST_F(AvatarCallTest, AForeignIdIsNoneOfTheCertificates) {
+  FakeCall& call =
+      bench_.Call(SampleType::kHeading, "metadata { uav_id: \"2\" } heading { heading_deg: 1 }");
+  EXPECT_EQ(call.End(), "PERMISSION_DENIED");
+  EXPECT_THAT(std::string(call.status().message()), HasSubstr("metadata.uav_id 2"));
+  EXPECT_EQ(bench_.drones().size(), 0U);
+}
+
+TEST_F(AvatarCallTest, NoCommandsAreRelayedAndTheDroneIsToldSo) {
+  FakeCall call(AvatarBench::Drone("1"), {});
+  const auto served =
+      bench_.methods().at("/uncrew.v1.AvatarService/SubscribeUAVCommands").serve(call);
+  EXPECT_EQ(served.status(), absl::UnimplementedError("this server relays no commands"));
+}
+
+TEST_F(AvatarCallTest, AnIdleDroneIsLetGoOf) {
+  Begin();
+  bench_.drones().Round();
+  EXPECT_EQ(bench_.drones().size(), 1U);
+  clock_.Advance(kDroneIdleMax + std::chrono::seconds(1));
+  bench_.drones().Round();
+  EXPECT_EQ(bench_.drones().size(), 0U);
+}
+
+}  // namespace
+}  // namespace uplink::uncrew
