@@ -6,6 +6,7 @@
 
 #include "metrics/catalogue_labels.h"
 #include "metrics/catalogue_mqtt.h"
+#include "metrics/catalogue_uncrew.h"
 
 namespace uplink::metrics {
 namespace {
@@ -354,15 +355,18 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "File descriptors that the process may open."},
 });
 
-/// One table of both, in order.
-template <std::size_t... kFirst, std::size_t... kThen>
+/// One table of all parts, in order.
+template <std::size_t... kFirst, std::size_t... kThen, std::size_t... kLast>
 constexpr std::array<MetricSpec, kMetrics> Join(std::index_sequence<kFirst...> /*first*/,
-                                                std::index_sequence<kThen...> /*then*/) {
-  return {kServerSpecs[kFirst]..., kMqttSpecs[kThen]...};
+                                                std::index_sequence<kThen...> /*then*/,
+                                                std::index_sequence<kLast...> /*last*/) {
+  return {kServerSpecs[kFirst]..., kMqttSpecs[kThen]..., kUncrewSpecs[kLast]...};
 }
-static_assert(kServerSpecs.size() + kMqttSpecs.size() == kMetrics, "each MetricId has one entry");
+static_assert(kServerSpecs.size() + kMqttSpecs.size() + kUncrewSpecs.size() == kMetrics,
+              "each MetricId has one entry");
 constexpr auto kSpecs = Join(std::make_index_sequence<kServerSpecs.size()>(),
-                             std::make_index_sequence<kMqttSpecs.size()>());
+                             std::make_index_sequence<kMqttSpecs.size()>(),
+                             std::make_index_sequence<kUncrewSpecs.size()>());
 
 constexpr bool InOrder() {
   for (std::size_t i = 0; i < kSpecs.size(); ++i) {

@@ -219,9 +219,14 @@ enum class MetricId : std::uint8_t {
   kMqttIdTaken,
   kMqttCertificateExpiry,
   kMqttPublishesDropped,
+  kAvatarPublishes,
+  kAvatarAnswerSeconds,
+  kAvatarDrones,
+  kOperatorRequestsOpen,
+  kOperatorRequestOldest,
 };
 inline constexpr std::size_t kMetrics =
-    static_cast<std::size_t>(MetricId::kMqttPublishesDropped) + 1;
+    static_cast<std::size_t>(MetricId::kOperatorRequestOldest) + 1;
 
 /// What is declared of one metric. Immutable.
 struct MetricSpec {

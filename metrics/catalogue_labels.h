@@ -19,6 +19,7 @@ inline constexpr std::array<std::string_view, 1> kByShard{"shard"};
 inline constexpr std::array<std::string_view, 1> kByVersion{"version"};
 inline constexpr std::array<std::string_view, 1> kByWhy{"why"};
 inline constexpr std::array<std::string_view, 1> kByTopic{"topic"};
+inline constexpr std::array<std::string_view, 2> kByTypeOutcome{"type", "outcome"};
 inline constexpr std::array<std::string_view, 1> kByConnection{"connection"};
 inline constexpr std::array<std::string_view, 2> kByConnectionReason{"connection", "reason"};
 inline constexpr std::array<std::string_view, 2> kByConnectionQos{"connection", "qos"};

@@ -5,7 +5,7 @@
 #include "metrics/catalogue.h"
 #include "metrics/catalogue_labels.h"
 
-// What is counted of a broker that is read: the last part of the catalogue, for catalogue.cc alone.
+// What is counted of a broker that is read: a part of the catalogue, for catalogue.cc alone.
 namespace uplink::metrics {
 
 inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({

@@ -36,15 +36,22 @@ double Number(std::uint64_t value) { return static_cast<double>(value); }
 struct Exposition::Families {
   std::array<prometheus::MetricFamily, kMetrics> by_id;
 
-  prometheus::ClientMetric& NewSample(MetricId id) {
+  /// `labels` are the values in the order of the entry's names.
+  prometheus::ClientMetric& NewSample(MetricId id, std::initializer_list<std::string_view> labels) {
     const MetricSpec& spec = SpecOf(id);
+    UPLINK_CHECK(spec.labels.size() == labels.size(), "a sample has the labels of its entry");
     prometheus::MetricFamily& family = by_id[static_cast<std::size_t>(id)];
     if (family.metric.empty()) {
       family.name = spec.name;
       family.help = spec.help;
       family.type = TypeOf(spec.type);
     }
-    return family.metric.emplace_back();
+    prometheus::ClientMetric& sample = family.metric.emplace_back();
+    std::size_t i = 0;
+    for (const std::string_view label : labels) {
+      sample.label.push_back({std::string(spec.labels[i++]), std::string(label)});
+    }
+    return sample;
   }
 };
 
@@ -52,23 +59,18 @@ Exposition::Exposition() : families_(std::make_unique<Families>()) {}
 Exposition::~Exposition() = default;
 
 void Exposition::Add(MetricId id, double value, std::initializer_list<std::string_view> labels) {
-  const MetricSpec& spec = SpecOf(id);
-  UPLINK_CHECK(spec.labels.size() == labels.size(), "a sample has the labels of its entry");
-  UPLINK_CHECK(spec.type != MetricType::kHistogram, "a histogram is added whole");
-  prometheus::ClientMetric& sample = families_->NewSample(id);
-  std::size_t i = 0;
-  for (const std::string_view label : labels) {
-    sample.label.push_back({std::string(spec.labels[i++]), std::string(label)});
-  }
+  UPLINK_CHECK(SpecOf(id).type != MetricType::kHistogram, "a histogram is added whole");
+  prometheus::ClientMetric& sample = families_->NewSample(id, labels);
   // The serializer reads the one that belongs to the family's type.
   sample.counter.value = value;
   sample.gauge.value = value;
 }
 
 void Exposition::AddHistogram(MetricId id, std::span<const double> bounds,
-                              std::span<const std::uint64_t> counts, double sum) {
+                              std::span<const std::uint64_t> counts, double sum,
+                              std::initializer_list<std::string_view> labels) {
   UPLINK_CHECK(SpecOf(id).type == MetricType::kHistogram, "a distribution belongs to a histogram");
-  prometheus::ClientMetric::Histogram& histogram = families_->NewSample(id).histogram;
+  prometheus::ClientMetric::Histogram& histogram = families_->NewSample(id, labels).histogram;
   std::uint64_t cumulative = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     cumulative += counts[i];

@@ -44,13 +44,16 @@ class Exposition final {
   void Add(MetricId id, const Cell& cell, std::initializer_list<std::string_view> labels = {}) {
     Add(id, cell.value(), labels);
   }
-  void Add(MetricId id, const CoreCell& cell) { Add(id, cell.value()); }
+  void Add(MetricId id, const CoreCell& cell, std::initializer_list<std::string_view> labels = {}) {
+    Add(id, cell.value(), labels);
+  }
 
   template <std::size_t kBuckets>
-  void Add(MetricId id, const Distribution<kBuckets>& distribution) {
+  void Add(MetricId id, const Distribution<kBuckets>& distribution,
+           std::initializer_list<std::string_view> labels = {}) {
     std::array<std::uint64_t, kBuckets + 1> counts{};
     for (std::size_t i = 0; i <= kBuckets; ++i) counts[i] = distribution.count(i);
-    AddHistogram(id, distribution.upper_bounds(), counts, distribution.sum());
+    AddHistogram(id, distribution.upper_bounds(), counts, distribution.sum(), labels);
   }
 
   /// All samples that come from the ledgers: what belongs together is taken from one sum.
@@ -62,7 +65,8 @@ class Exposition final {
   struct Families;
 
   void AddHistogram(MetricId id, std::span<const double> bounds,
-                    std::span<const std::uint64_t> counts, double sum);
+                    std::span<const std::uint64_t> counts, double sum,
+                    std::initializer_list<std::string_view> labels);
 
   std::unique_ptr<Families> families_;
 };

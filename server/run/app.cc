@@ -17,6 +17,7 @@
 #include "server/run/start.h"
 #include "server/run/store_side.h"
 #include "server/run/supervisor.h"
+#include "server/run/uncrew_side.h"
 #include "server/run/view_side.h"
 #include "server/store/open.h"
 
@@ -31,9 +32,11 @@ class App::Impl {
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
         store_(ContextOfStore(), std::move(stores)),
+        uncrew_({options_.clock, options_.config, fleet_, store_.journals(), ledgers_, allowances_,
+                 options_.random()}),
         relay_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                 ledgers_, allowances_, store_.stores(), options_.version, ground.OnReadsAhead(),
-                options_.random()}),
+                options_.random(), uncrew_.Methods()}),
         broker_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                  ledgers_, store_.journal_limits(), *store_.stores().reader, store_.leases(),
                  options_.process, options_.random, allowances_},
@@ -41,7 +44,7 @@ class App::Impl {
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  ground.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               ground, store_, relay_, broker_, health_, options_.random}),
+               ground, store_, uncrew_, relay_, broker_, health_, options_.random}),
         reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {}
 
   ~Impl() { Stop(); }
@@ -123,6 +126,7 @@ class App::Impl {
     store_.AddWork(ground_.OnReads(), work);
     health_.AddWork(work);
     view_.AddWork(work);
+    work.look_at_drones = [this] { uncrew_.Round(); };
     return work;
   }
 
@@ -144,6 +148,7 @@ class App::Impl {
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
   StoreSide store_;
+  UncrewSide uncrew_;
   RelaySide relay_;
   BrokerSide broker_;
   HealthSide health_;

@@ -8,6 +8,7 @@
 #include "server/log/samples.h"
 #include "server/rcan/samples.h"
 #include "server/run/broker_side.h"
+#include "server/run/uncrew_side.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
 
@@ -16,6 +17,7 @@ namespace uplink::run {
 std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
   return {
       [parts](auto& page) { parts.broker.AddSamples(page); },
+      [parts](auto& page) { parts.uncrew.AddSamples(page); },
       [parts](auto& page) { page.AddLedger(parts.ledgers.Sum(model::MessageSource::kUplink)); },
       [parts](auto& page) { session::AddSamples(parts.sessions, page); },
       [parts](auto& page) { fleet::AddSamples(parts.fleet, page); },

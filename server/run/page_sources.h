@@ -26,6 +26,7 @@
 namespace uplink::run {
 
 class BrokerSide;
+class UncrewSide;
 
 /// Where the samples of /metrics come from. All of it outlives the page.
 struct PageParts {
@@ -50,6 +51,7 @@ struct PageParts {
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
   const BrokerSide& broker;
+  const UncrewSide& uncrew;
   const log::Logger& logger;
 };
 

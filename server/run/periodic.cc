@@ -13,6 +13,7 @@ namespace {
 constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
 constexpr milliseconds kSeedEvery{500};
+constexpr std::chrono::seconds kDronesEvery{1};
 /// A third of the unit's WatchdogSec.
 constexpr std::chrono::seconds kFeedEvery{10};
 /// One short statement. An age of minutes is what counts.
@@ -34,6 +35,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kSpaceEvery, std::move(work.look_at_space));
   every(kClockEvery, std::move(work.look_at_clock));
   every(rcan::kFaultCountsEvery, std::move(work.count_faults));
+  every(kDronesEvery, std::move(work.look_at_drones));
   every(fleet::kHandshakeEvery, std::move(work.ask_relay));
   every(kFeedEvery, std::move(work.feed_watchdog));
 }

@@ -25,6 +25,8 @@ struct PeriodicWork {
   std::function<void()> look_at_clock;
   /// Counts the robots' active faults, for their series.
   std::function<void()> count_faults;
+  /// Lets go of drones that are silent.
+  std::function<void()> look_at_drones;
   /// Asks our own relay for a handshake.
   std::function<void()> ask_relay;
   /// Tells the service manager that the server is well.

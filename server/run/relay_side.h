@@ -24,6 +24,7 @@
 #include "server/session/probe.h"
 #include "server/store/open.h"
 #include "server/store/reject_reads.h"
+#include "server/transport/methods.h"
 #include "server/transport/probe.h"
 
 namespace uplink::run {
@@ -49,6 +50,8 @@ class RelaySide final {
     loop::Post reads_ahead;
     /// For the numbers of forwarded commands.
     std::uint64_t seed = 0;
+    /// What is served beside the relay.
+    transport::MethodsMaker others = {};
   };
   explicit RelaySide(const Context& context);
 

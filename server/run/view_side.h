@@ -19,6 +19,7 @@
 #include "server/run/periodic.h"
 #include "server/run/relay_side.h"
 #include "server/run/store_side.h"
+#include "server/run/uncrew_side.h"
 #include "server/view/queries.h"
 
 namespace uplink::run {
@@ -38,6 +39,7 @@ class ViewSide final {
     const metrics::LedgerBook& ledgers;
     Groundwork& ground;
     StoreSide& store;
+    const UncrewSide& uncrew;
     RelaySide& relay;
     BrokerSide& broker;
     HealthSide& health;

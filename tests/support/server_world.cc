@@ -12,6 +12,7 @@
 #include "server/rcan/samples.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
+#include "server/uncrew/samples.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 
@@ -66,6 +67,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { store::AddSamples(lease_probe, page); },
       [this](auto& page) { forwarding.AddSamples(page); },
       [this](auto& page) { broker::AddSamples(broker, page); },
+      [this](auto& page) { uncrew::AddSamples(drones, avatar_probe, clock.Steady(), page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },

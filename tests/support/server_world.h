@@ -21,6 +21,8 @@
 #include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
 #include "server/transport/probe.h"
+#include "server/uncrew/drones.h"
+#include "server/uncrew/probe.h"
 #include "server/view/queries.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
@@ -92,6 +94,8 @@ class ServerWorld {
   fleet::LiveBudget live_budget{{clock, fleet, twins, logger, std::size_t{1} << 30U}};
   /// It has no broker.
   broker::Broker broker;
+  uncrew::AvatarProbe avatar_probe;
+  uncrew::Drones drones{{clock, fleet, shards, ledgers.NewPage(model::MessageSource::kUncrew)}};
   /// Where lists look into the store briefly; empty: on the thread that asks.
   view::BriefLook::Post to_store_thread;
   bool robots_unread = false;
