@@ -60,6 +60,7 @@ struct RoutedRequest {
 [[nodiscard]] Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFaults(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetMissions(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetShapes(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetObjects(const Sources& sources, const RoutedRequest& request);
 

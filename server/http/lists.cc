@@ -126,6 +126,17 @@ Response GetMissions(const Sources& sources, const RoutedRequest& request) {
   return RowsResponse(sources.queries.MissionRuns(query));
 }
 
+Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::OperatorRequestsQuery query;
+  query.rows = ReadPage(parameters);
+  ReadTimes(parameters, query.rows);
+  ReadRobots(parameters, query.rows);
+  query.open = parameters.Flag("open");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse(sources.queries.OperatorRequests(query));
+}
+
 Response GetShapes(const Sources& sources, const RoutedRequest& request) {
   return PresentOnes(request.query, sources.queries, &view::Queries::Shapes);
 }

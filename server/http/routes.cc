@@ -30,6 +30,7 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/scope-updates", "scope_updates", Lane::kRead, GetScopeUpdates},
     {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
     {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
+    {"/api/v1/operator-requests", "operator_requests", Lane::kRead, GetOperatorRequests},
     {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},
     {"/api/v1/objects", "objects", Lane::kRead, GetObjects},
 });

@@ -16,7 +16,8 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context) {
           .to_store_thread = context.ground.OnReads(),
           .robots_unread = [&store = context.store] { return store.robots_unread(); },
           .twins = &context.broker.twins(),
-          .broker = [&broker = context.broker] { return broker.status(); }};
+          .broker = [&broker = context.broker] { return broker.status(); },
+          .drones = &context.uncrew.drones()};
 }
 
 std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
@@ -42,6 +43,7 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
                         .monitor = context.health.monitor(),
                         .relay = context.relay.probe(),
                         .broker = context.broker,
+                        .uncrew = context.uncrew,
                         .logger = context.logger});
 }
 

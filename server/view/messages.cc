@@ -8,6 +8,7 @@
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
 #include "server/robot/source_of.h"
+#include "server/view/drone_json.h"
 #include "server/view/live_parts.h"
 #include "server/view/twin_json.h"
 
@@ -21,7 +22,7 @@ void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_settled_seq(session.settled_seq);
   message.set_uplinks_missing(Signed(session.missing));
   message.set_contested(session.contested);
-  if (session.connected) message.set_gateway(session.gateway);
+  message.set_gateway(session.gateway);
   if (session.held_back == robot::HeldBack::kNone) return;
   message.set_held_back(std::string(robot::ToText(session.held_back)));
   message.set_held_back_since_ms(UnixMs(session.held_back_since));
@@ -103,6 +104,11 @@ v1::Robot ToMessage(const RobotView& robot) {
     }
   }
   SetSession(robot.session, message);
+  if (robot.is_drone) {
+    // One that has a session of the relay speaks by both.
+    message.set_source(message.session_id().empty() ? "uncrew" : "uplink,uncrew");
+    message.set_operator_requests_open(static_cast<std::int32_t>(robot.operator_requests_open));
+  }
   if (source != model::MessageSource::kUplink) {
     // A stream of ours, which says nothing of a link to it.
     message.set_connected(false);
@@ -126,6 +132,7 @@ TextMembers TextsOf(const RobotView& robot, const PartSet& parts) {
   AddLiveParts(robot.state.parts, parts, robot.id.ruri, texts);
   AddStoredParts(robot.stored, parts, texts);
   if (robot.twin && parts.Has(Part::kCyberwave)) texts.Add("cyberwave", TwinJson(*robot.twin));
+  if (robot.drone && parts.Has(Part::kUncrew)) texts.Add("uncrew", DroneJson(*robot.drone));
   return texts;
 }
 

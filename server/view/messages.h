@@ -29,6 +29,7 @@ namespace uplink::view {
 [[nodiscard]] v1::Gap ToMessage(const storage::GapRow& row);
 [[nodiscard]] v1::ScopeUpdate ToMessage(const storage::ScopeUpdateRow& row);
 [[nodiscard]] v1::MissionRun ToMessage(const storage::MissionRunRow& row);
+[[nodiscard]] v1::OperatorRequest ToMessage(const storage::OperatorRequestRow& row);
 [[nodiscard]] v1::Shape ToMessage(const storage::ShapeRow& row);
 [[nodiscard]] v1::TrackedObject ToMessage(const storage::ObjectRow& row);
 

@@ -16,7 +16,8 @@ constexpr std::array<std::string_view, kParts> kNames = {"agentInfo", "settings"
 #define UPLINK_PART(Part, column, view, Message, keys_max) view,
                                                          UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
-                                                             "cyberwave"};
+                                                             "cyberwave",
+                                                         "uncrew"};
 
 /// About how many bytes an item holds beside its texts.
 constexpr std::size_t kItemBytes = 256;

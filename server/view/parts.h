@@ -13,7 +13,7 @@
 namespace uplink::view {
 
 /// The parts that a Robot can carry: those of which the store keeps the latest, then the live ones,
-/// then what a broker's twin said.
+/// then what a broker's twin said, and a drone's calls.
 enum class Part : std::uint8_t {
   kAgentInfo,
   kSettings,
@@ -22,8 +22,9 @@ enum class Part : std::uint8_t {
   UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
       kCyberwave,
+  kUncrew,
 };
-inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePartKinds + 1;
+inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePartKinds + 2;
 
 [[nodiscard]] constexpr Part ToPart(storage::LatestKind kind) { return static_cast<Part>(kind); }
 [[nodiscard]] constexpr Part ToPart(storage::LivePart part) {
@@ -32,7 +33,7 @@ inline constexpr std::size_t kParts = storage::kLatestKinds + storage::kLivePart
 static_assert(ToPart(storage::LatestKind::kAgentInfo) == Part::kAgentInfo &&
               ToPart(storage::LatestKind::kUiCapabilities) == Part::kUiCapabilities &&
               ToPart(storage::LivePart::kMotion) == Part::kMotion &&
-              static_cast<std::size_t>(Part::kCyberwave) + 1 == kParts);
+              static_cast<std::size_t>(Part::kUncrew) + 1 == kParts);
 
 /// Which parts a reader wants. A value.
 class PartSet {

@@ -43,6 +43,18 @@ TextMembers TextsOf(const storage::MissionRunRow& row) {
   return texts;
 }
 
+v1::OperatorRequest ToMessage(const storage::OperatorRequestRow& row) {
+  v1::OperatorRequest request;
+  request.set_ruri(row.robot.ruri);
+  request.set_request_id(row.request_id);
+  request.set_kind(std::string(model::ToText(row.kind)));
+  request.set_text(row.text);
+  request.set_requested_at_ms(row.requested_at_ms);
+  request.set_opened_at_ms(UnixMs(row.opened_at));
+  request.set_closed_at_ms(row.closed_at_ms);
+  return request;
+}
+
 v1::Shape ToMessage(const storage::ShapeRow& row) {
   v1::Shape shape;
   shape.set_ruri(row.robot.ruri);

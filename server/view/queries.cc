@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/check.h"
+#include "server/view/drone_json.h"
 #include "server/view/foreign_parts.h"
 #include "server/view/page_token.h"
 #include "server/view/parts.h"
@@ -109,6 +110,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
       if (query.parts.Has(Part::kCyberwave)) {
         bytes += CopyTwin(sources_.twins, page.robots.back());
       }
+      CopyDrone(sources_.drones, query.parts.Has(Part::kUncrew), page.robots.back());
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
@@ -135,6 +137,7 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   std::vector<RobotView> one;
   one.push_back(Look(*robot, robot::RobotState::Parts::kAll));
   CopyTwin(sources_.twins, one.front());
+  CopyDrone(sources_.drones, true, one.front());
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
   if (FillActiveFaults(one)) {
     static_cast<void>(FillStored(one, PartSet::All()));
@@ -181,6 +184,11 @@ absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> Queries::ScopeUpdates(
 absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(
     const storage::MissionsQuery& query) {
   return sources_.reader.MissionRuns(query);
+}
+
+absl::StatusOr<storage::Page<storage::OperatorRequestRow>> Queries::OperatorRequests(
+    const storage::OperatorRequestsQuery& query) {
+  return sources_.reader.OperatorRequests(query);
 }
 
 absl::StatusOr<storage::Page<storage::ShapeRow>> Queries::Shapes(storage::PresentQuery query) {

@@ -22,6 +22,7 @@
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
+#include "server/uncrew/drones.h"
 #include "server/view/brief_look.h"
 #include "server/view/broker_status.h"
 #include "server/view/parts.h"
@@ -49,6 +50,12 @@ struct RobotView {
   /// What its messages at a broker said, as it stood then. Null if that is not wanted, if it is no
   /// twin that this process has heard, or if another process holds it.
   std::shared_ptr<const cyberwave::TwinParts> twin{};
+  /// It calls this process, as a drone.
+  bool is_drone = false;
+  std::size_t operator_requests_open = 0;
+  /// What its calls said, as it stood then. Null if that is not wanted, if it does not call this
+  /// process, or if another one holds it.
+  std::shared_ptr<const uncrew::LiveSamples> drone{};
 };
 
 /// Which robots, by RURI. Empty texts match everything.
@@ -127,6 +134,8 @@ class Queries final {
     const cyberwave::Twins* twins = nullptr;
     /// Waits for nothing, and may be called on any thread; empty: no broker is read.
     std::function<std::optional<BrokerStatus>()> broker{};
+    /// What drones say by calls; null: none call.
+    const uncrew::Drones* drones = nullptr;
   };
   explicit Queries(Sources sources);
 
@@ -153,6 +162,8 @@ class Queries final {
       const storage::ScopeUpdatesQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
       const storage::MissionsQuery& query);
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::OperatorRequestRow>> OperatorRequests(
+      const storage::OperatorRequestsQuery& query);
   // What is there now, by our clock; query.now is not looked at.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);

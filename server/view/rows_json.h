@@ -38,6 +38,10 @@ namespace uplink::view {
 [[nodiscard]] inline v1::ListMissionRunsResponse ResponseOf(const storage::MissionRunRow* /*row*/) {
   return {};
 }
+[[nodiscard]] inline v1::ListOperatorRequestsResponse ResponseOf(
+    const storage::OperatorRequestRow* /*row*/) {
+  return {};
+}
 [[nodiscard]] inline v1::ListShapesResponse ResponseOf(const storage::ShapeRow* /*row*/) {
   return {};
 }

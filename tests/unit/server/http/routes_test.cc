@@ -20,8 +20,8 @@ TEST(Routes, HaveTheLabelsOfTheMetrics) {
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
   EXPECT_THAT(names, ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "robots",
                                  "robot", "events", "messages", "presence", "quarantine", "gaps",
-                                 "all_quarantine", "scope_updates", "faults", "missions", "shapes",
-                                 "objects", "other"));
+                                 "all_quarantine", "scope_updates", "faults", "missions",
+                                 "operator_requests", "shapes", "objects", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

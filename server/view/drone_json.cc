@@ -1,0 +1,41 @@
+#include "server/view/drone_json.h"
+
+#include <memory>
+#include <string>
+
+#include "schema/json/uncrew.h"
+#include "server/view/json.h"
+
+namespace uplink::view {
+
+boost::json::object DroneJson(const uncrew::LiveSamples& live) {
+  boost::json::object object;
+  for (const model::uncrew::TypeRow& row : model::uncrew::kTypeRows) {
+    boost::json::object by_key;
+    for (const uncrew::LiveSample& sample : live.Of(row.type)) {
+      boost::json::object shown =
+          json::Render(sample.value, {.sampled_at_us = sample.metadata.sampled_at_us,
+                                      .received_at_ms = ToUnixMs(sample.received)});
+      if (sample.key) {
+        by_key[std::to_string(*sample.key)] = std::move(shown);
+      } else {
+        by_key = std::move(shown);
+      }
+    }
+    if (!live.Of(row.type).empty()) object[row.name] = std::move(by_key);
+  }
+  return object;
+}
+
+void CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot) {
+  const uncrew::DronePtr drone = drones == nullptr ? nullptr : drones->Find(robot.id.ruri);
+  if (drone == nullptr) return;
+  robot.is_drone = true;
+  if (robot.state.foreign) return;
+  drone->LookAt([&](const uncrew::LiveSamples& live) {
+    robot.operator_requests_open = live.requests().size();
+    if (with_parts) robot.drone = std::make_shared<const uncrew::LiveSamples>(live);
+  });
+}
+
+}  // namespace uplink::view
