@@ -50,7 +50,7 @@ bool Drone::Enter(SystemTime now) {
     calls_.fetch_sub(1);
     return false;
   }
-  called_at_ms_.store(ToUnixMs(now));
+  called_at_ms_.store(UnixMs(now));
   robot_->NoteHeard(now);
   return true;
 }
@@ -254,7 +254,10 @@ void Drone::ClaimIfDue(SteadyTime now) {
 }
 
 loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
-  if (result.other_fleet) robot_->Disown(robot_->id()->fleet, *result.other_fleet);
+  // A stream here has its own word for the fleet.
+  if (result.other_fleet && !robot_->HasStream()) {
+    robot_->Disown(robot_->id()->fleet, *result.other_fleet);
+  }
   std::vector<loop::StreamRef> wake;
   {
     const std::lock_guard lock(mutex_);

@@ -82,8 +82,8 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
     "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "PRESENCE_UNKNOWN",
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "0", "connected": false,
     "connectedSinceMs": "0", "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
-    "activeFaults": 0, "fieldsDropped": "0", "uplinksMissing": "0", "heldBy": "",
-    "heldByAtMs": "0", "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "",
+    "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
+    "heldBy": "", "heldByAtMs": "0", "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "",
     "rateLimited": {}})");
 }
 
@@ -129,7 +129,7 @@ TEST(Json, ARobotWithEveryPart) {
     "presenceSinceMs": "1000", "lastSignOfLifeMs": "2000", "connected": true,
     "connectedSinceMs": "1500", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
-    "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "", "heldByAtMs": "0",
+    "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "", "heldByAtMs": "0",
     "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "", "rateLimited": {},
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
