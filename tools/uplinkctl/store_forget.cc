@@ -170,7 +170,7 @@ absl::Status Refused(const storage::AnsweredForget& answer, const Holder& holder
       return absl::OkStatus();
     case ForgetAnswer::kHasStream:
       return absl::FailedPreconditionError(
-          "the robot has a stream; --end-stream ends it, and the robot may come back");
+          "the robot has a stream, or calls; --end-stream ends them, and the robot may come back");
     case ForgetAnswer::kRecordsWait:
       return absl::FailedPreconditionError(
           "records of the robot wait for the store; try again, or wait for them by --end-stream");

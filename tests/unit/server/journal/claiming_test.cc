@@ -135,9 +135,9 @@ TEST_F(ClaimingTest, TellsOfARobotThatMoves) {
 }
 
 TEST_F(ClaimingTest, AFailedCallIsTriedAgainWithWhatCameMeanwhile) {
+  RecordingClient other("rcan://b");
+  RecordingClient other_drone("rcan://b");
   for (const FailAt at : {FailAt::kBefore, FailAt::kAfter}) {
-    RecordingClient other("rcan://b");
-    RecordingClient other_drone("rcan://b");
     Claim(*drone_, robot_);
     store.FailNext(1, at);
     EXPECT_EQ(claiming_.Advance(), Step::kFailed);
