@@ -38,6 +38,10 @@ class SeriesPage final {
   void Add(SeriesId id, double value);
   /// `label` is the value of the series' own label, whatever its bytes.
   void Add(SeriesId id, std::string_view label, double value);
+  /// The robot at hand has a sample of that series.
+  [[nodiscard]] bool Has(SeriesId id) const {
+    return lines_[Index(id)].size() > lines_before_[Index(id)];
+  }
   /// Samples of the robot at hand so far.
   [[nodiscard]] std::size_t robot_samples() const { return samples_ - samples_before_; }
   /// Whether the robot stays: not if the room of all that stay would be more than series_max. A

@@ -7,6 +7,7 @@
 #include "metrics/gzip.h"
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/message_source.h"
+#include "server/rcan/drone_series.h"
 #include "server/rcan/twin_series.h"
 #include "server/robot/session_view.h"
 #include "storage/origin.h"
@@ -112,6 +113,12 @@ ScrapeTurns::Turn RobotScrape::AddBasicOf(Known& known, SeriesSources& sources, 
     known.named_room = 0;
   } else if (const cyberwave::TwinPtr twin = TwinOf(robot->ruri())) {
     twin->LookAt([this](const cyberwave::TwinParts& parts) { AddTwinBasic(parts, page_); });
+  }
+  const bool is_here = known.shown != Shown::kPresence && sources_.drones != nullptr;
+  if (const auto drone = is_here ? sources_.drones->Find(robot->ruri()) : nullptr) {
+    drone->LookAt([&](const uncrew::LiveSamples& live) {
+      AddDrone(live, sources.steady_now, sources_.drones_stale_after, page_);
+    });
   }
   known.basic_room = std::max(known.basic_room, page_.robot_samples());
   if (page_.EndRobot(known.basic_room)) return {.taken = known.basic_room};

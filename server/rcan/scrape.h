@@ -23,6 +23,7 @@
 #include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
 #include "server/rcan/turns.h"
+#include "server/uncrew/drones.h"
 #include "storage/reader.h"
 
 namespace uplink::rcan {
@@ -60,6 +61,9 @@ class RobotScrape final {
     NameHash::Key name_key{};
     /// What is heard from a broker; null: nothing is.
     const cyberwave::Twins* twins = nullptr;
+    /// What drones say by calls, and uncrew.stale_after; null: none call.
+    const uncrew::Drones* drones = nullptr;
+    milliseconds drones_stale_after{0};
   };
   explicit RobotScrape(const Sources& sources);
 

@@ -61,7 +61,9 @@ ViewSide::ViewSide(const Context& context)
                       .probe = context.ground.rcan_probe(),
                       .logger = context.logger,
                       .name_key = rcan::NameHash::Draw(context.random),
-                      .twins = &context.broker.twins()}),
+                      .twins = &context.broker.twins(),
+                      .drones = &context.uncrew.drones(),
+                      .drones_stale_after = context.config.uncrew.stale_after}),
       site_({queries_, context.health.monitor(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
              robots_scrape_, context.logger}) {}

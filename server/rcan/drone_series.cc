@@ -1,0 +1,134 @@
+#include "server/rcan/drone_series.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace uplink::rcan {
+namespace {
+
+namespace un = model::uncrew;
+using metrics::rcan::SeriesId;
+using metrics::rcan::SeriesPage;
+using enum SeriesId;
+
+constexpr double kPercent = 100;
+
+/// The samples of a drone that are fresh, and the page for them.
+class Fresh final {
+ public:
+  Fresh(const uncrew::LiveSamples& live, SteadyTime since, SeriesPage& page)
+      : live_(live), since_(since), page_(page) {}
+
+  /// Calls `add` with each value of the type that is fresh.
+  template <typename Type, typename Add>
+  void Each(Add add) const {
+    for (const uncrew::LiveSample& sample : live_.Of(un::TypeOf(Type{}))) {
+      if (sample.received_steady >= since_) add(std::get<Type>(sample.value));
+    }
+  }
+  /// Of a type without keys.
+  template <typename Type>
+  [[nodiscard]] const Type* Of() const {
+    const Type* found = nullptr;
+    Each<Type>([&](const Type& value) { found = &value; });
+    return found;
+  }
+  /// What is known, unless a stream of the robot said it.
+  template <typename Number>
+  void Add(SeriesId id, const std::optional<Number>& value) const {
+    if (value && !page_.Has(id)) page_.Add(id, static_cast<double>(*value));
+  }
+  template <typename Number>
+  void Add(SeriesId id, std::int64_t key, const std::optional<Number>& value) const {
+    if (value) page_.Add(id, std::to_string(key), static_cast<double>(*value));
+  }
+
+ private:
+  const uncrew::LiveSamples& live_;
+  const SteadyTime since_;
+  SeriesPage& page_;
+};
+
+void AddPlace(const Fresh& fresh) {
+  std::optional<float> amsl;
+  std::optional<float> relative;
+  if (const auto* altitude = fresh.Of<un::Altitude>()) {
+    amsl = altitude->altitude_amsl_m;
+    relative = altitude->altitude_relative_m;
+    fresh.Add(kAltitudeTerrainM, altitude->altitude_terrain_m);
+  }
+  if (const auto* position = fresh.Of<un::Position>()) {
+    fresh.Add(kLatitudeDeg, position->latitude_deg);
+    fresh.Add(kLongitudeDeg, position->longitude_deg);
+    if (!amsl) amsl = position->absolute_altitude_m;
+    if (!relative) relative = position->relative_altitude_m;
+  }
+  fresh.Add(kAltitudeAmslM, amsl);
+  fresh.Add(kAltitudeRelativeM, relative);
+}
+
+void AddMotion(const Fresh& fresh) {
+  if (const auto* velocity = fresh.Of<un::VelocityNed>()) {
+    if (velocity->north_m_s && velocity->east_m_s) {
+      fresh.Add(kSpeedMS, std::optional(std::hypot(double{*velocity->north_m_s},
+                                                   double{*velocity->east_m_s})));
+    }
+    if (velocity->down_m_s) fresh.Add(kClimbRateMS, std::optional(-*velocity->down_m_s));
+  }
+  if (const auto* heading = fresh.Of<un::Heading>()) fresh.Add(kHeadingDeg, heading->heading_deg);
+  if (const auto* pose = fresh.Of<un::PoseEuler>()) {
+    fresh.Add(kRollDeg, pose->roll_deg);
+    fresh.Add(kPitchDeg, pose->pitch_deg);
+  }
+}
+
+void AddBattery(const Fresh& fresh) {
+  const un::Battery* first = nullptr;
+  fresh.Each<un::Battery>([&](const un::Battery& battery) {
+    if (first == nullptr || battery.key < first->key) first = &battery;
+  });
+  if (first == nullptr) return;
+  fresh.Add(kBatteryV, first->voltage_v);
+  fresh.Add(kBatteryPct, first->remaining_percent);
+  fresh.Add(kBatteryTemperatureC, first->temperature_degc);
+  fresh.Add(kBatteryCurrentA, first->current_battery_a);
+}
+
+void AddState(const Fresh& fresh) {
+  if (const auto* gps = fresh.Of<un::GpsInfo>()) {
+    fresh.Add(kGpsSatellites, gps->num_satellites);
+    fresh.Add(kGpsFixType, std::optional(static_cast<std::int32_t>(gps->fix_type)));
+  }
+  if (const auto* armed = fresh.Of<un::Armed>()) fresh.Add(kArmed, armed->is_armed);
+  if (const auto* health = fresh.Of<un::Health>()) fresh.Add(kArmable, health->is_armable);
+  const auto* item = fresh.Of<un::CurrentMissionItem>();
+  if (item != nullptr && item->current && item->total && *item->total > 0) {
+    fresh.Add(kMissionProgressPct, std::optional(kPercent * *item->current / *item->total));
+  }
+}
+
+void AddKeyed(const Fresh& fresh) {
+  fresh.Each<un::WinchStatus>([&](const un::WinchStatus& winch) {
+    fresh.Add(kWinchLineM, winch.key, winch.line_length_m);
+    fresh.Add(kWinchTensionKg, winch.key, winch.tension_kg);
+  });
+  fresh.Each<un::DistanceSensor>([&](const un::DistanceSensor& sensor) {
+    fresh.Add(kDistanceM, sensor.key, sensor.current_distance_m);
+  });
+}
+
+}  // namespace
+
+void AddDrone(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
+              metrics::rcan::SeriesPage& page) {
+  const Fresh fresh(live, now - stale_after, page);
+  AddPlace(fresh);
+  AddMotion(fresh);
+  AddBattery(fresh);
+  AddState(fresh);
+  AddKeyed(fresh);
+}
+
+}  // namespace uplink::rcan
