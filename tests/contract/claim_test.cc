@@ -235,7 +235,7 @@ TEST_P(ClaimsContract, MovesNoRobotThatAnotherProcessGoesOnHolding) {
 
 TEST_P(ClaimsContract, AnswersManyInTheirOrder) {
   Open();
-  const auto results = Claim(
+  const auto results = ClaimEach(
       {{Robot("z"), Time()}, {robot_, Time()}, {Robot("b", "f9"), Time(), FleetWord::kMatches}});
   ASSERT_THAT(results, SizeIs(3));
   EXPECT_FALSE(results[0].was_known);
