@@ -22,7 +22,8 @@ boost::json::object DroneJson(const uncrew::LiveSamples& live) {
         by_key = std::move(shown);
       }
     }
-    if (!live.Of(row.type).empty()) object[row.name] = std::move(by_key);
+    if (!live.Of(row.type).empty())
+      object[boost::json::string_view(row.name.data(), row.name.size())] = std::move(by_key);
   }
   return object;
 }

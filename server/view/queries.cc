@@ -21,6 +21,9 @@ namespace {
 
 RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
   RobotView view{*robot.id(), robot.state.Snapshot(parts), robot.sessions.View(), 0, {}};
+  if (!view.session.connected) {
+    view.session.gateway = robot.calls.open() ? robot.speaker().value_or("") : "";
+  }
   for (std::size_t kind = 0; kind < metrics::kKinds; ++kind) {
     view.rate_limited[kind] = robot.rates.limited(kind);
   }
@@ -179,16 +182,6 @@ absl::StatusOr<QuarantineView> Queries::WithDropped(storage::Page<storage::Quara
 absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> Queries::ScopeUpdates(
     const storage::ScopeUpdatesQuery& query) {
   return sources_.reader.ScopeUpdates(query);
-}
-
-absl::StatusOr<storage::Page<storage::MissionRunRow>> Queries::MissionRuns(
-    const storage::MissionsQuery& query) {
-  return sources_.reader.MissionRuns(query);
-}
-
-absl::StatusOr<storage::Page<storage::OperatorRequestRow>> Queries::OperatorRequests(
-    const storage::OperatorRequestsQuery& query) {
-  return sources_.reader.OperatorRequests(query);
 }
 
 absl::StatusOr<storage::Page<storage::ShapeRow>> Queries::Shapes(storage::PresentQuery query) {

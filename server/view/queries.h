@@ -161,9 +161,13 @@ class Queries final {
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> ScopeUpdates(
       const storage::ScopeUpdatesQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
-      const storage::MissionsQuery& query);
+      const storage::MissionsQuery& query) {
+    return sources_.reader.MissionRuns(query);
+  }
   [[nodiscard]] absl::StatusOr<storage::Page<storage::OperatorRequestRow>> OperatorRequests(
-      const storage::OperatorRequestsQuery& query);
+      const storage::OperatorRequestsQuery& query) {
+    return sources_.reader.OperatorRequests(query);
+  }
   // What is there now, by our clock; query.now is not looked at.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);
