@@ -28,7 +28,7 @@ struct BatchSession {
 struct BatchRobot {
   KnownRobot known;
   std::vector<BatchSession> sessions;
-  /// By type: those of which the batch has any.
+  /// By type: those of the types that the batch has.
   std::map<std::uint32_t, KnownSamples> samples;
   /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps of it.
   bool quarantined_payload = false;

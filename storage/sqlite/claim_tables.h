@@ -30,7 +30,7 @@ class ClaimTables final {
  public:
   [[nodiscard]] absl::Status Prepare(Database& database);
 
-  /// Who claimed the drone; nothing if nobody did.
+  /// Which process claimed the drone; nothing if none did.
   [[nodiscard]] absl::StatusOr<std::optional<RobotHold>> ClaimOn(std::string_view ruri);
   [[nodiscard]] absl::Status Claim(const ClaimRequest& request, const RobotHold& claim);
   /// A sample was stored under the claim.

@@ -111,7 +111,7 @@ TEST_P(ClaimsContract, FencesTheEarlierClaimOfItsOwnProcess) {
   EXPECT_THAT(Commit(Sample(Mark(2))), ElementsAre(OutcomeKind::kFenced));
 }
 
-TEST_P(ClaimsContract, FencesWhatNobodyClaimed) {
+TEST_P(ClaimsContract, FencesWhatIsNotClaimed) {
   EXPECT_THAT(Commit(Sample(Mark(1))), ElementsAre(OutcomeKind::kFenced)) << "there is no robot";
   Open();
   EXPECT_THAT(Commit(Sample(Mark(1))), ElementsAre(OutcomeKind::kFenced)) << "a hold is no claim";

@@ -4,7 +4,7 @@
 -- The level of a message as its sender calls it; empty if it says none.
 ALTER TABLE messages ADD COLUMN source_level TEXT NOT NULL DEFAULT '';
 
--- Which process serves a drone's calls, beside whoever holds the robot. A sample that was judged under
+-- Which process serves a drone's calls, beside the one that holds the robot. A sample that was judged under
 -- another epoch is fenced. last_used: when it was claimed, or a sample was stored under it.
 CREATE TABLE drone_claims (
   ruri TEXT NOT NULL PRIMARY KEY,

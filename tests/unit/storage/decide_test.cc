@@ -234,10 +234,10 @@ CommitRecord Sampled(CommitRecord record, std::uint8_t content, bool timed = tru
   return record;
 }
 
-TEST_F(Decide, GoesByTheClaimForASampleWhoeverHoldsTheRobot) {
+TEST_F(Decide, GoesByTheClaimForASampleOfARobotThatAnotherHolds) {
   KnownRobot& robot = known_.robots["rcan://r"];
   robot.held_since.reset();
-  EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kFenced) << "nobody claimed it";
+  EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kFenced) << "it is not claimed";
   robot.claim = 4;
   EXPECT_EQ(Kind(Sampled(Note(1), 1)), OutcomeKind::kFenced);
   EXPECT_THAT(known_.asked, IsEmpty());
