@@ -1,7 +1,9 @@
 #include "schema/uncrew/judge.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <google/protobuf/arena.h>

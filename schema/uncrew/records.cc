@@ -1,9 +1,13 @@
 #include "schema/uncrew/records.h"
 
 #include <algorithm>
-#include <concepts>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
