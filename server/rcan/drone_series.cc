@@ -11,7 +11,7 @@ namespace {
 namespace un = model::uncrew;
 using metrics::rcan::SeriesId;
 using metrics::rcan::SeriesPage;
-using enum SeriesId;
+using enum metrics::rcan::SeriesId;
 
 constexpr double kPercent = 100;
 
@@ -21,11 +21,11 @@ class Fresh final {
   Fresh(const uncrew::LiveSamples& live, SteadyTime since, SeriesPage& page)
       : live_(live), since_(since), page_(page) {}
 
-  /// Calls `add` with each value of the type that is fresh.
-  template <typename Type, typename Add>
-  void Each(Add add) const {
+  /// Calls `take` with each value of the type that is fresh.
+  template <typename Type, typename Take>
+  void Each(Take take) const {
     for (const uncrew::LiveSample& sample : live_.Of(un::TypeOf(Type{}))) {
-      if (sample.received_steady >= since_) add(std::get<Type>(sample.value));
+      if (sample.received_steady >= since_) take(std::get<Type>(sample.value));
     }
   }
   /// Of a type without keys.
