@@ -99,7 +99,9 @@ void AddBattery(const Fresh& fresh) {
 void AddState(const Fresh& fresh) {
   if (const auto* gps = fresh.Of<un::GpsInfo>()) {
     fresh.Add(kGpsSatellites, gps->num_satellites);
-    fresh.Add(kGpsFixType, std::optional(static_cast<std::int32_t>(gps->fix_type)));
+    if (gps->fix_type) {
+      fresh.Add(kGpsFixType, std::optional(static_cast<std::int32_t>(*gps->fix_type)));
+    }
   }
   if (const auto* armed = fresh.Of<un::Armed>()) fresh.Add(kArmed, armed->is_armed);
   if (const auto* health = fresh.Of<un::Health>()) fresh.Add(kArmable, health->is_armable);
