@@ -76,24 +76,11 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
     port.NoteLife(line(), sample.arrived, sample.arrived_system);
   }
   if (sample.judged.rejection() != nullptr) return OfferDurable(port, sample, caller);
-  const model::uncrew::Value& value = *sample.judged.value();
   // Sets are shown at once, whatever the store does.
   if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(LiveOf(sample))) {
     live_.Apply(LiveOf(sample));
   }
-  switch (sample.row().kind) {
-    case SampleKind::kLive:
-      return OfferLive(port, sample);
-    case SampleKind::kDurableOnChange:
-      // While nothing is known of the store: a repetition of what was heard since.
-      if (const LiveSample* held = live_.Newest(sample.judged.type);
-          claim_ == 0 && held != nullptr && held->value == value) {
-        return OfferLive(port, sample);
-      }
-      return OfferDurable(port, sample, caller);
-    case SampleKind::kDurable:
-      break;
-  }
+  if (sample.row().kind == SampleKind::kLive) return OfferLive(port, sample);
   return OfferDurable(port, sample, caller);
 }
 

@@ -89,7 +89,7 @@ TEST_P(ReportContract, KeepsAnEventWithWhatItsKindHolds) {
 
 TEST_P(ReportContract, KeepsEveryFieldOfAMessage) {
   Open();
-  const model::Message unknown{0, static_cast<model::MessageLevel>(77), "x", "", "notice"};
+  const model::Message unknown{0, static_cast<model::MessageLevel>(77), "x"};
   Commit({Good(1, test::SampleMessage()), At(9, Good(2, unknown))});
   const auto rows = Messages();
   ASSERT_THAT(rows, SizeIs(2));

@@ -1,13 +1,17 @@
 #include <gmock/gmock.h>
 
+#include "schema/uncrew/judge.h"
+#include "schema/uncrew/records.h"
 #include "storage/bounds.h"
 #include "storage/refusal.h"
 #include "tests/contract/claim_contract.h"
+#include "uncrew/v1/avatar.pb.h"
 
 /// What a store decides for drones' samples, and remembers of them.
 namespace uplink::testing {
 namespace {
 
+using model::uncrew::SampleType;
 using storage::OutcomeKind;
 using storage::SampleMemory;
 using ::testing::Each;
@@ -45,6 +49,19 @@ TEST_P(SamplesContract, KnowsASampleWhoseAnswerWasLost) {
   EXPECT_FALSE(store_->Process(kProcess).Commit(batch).ok());
   EXPECT_THAT(KindsOf(Commit(batch)), ElementsAre(OutcomeKind::kStored)) << "nothing was kept";
   EXPECT_THAT(Messages(), SizeIs(2));
+}
+
+TEST_P(SamplesContract, KeepsTheSourcesLevelOfAStatusText) {
+  ::uncrew::v1::PublishStatusTextRequest request;
+  request.mutable_status_text()->set_text("low wind");
+  request.mutable_status_text()->set_type(::uncrew::v1::STATUS_TEXT_TYPE_NOTICE);
+  auto made = uncrew::Records::Of(
+      uncrew::Judge(SampleType::kStatusText, request.SerializeAsString()), nullptr);
+  ASSERT_THAT(made, SizeIs(1));
+  Commit(Sample(Mark(1), {std::get<model::Record>(made[0])}));
+  ASSERT_THAT(Messages(), SizeIs(1));
+  EXPECT_EQ(Messages()[0].message.level, model::MessageLevel::kInfo);
+  EXPECT_EQ(Messages()[0].message.source_level, "notice");
 }
 
 TEST_P(SamplesContract, KnowsTheSecondCopyWithinABatch) {

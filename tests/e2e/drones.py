@@ -17,7 +17,7 @@ import urllib.request
 from broker_messages import quoted, rows
 from drone_book import Book, rows_of
 from drone_samples import request_of, sample_of, times
-from harness import BIN, SOURCE, EndToEnd, run, uplinkctl, wait_until
+from harness import SOURCE, EndToEnd, run, uplinkctl, wait_until
 
 PYTHON = "/usr/bin/python3"
 HERE = pathlib.Path(__file__).parent
@@ -30,16 +30,6 @@ END_HEADERS, ACK = 4, 1
 SETTINGS = """[uncrew]
 avatar = true
 """
-
-
-def knows_drones():
-    """Whether this build of uplinkd has the key uncrew.avatar."""
-    done = subprocess.run(
-        [BIN / "uplinkd", "--check-config", "--config", os.devnull],
-        env={**os.environ, "UPLINKD_UNCREW_AVATAR": "true"},
-        capture_output=True, text=True, timeout=SECONDS, check=False,
-    )  # fmt: skip
-    return "UPLINKD_UNCREW_AVATAR: no setting" not in done.stdout + done.stderr
 
 
 class Drone:
@@ -244,7 +234,3 @@ def turned_away(server):
         lines = page.read().decode().splitlines()
     found = [line for line in lines if line.startswith("uplinkd_connections_turned_away_total{")]
     return [line for line in found if not line.endswith(" 0")]
-
-
-# For as long as there are builds without drones; then this line goes, with what it decorates.
-only_with_drones = unittest.skipUnless(knows_drones(), "this uplinkd takes no calls of drones")

@@ -6,7 +6,7 @@ import unittest
 
 from drone_book import plain
 from drone_samples import TYPES, UNSTORED, Kind, alerts, request_of, requests, sample_of, times
-from drones import ROOT, DroneTest, files_of, half_a_request, only_with_drones, turned_away
+from drones import ROOT, DroneTest, files_of, half_a_request, turned_away
 from harness import uplinkctl
 
 # Of a sample that is not stored.
@@ -35,7 +35,6 @@ class OneServer(DroneTest):
         self.assert_outcome(self.battery(33, 500), "APPLIED")
 
 
-@only_with_drones
 class Live(OneServer):
     def test_a_call_of_a_battery_becomes_its_series(self):
         self.assert_outcome(self.battery(87), "APPLIED", dropped={})
@@ -95,7 +94,6 @@ class Live(OneServer):
         self.assertFalse({"voltageV", "temperatureDegc"} & set(battery))
 
 
-@only_with_drones
 class Stale(OneServer):
     settings = 'stale_after = "2s"\n'
 
@@ -106,7 +104,6 @@ class Stale(OneServer):
         self.assertEqual(self.shown(self.running)["battery"]["0"]["remainingPercent"], 87)
 
 
-@only_with_drones
 class Texts(OneServer):
     def messages(self):
         return [row["message"] for row in self.history(self.running, "messages")]
@@ -140,7 +137,6 @@ class Texts(OneServer):
         self.assertEqual(len(self.events(self.running, "error")), 1)
 
 
-@only_with_drones
 class Changes(OneServer):
     def test_each_change_of_mode_is_one_event(self):
         for number, (mode, changes) in enumerate(
@@ -162,7 +158,6 @@ class Changes(OneServer):
         self.assertEqual(list(self.series(self.running, "rcan_robot_armed").values()), [1])
 
 
-@only_with_drones
 class Alerts(OneServer):
     def say(self, sample, number, drone=None):
         return self.call(drone or self.uav, "Alert", sample, number)
@@ -210,7 +205,6 @@ class Alerts(OneServer):
         self.assertEqual(len(self.faults()), 64)
 
 
-@only_with_drones
 class Requests(OneServer):
     def say(self, sample, number):
         return self.call(self.uav, "OperatorActionRequests", sample, number)
@@ -253,7 +247,6 @@ class Requests(OneServer):
         self.assertEqual(self.listed_requests(), [])
 
 
-@only_with_drones
 class Content(OneServer):
     # Field 1000, which no message has: 7.
     UNKNOWN_FIELD = base64.b64encode(b"\xc0\x3e\x07").decode()
@@ -329,7 +322,6 @@ class Content(OneServer):
         self.assertEqual(self.quarantine(), [])
 
 
-@only_with_drones
 class Identity(DroneTest):
     def setUp(self):
         super().setUp()
@@ -391,7 +383,6 @@ class Identity(DroneTest):
         self.assertEqual(self.robot(self.running, "d7")["fleet"], "acme")
 
 
-@only_with_drones
 class Commands(OneServer):
     TIMES = 120
 

@@ -6,7 +6,7 @@ import subprocess
 import unittest
 
 from drone_samples import TYPES, Kind
-from drones import HERE, PYTHON, SECONDS, Drone, DroneTest, only_with_drones, turned_away
+from drones import HERE, PYTHON, SECONDS, Drone, DroneTest, turned_away
 from harness import SOURCE, run
 
 # Debian has no grpc-js: `npm install @grpc/grpc-js @grpc/proto-loader`, and NODE_PATH names its node_modules.
@@ -20,7 +20,6 @@ def has_grpc_js():
     return NODE is not None and subprocess.run([NODE, "-e", NEEDED], capture_output=True, check=False).returncode == 0
 
 
-@only_with_drones
 @unittest.skipUnless(has_grpc_js(), "Node's @grpc/grpc-js and @grpc/proto-loader are not at hand")
 class Node(DroneTest):
     def setUp(self):
@@ -52,7 +51,6 @@ class Node(DroneTest):
         self.assertEqual((end.partition(":")[0], count), ("UNIMPLEMENTED", 3))
 
 
-@only_with_drones
 class Example(DroneTest):
     def test_the_example_flies_a_delivery_and_everything_of_it_is_stored(self):
         server = self.serve()

@@ -5,7 +5,7 @@ import threading
 import unittest
 
 from drone_samples import alerts, request_of, requests, sample_of, times
-from drones import SECONDS, DroneTest, only_with_drones, store_locked
+from drones import SECONDS, DroneTest, store_locked
 from harness import wait_until
 from tcp_proxy import TcpProxy
 
@@ -30,7 +30,6 @@ class DeafProxy(TcpProxy):
         return b"" if self.deaf and source is ends[1] else data
 
 
-@only_with_drones
 class LostAnswers(DroneTest):
     def test_a_sample_whose_answer_is_lost_is_known_when_it_is_sent_again(self):
         server = self.serve()
@@ -55,7 +54,6 @@ class LostAnswers(DroneTest):
         self.assertEqual(len(self.events(server, "error")), 20)
 
 
-@only_with_drones
 class Flights(DroneTest):
     def fly(self, server, uav, leg, lost):
         """Until it has settled so many further samples."""
@@ -101,7 +99,6 @@ class Locked(DroneTest):
         return [row["message"] for row in self.history(self.running, "messages")]
 
 
-@only_with_drones
 class StoreAway(Locked):
     def test_live_samples_go_on_and_durable_ones_are_unavailable_and_stored_once_later(self):
         with store_locked(self.running):
@@ -143,7 +140,6 @@ class StoreAway(Locked):
         self.assertEqual(len(self.listed(self.running, "faults")), 1)
 
 
-@only_with_drones
 class InFlight(Locked):
     def test_one_call_too_many_is_refused_and_the_others_wait(self):
         self.lead(self.uav, self.running, to="second")
@@ -162,7 +158,6 @@ class InFlight(Locked):
         self.assertEqual(len(self.messages()), 2 + IN_FLIGHT_MAX)
 
 
-@only_with_drones
 class Drain(Locked):
     settings = f'answer_within = "{DRAIN_SECONDS}s"\n'
     more = f'[drain]\ntimeout = "{DRAIN_SECONDS}s"\n'

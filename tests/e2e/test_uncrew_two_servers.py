@@ -3,7 +3,7 @@
 import unittest
 
 from drone_samples import alerts, requests
-from drones import SETTINGS, DroneTest, only_with_drones
+from drones import SETTINGS, DroneTest
 from tcp_proxy import Cut
 from two_servers import DEADLINE_SECONDS, A, B, TwoServers
 
@@ -38,7 +38,6 @@ class TwoServersWithDrones(DroneTest, TwoServers):
         return first
 
 
-@only_with_drones
 class Alternating(TwoServersWithDrones):
     def test_durable_samples_are_stored_by_both_and_known_again_by_the_other(self):
         for number in range(1, 11):
@@ -81,7 +80,6 @@ class Alternating(TwoServersWithDrones):
         self.assertEqual(self.robot(self.servers[B])["heldBy"], "")
 
 
-@only_with_drones
 class Flights(TwoServersWithDrones):
     def fly(self, leg):
         self.uav.tell("fly", to=[A, B], seed=2, lost=0.2)
@@ -128,7 +126,6 @@ class Flights(TwoServersWithDrones):
         self.assert_landed()
 
 
-@only_with_drones
 class Killed(TwoServersWithDrones):
     def test_live_samples_go_on_at_the_other_server_once_the_lease_of_a_killed_one_is_over(self):
         self.assert_outcome(self.at(A, "Battery", 1), "APPLIED")

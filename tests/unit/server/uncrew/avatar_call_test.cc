@@ -30,6 +30,17 @@ class AvatarCallTest : public ::testing::Test {
     return open;
   }
 
+  static std::string ModeText(std::string_view at, std::string_view name) {
+    return "metadata { sampled_at_unix_us: " + std::string(at) +
+           " } flight_mode { mode: FLIGHT_MODE_" + std::string(name) + " }";
+  }
+  /// What comes of a mode that is sent and committed.
+  static std::string Mode(AvatarBench& bench, std::string_view at, std::string_view name) {
+    FakeCall& call = bench.Call(SampleType::kFlightMode, ModeText(at, name));
+    bench.Commit();
+    return call.End();
+  }
+
   testing::ManualClock clock_;
   testing::FakeDatabase database_;
   AvatarBench bench_{clock_, database_, 1};
@@ -120,20 +131,21 @@ TEST_F(AvatarCallTest, AnUnclaimedDroneWaitsForNoLonger) {
 }
 
 TEST_F(AvatarCallTest, AChangeIsStoredAndARepetitionIsLive) {
-  const auto mode = [&](std::string_view at, std::string_view name) -> FakeCall& {
-    return bench_.Call(SampleType::kFlightMode,
-                       "metadata { sampled_at_unix_us: " + std::string(at) +
-                           " } flight_mode { mode: FLIGHT_MODE_" + std::string(name) + " }");
-  };
-  FakeCall& first = mode("1", "HOLD");
+  EXPECT_EQ(Mode(bench_, "1", "HOLD"), "STORED");
+  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("2", "HOLD")).End(), "APPLIED");
+  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("3", "LAND")).End(), "waits");
   bench_.Commit();
-  EXPECT_EQ(first.End(), "STORED");
-  EXPECT_EQ(mode("2", "HOLD").End(), "APPLIED");
-  FakeCall& second = mode("3", "LAND");
-  EXPECT_EQ(second.End(), "waits");
-  bench_.Commit();
-  EXPECT_EQ(second.End(), "STORED");
-  EXPECT_EQ(mode("4", "LAND").End(), "APPLIED");
+  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("4", "LAND")).End(), "APPLIED");
+}
+
+TEST_F(AvatarCallTest, AChangeThatAnotherServersClaimFencedIsJudgedAnew) {
+  AvatarBench elsewhere(clock_, database_, 2);
+  EXPECT_EQ(Mode(bench_, "1", "HOLD"), "STORED");
+  EXPECT_EQ(Mode(elsewhere, "2", "LAND"), "STORED");
+  EXPECT_EQ(Mode(bench_, "2", "LAND"), "DUPLICATE");
+  EXPECT_EQ(Mode(elsewhere, "3", "TAKEOFF"), "STORED");
+  EXPECT_EQ(Mode(bench_, "4", "HOLD"), "STORED");
+  EXPECT_EQ(bench_.counts().stored + elsewhere.counts().stored, 4U);
 }
 
 TEST_F(AvatarCallTest, RequestsAreShownAtOnceAndEndWithTheSet) {
