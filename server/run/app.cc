@@ -82,7 +82,11 @@ class App::Impl {
             .random = options_.random,
             .kernel_clock_synchronised = options_.kernel_clock_synchronised,
             .spatial_committed = [this] { relay_.OnSpatialCommitted(); },
-            .reconnected = [this] { broker_.Reread(); },
+            .reconnected =
+                [this] {
+                  broker_.Reread();
+                  uncrew_.NoteStoreReconnected();
+                },
             .shut_out = [this] { ground_.EndAsFailed(); }};
   }
 

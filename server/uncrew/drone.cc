@@ -14,7 +14,7 @@ using model::uncrew::SampleKind;
 using model::uncrew::SampleType;
 
 Drone::Drone(const Context& context, fleet::RobotPtr robot)
-    : context_(context), robot_(std::move(robot)) {
+    : context_(context), robot_(std::move(robot)), unproven_(context.journal, mutex_) {
   robot_->calls.Begin();
 }
 
@@ -57,7 +57,7 @@ bool Drone::Enter(SystemTime now) {
 
 bool Drone::idle() const {
   const std::lock_guard lock(mutex_);
-  return calls_.load() == 0 && waiting_.empty() && !claiming_;
+  return calls_.load() == 0 && waiting_.empty() && !claiming_ && !unproven_.asked();
 }
 
 // --- A sample ---
@@ -125,9 +125,8 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
     return Wait(ticket, if_known, caller);
   }
   if (stored_.IsDuplicate(*mark)) {
-    Offered known = Settle(port, sample, metrics::Became::kDuplicate);
-    known.answer = if_known;
-    return known;
+    static_cast<void>(Settle(port, sample, metrics::Became::kDuplicate));
+    return Wait(unproven_.Add(), if_known, caller);
   }
   const bool is_ordered =
       !is_rejected && (IsSet(type) || sample.row().kind != SampleKind::kDurable);
@@ -181,7 +180,7 @@ Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
   Offered same = Settle(port, sample, metrics::Became::kSuperseded);
   // A drone may rely on the answer: the set is known once it is committed.
   const TicketRef ticket = waiting_.Find(NumberOf(sample.judged.type), nullptr);
-  return ticket == nullptr ? same : Wait(ticket, same.answer, caller);
+  return Wait(ticket == nullptr ? unproven_.Add() : ticket, same.answer, caller);
 }
 
 Drone::Offered Drone::Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
@@ -257,6 +256,17 @@ loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
   }
   for (const loop::StreamRef& caller : wake) caller.Wake();
   return {};
+}
+
+void Drone::NoteStoreReconnected() {
+  std::vector<loop::StreamRef> wake;
+  {
+    const std::lock_guard lock(mutex_);
+    claim_ = 0;
+    stored_.Set({});
+    wake = unproven_.VoidAll();
+  }
+  for (const loop::StreamRef& caller : wake) caller.Wake();
 }
 
 loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,

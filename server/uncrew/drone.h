@@ -25,6 +25,7 @@
 #include "server/uncrew/judged_sample.h"
 #include "server/uncrew/live_samples.h"
 #include "server/uncrew/stored_samples.h"
+#include "server/uncrew/unproven_answers.h"
 #include "server/uncrew/waiting_samples.h"
 #include "storage/samples.h"
 
@@ -84,6 +85,9 @@ class Drone final : public robot::ClaimClient {
     const std::lock_guard lock(mutex_);
     return *ticket;
   }
+  /// The store was connected to anew, and may be an older copy: nothing that is remembered of it
+  /// counts any more. The journal tells of it before anything more is committed.
+  void NoteStoreReconnected();
   /// The call waits no more.
   void Forget(const TicketRef& ticket, loop::StreamRef caller);
 
@@ -137,6 +141,7 @@ class Drone final : public robot::ClaimClient {
   LiveSamples live_;
   StoredSamples stored_;
   WaitingSamples waiting_;
+  UnprovenAnswers unproven_;
   limits::TokenBucket rate_;
   /// 0: it has none.
   storage::Epoch claim_ = 0;

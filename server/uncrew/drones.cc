@@ -119,6 +119,10 @@ void Drones::Round() {
   });
 }
 
+void Drones::NoteStoreReconnected() {
+  for (const DronePtr& drone : All()) drone->NoteStoreReconnected();
+}
+
 std::size_t Drones::size() const {
   const std::lock_guard lock(mutex_);
   return drones_.size();

@@ -85,7 +85,9 @@ class AvatarBench final : public loop::WakeInbox {
                                 .answer_within = std::chrono::seconds(5),
                                 .ruri_template = config::UncrewConfig().ruri_template,
                                 .in_flight_max = 1000,
-                                .payload_bytes_max = 65'536})(clock)) {}
+                                .payload_bytes_max = 65'536})(clock)) {
+    journal_.OnReconnected([this](journal::Reconnected /*to*/) { drones_.NoteStoreReconnected(); });
+  }
   ~AvatarBench() override { handlers_.clear(); }
   AvatarBench(const AvatarBench&) = delete;
   AvatarBench& operator=(const AvatarBench&) = delete;
@@ -132,6 +134,22 @@ class AvatarBench final : public loop::WakeInbox {
       const auto due = handler->deadline();
       if (due && *due <= clock_.Steady()) handler->OnTimer();
     }
+  }
+
+  /// The server is to end within `grace`.
+  void Drain(milliseconds grace) {
+    for (const auto& [id, handler] : handlers_) handler->OnDrain(grace);
+  }
+  /// A call whose message has too many bytes.
+  FakeCall& CallTooLarge(std::uint64_t bytes) {
+    const std::uint64_t id = ++last_;
+    calls_.push_back(std::make_unique<FakeCall>(Drone("1"), loop::StreamRef{this, id}));
+    auto handler = methods_.at("/uncrew.v1.AvatarService/PublishHeading").serve(*calls_.back());
+    UPLINK_CHECK(handler.ok(), "a call is served");
+    handlers_[id] = *std::move(handler);
+    handlers_[id]->Start();
+    handlers_[id]->OnTooLarge(bytes);
+    return *calls_.back();
   }
 
   [[nodiscard]] testing::FakeStore& store() { return store_; }

@@ -22,6 +22,12 @@ class AvatarCallTest : public ::testing::Test {
     static_cast<void>(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }"));
     bench_.Commit();
   }
+  /// What comes of a sample that is sent and committed.
+  std::string Committed(SampleType type, std::string_view text) {
+    FakeCall& call = bench_.Call(type, text);
+    bench_.Commit();
+    return call.End();
+  }
   [[nodiscard]] std::size_t OpenRequests() {
     std::size_t open = 0;
     for (const DronePtr& drone : bench_.drones().All()) {
@@ -88,12 +94,50 @@ TEST_F(AvatarCallTest, ADurableSampleThatIsSentAgainIsADuplicateWhereverItComes)
   EXPECT_EQ(again.End(), "waits");
   bench_.Commit();
   EXPECT_EQ(again.End(), "DUPLICATE");
-  EXPECT_EQ(bench_.Call(SampleType::kStatusText, kText).End(), "DUPLICATE");
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "DUPLICATE");
 
   AvatarBench elsewhere(clock_, database_, 2);
   FakeCall& there = elsewhere.Call(SampleType::kStatusText, kText);
   elsewhere.Commit();
   EXPECT_EQ(there.End(), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, ADuplicateIsToldOnceTheStoreHasCommittedAnew) {
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
+  FakeCall& first = bench_.Call(SampleType::kStatusText, kText);
+  FakeCall& second = bench_.Call(SampleType::kStatusText, kText);
+  EXPECT_EQ(first.End(), "waits");
+  EXPECT_EQ(second.End(), "waits");
+  bench_.Commit();
+  EXPECT_EQ(first.End(), "DUPLICATE");
+  EXPECT_EQ(second.End(), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, ADuplicateIsUnavailableWhileTheStoreIsAway) {
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
+  bench_.store().FailNextCommits(1'000, testing::FailAt::kBefore);
+  FakeCall& again = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Advance();
+  bench_.Pass(std::chrono::seconds(5));
+  EXPECT_EQ(again.End(), "UNAVAILABLE");
+  EXPECT_TRUE(bench_.counts().Balanced());
+}
+
+TEST_F(AvatarCallTest, ASampleThatAnOlderStoreLacksIsStoredWhenItIsSentAgain) {
+  Begin();
+  testing::FakeDatabase older;
+  older.CopyRowsOf(database_);
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
+  EXPECT_EQ(Committed(SampleType::kOperatorRequests, kRequest), "STORED");
+  database_.CopyRowsOf(older);
+  FakeCall& text = bench_.Call(SampleType::kStatusText, kText);
+  FakeCall& set = bench_.Call(SampleType::kOperatorRequests,
+                              "metadata { sampled_at_unix_us: 9 } " + std::string(kRequest));
+  bench_.store().Break();
+  bench_.Commit();
+  EXPECT_EQ(text.End(), "STORED");
+  EXPECT_EQ(set.End(), "STORED");
+  EXPECT_TRUE(bench_.counts().Balanced());
 }
 
 TEST_F(AvatarCallTest, ADroneThatAlternatesLosesNothing) {
@@ -118,7 +162,26 @@ TEST_F(AvatarCallTest, WithoutACommitItIsUnavailableInTimeAndStillCommits) {
   EXPECT_EQ(call.End(), "UNAVAILABLE");
   bench_.Commit();
   EXPECT_EQ(bench_.counts().stored, 1U);
-  EXPECT_EQ(bench_.Call(SampleType::kStatusText, kText).End(), "DUPLICATE");
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, WithoutACommitADrainAnswersItWithinItsGrace) {
+  Begin();
+  FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Drain(std::chrono::seconds(2));
+  bench_.Pass(std::chrono::milliseconds(1'999));
+  EXPECT_EQ(call.End(), "waits");
+  bench_.Pass(std::chrono::milliseconds(1));
+  EXPECT_EQ(call.End(), "UNAVAILABLE");
+  bench_.Commit();
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "DUPLICATE");
+}
+
+TEST_F(AvatarCallTest, ARequestThatIsTooLargeNamesItsSizeAndTheLimit) {
+  FakeCall& call = bench_.CallTooLarge(kRequestBytesMax + 1);
+  EXPECT_EQ(call.End(), "RESOURCE_EXHAUSTED");
+  EXPECT_EQ(call.status().message(), "the request has 65537 bytes, the limit is 65536");
+  EXPECT_EQ(bench_.drones().size(), 0U);
 }
 
 TEST_F(AvatarCallTest, AnUnclaimedDroneWaitsForNoLonger) {
@@ -184,7 +247,7 @@ TEST_F(AvatarCallTest, BadContentIsAnAnswerAndKeptOnce) {
   bench_.Commit();
   EXPECT_EQ(call.End(), "REJECTED");
   EXPECT_EQ(call.response().field(), "battery.remaining_percent");
-  EXPECT_EQ(bench_.Call(SampleType::kBattery, bad).End(), "REJECTED");
+  EXPECT_EQ(Committed(SampleType::kBattery, bad), "REJECTED");
   EXPECT_EQ(bench_.counts().rejected, 1U);
   EXPECT_EQ(bench_.counts().duplicate, 1U);
 }
