@@ -16,7 +16,8 @@ class WaitingSamplesTest : public ::testing::Test {
  protected:
   TicketRef Add(std::uint8_t digest, std::size_t records = 1, bool timed = true,
                 std::optional<model::RejectReason> rejected = std::nullopt) {
-    std::vector<storage::CommitRecord> made(records);
+    std::vector<storage::CommitRecord> made(
+        records, {.content = model::OperatorRequest{}, .payload = "", .payload_bytes = 0});
     return waiting_.Add(std::make_shared<const storage::SampleMark>(
                             storage::SampleMark{.type = kType, .digest = {digest}, .timed = timed}),
                         made, rejected);
