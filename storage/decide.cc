@@ -47,6 +47,7 @@ absl::StatusOr<std::optional<OutcomeKind>> Decider::LookAt(const CommitRecord& o
   const absl::StatusOr<KnownRobot*> robot = known_.Robot(of_sample.robot->ruri);
   if (!robot.ok()) return robot.status();
   if (*robot == nullptr || (*robot)->claim != mark.claim) return OutcomeKind::kFenced;
+  if (mark.is_question) return OutcomeKind::kDuplicate;
   const absl::StatusOr<KnownSamples*> samples = known_.Samples(of_sample);
   if (!samples.ok()) return samples.status();
   if (IsDuplicate(mark, (*samples)->memory)) return OutcomeKind::kDuplicate;

@@ -38,6 +38,9 @@ struct SampleMark {
   /// Whether the sample names a time. One that does is a duplicate if it is among the last
   /// kSamplesKept of its type; one that does not, if it equals the last.
   bool timed = false;
+  /// The record is no sample: it asks whether the claim holds. kDuplicate if it does; nothing is
+  /// written, and nothing else here counts.
+  bool is_question = false;
   /// What is to be remembered with it as the last of its type. The bytes are the server's own, and
   /// mean nothing to a store; at most kSampleLastBytesMax.
   std::string last;

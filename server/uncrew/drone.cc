@@ -13,8 +13,22 @@ namespace uplink::uncrew {
 using model::uncrew::SampleKind;
 using model::uncrew::SampleType;
 
+namespace {
+
+Answer LimitedBy(const DroneMessage& message) {
+  return {.outcome = Outcome::kRejected,
+          .rejection = message.limited(),
+          .retry_after = message.retry_after()};
+}
+
+bool IsGood(Outcome outcome) {
+  return outcome == Outcome::kApplied || outcome == Outcome::kSuperseded;
+}
+
+}  // namespace
+
 Drone::Drone(const Context& context, fleet::RobotPtr robot)
-    : context_(context), robot_(std::move(robot)), unproven_(context.journal, mutex_) {
+    : context_(context), robot_(std::move(robot)) {
   robot_->calls.Begin();
 }
 
@@ -30,17 +44,10 @@ bool Drone::SetSpeaker(const fleet::Claim& claim) {
   const bool same = robot_->id()->fleet == claim.robot.fleet;
   if (!same && !moves) return false;
   const std::lock_guard lock(mutex_);
-  word_ = moves ? storage::FleetWord::kMoves : storage::FleetWord::kMatches;
-  if (gateway_ != claim.gateway) {
-    gateway_ = claim.gateway;
-    gateway_use_ = context_.journal.GatewayOf(gateway_);
-  }
+  claim_.SpeakAs(claim, moves, context_.journal);
   if (!same) {
     robot_->SetFleet(claim.robot.fleet);
-    // The next claim tells the store.
-    other_fleet_ = false;
-    claimed_at_ = {};
-    if (waiting_.empty()) claim_ = 0;
+    claim_.TellFleet(waiting_.empty());
   }
   return true;
 }
@@ -57,7 +64,7 @@ bool Drone::Enter(SystemTime now) {
 
 bool Drone::idle() const {
   const std::lock_guard lock(mutex_);
-  return calls_.load() == 0 && waiting_.empty() && !claiming_ && !unproven_.asked();
+  return calls_.load() == 0 && waiting_.empty() && !claim_.is_asked();
 }
 
 // --- A sample ---
@@ -67,7 +74,7 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
   // It is to be forgotten: what it says comes again, to a drone that is new.
   if (robot_->calls.asked_to_end()) return Settle(port, sample, metrics::Became::kRefused);
   ClaimIfDue(context_.clock.Steady());
-  if (other_fleet_) {
+  if (claim_.is_other_fleet()) {
     static_cast<void>(Settle(port, sample, metrics::Became::kRefused));
     return {.is = Offered::Is::kOtherFleet};
   }
@@ -77,8 +84,8 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
   }
   if (sample.judged.rejection() != nullptr) return OfferDurable(port, sample, caller);
   // Sets are shown at once, whatever the store does.
-  if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(LiveOf(sample))) {
-    live_.Apply(LiveOf(sample));
+  if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(sample.live())) {
+    live_.Apply(sample.live());
   }
   if (sample.row().kind == SampleKind::kLive) return OfferLive(port, sample);
   return OfferDurable(port, sample, caller);
@@ -87,7 +94,7 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
 Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
   // Another server has it, and shows what it says live.
   if (robot_->state.foreign()) return Settle(port, sample, metrics::Became::kRefused);
-  const LiveSamples::Sample live = LiveOf(sample);
+  const LiveSamples::Sample live = sample.live();
   const bool is_old = live_.IsHeld(live) || live_.IsOlder(live);
   DroneMessage message({.judged = sample.judged,
                         .arrival = sample.arrival(),
@@ -98,22 +105,18 @@ Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
                         .ledger = context_.ledger});
   const ingest::Port::Offered offered = port.Offer(line(), message);
   port.Publish();
-  if (offered.answer == ingest::Port::Answer::kLimited) {
-    return {.answer = {.outcome = Outcome::kRejected,
-                       .rejection = message.limited(),
-                       .retry_after = message.retry_after()}};
-  }
+  if (offered.answer == ingest::Port::Answer::kLimited) return {.answer = LimitedBy(message)};
   if (!is_old) live_.Apply(live);
   return {.answer = {.outcome = is_old ? Outcome::kSuperseded : Outcome::kApplied}};
 }
 
 Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
                                    loop::StreamRef caller) {
-  if (claim_ == 0) return AwaitClaim(caller);
+  if (claim_.epoch() == 0) return AwaitClaim(caller);
   const bool is_rejected = sample.judged.rejection() != nullptr;
   const SampleType type = is_rejected ? SampleType::kRejected : sample.judged.type;
   const auto mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{
-      .claim = claim_,
+      .claim = claim_.epoch(),
       .type = NumberOf(type),
       .digest = sample.digest,
       .timed = sample.judged.metadata.timed(),
@@ -126,11 +129,11 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
   }
   if (stored_.IsDuplicate(*mark)) {
     static_cast<void>(Settle(port, sample, metrics::Became::kDuplicate));
-    return Wait(unproven_.Add(), if_known, caller);
+    return AskStore(sample, if_known, caller);
   }
   const bool is_ordered =
       !is_rejected && (IsSet(type) || sample.row().kind != SampleKind::kDurable);
-  if (is_ordered && live_.IsOlder(LiveOf(sample))) {
+  if (is_ordered && live_.IsOlder(sample.live())) {
     return Settle(port, sample, metrics::Became::kSuperseded);
   }
   return OfferRecords(port, sample, mark, caller);
@@ -160,27 +163,46 @@ Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
   const ingest::Port::Offered offered = port.Offer(line(), message);
   port.Publish();
   if (offered.answer == ingest::Port::Answer::kWaits) return {.is = Offered::Is::kNoRoom};
-  if (message.limited()) {
-    return {.answer = {.outcome = Outcome::kRejected,
-                       .rejection = message.limited(),
-                       .retry_after = message.retry_after()}};
-  }
+  if (message.limited()) return {.answer = LimitedBy(message)};
   if (message.ticket() == nullptr) return {.answer = {.outcome = Outcome::kUnavailable}};
-  robot_->calls.AddWaiting({.records = waiting_.use().records - before.records,
-                            .bytes = waiting_.use().bytes - before.bytes});
+  AddWaitingSince(before);
   stored_.Add(*mark);
-  if (!is_rejected && !robot_->state.foreign()) live_.Apply(LiveOf(sample));
+  if (!is_rejected && !robot_->state.foreign()) live_.Apply(sample.live());
   return Wait(message.ticket(), {.outcome = is_rejected ? Outcome::kRejected : Outcome::kStored},
               caller);
 }
 
 Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
                                   loop::StreamRef caller) {
-  if (sample.row().kind == SampleKind::kDurableOnChange) return OfferLive(port, sample);
+  if (sample.row().kind == SampleKind::kDurableOnChange) {
+    Offered live = OfferLive(port, sample);
+    if (live.answer.outcome == Outcome::kRejected || live.answer.outcome == Outcome::kUnavailable)
+      return live;
+    return AskStore(sample, std::move(live.answer), caller);
+  }
   Offered same = Settle(port, sample, metrics::Became::kSuperseded);
   // A drone may rely on the answer: the set is known once it is committed.
   const TicketRef ticket = waiting_.Find(NumberOf(sample.judged.type), nullptr);
-  return Wait(ticket == nullptr ? unproven_.Add() : ticket, same.answer, caller);
+  return ticket == nullptr ? AskStore(sample, same.answer, caller)
+                           : Wait(ticket, same.answer, caller);
+}
+
+Drone::Offered Drone::AskStore(const Sample& sample, Answer answer, loop::StreamRef caller) {
+  std::vector<storage::CommitRecord> question;
+  question.push_back(QuestionOf({.robot = robot_->id(),
+                                 .session = context_.session,
+                                 .received_at = sample.arrived_system,
+                                 .claim = claim_.epoch()}));
+  const robot::JournalUse before = waiting_.use();
+  const TicketRef ticket = waiting_.Add(question.front().sample, question, std::nullopt);
+  AddWaitingSince(before);
+  context_.journal.AppendMessage(*this, line().by, std::move(question), sample.arrived);
+  return Wait(ticket, std::move(answer), caller);
+}
+
+void Drone::AddWaitingSince(const robot::JournalUse& before) {
+  robot_->calls.AddWaiting({.records = waiting_.use().records - before.records,
+                            .bytes = waiting_.use().bytes - before.bytes});
 }
 
 Drone::Offered Drone::Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
@@ -205,38 +227,24 @@ void Drone::Forget(const TicketRef& ticket, loop::StreamRef caller) {
   if (ticket != nullptr) std::erase(ticket->callers, caller);
 }
 
-LiveSamples::Sample Drone::LiveOf(const Sample& sample) const {
-  return {.value = *sample.judged.value(),
-          .metadata = sample.judged.metadata,
-          .digest = sample.digest,
-          .received = sample.arrived_system,
-          .received_steady = sample.arrived};
-}
-
 ingest::Line Drone::line() {
   return {.robot = *robot_,
           .id = robot_->id(),
           .journal = context_.journal,
           .session = context_.session,
-          .by = journal::AppendedBy(generation_.load(), gateway_use_),
+          .by = journal::AppendedBy(generation_.load(), claim_.use()),
           .client = this};
 }
 
 // --- Its claim ---
 
 void Drone::ClaimIfDue(SteadyTime now) {
-  if (claiming_) return;
-  // What waits was judged under the claim that there is.
-  const bool is_again = claim_ != 0 || other_fleet_;
-  if (is_again) {
-    if (!waiting_.empty() || (!other_fleet_ && !robot_->state.foreign())) return;
-    if (now - claimed_at_ < robot::kClaimAgainEvery) return;
-  }
-  claiming_ = true;
-  claimed_at_ = now;
+  if (!claim_.IsDue(now, !waiting_.empty(), robot_->state.foreign())) return;
+  claim_.Ask(now);
   context_.journal.Claim(
-      *this, *robot_, {.robot = robot_->id(), .at = context_.clock.System(), .fleet_word = word_},
-      gateway_);
+      *this, *robot_,
+      {.robot = robot_->id(), .at = context_.clock.System(), .fleet_word = claim_.word()},
+      claim_.gateway());
 }
 
 loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
@@ -247,9 +255,7 @@ loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
   std::vector<loop::StreamRef> wake;
   {
     const std::lock_guard lock(mutex_);
-    claiming_ = false;
-    claim_ = result.claim;
-    other_fleet_ = result.other_fleet.has_value();
+    claim_.Take(result);
     stored_.Set(result.samples);
     if (result.held_since == 0 && robot_->state.foreign()) live_.Clear();
     wake = std::exchange(unclaimed_, {});
@@ -258,16 +264,7 @@ loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
   return {};
 }
 
-void Drone::NoteStoreReconnected() {
-  std::vector<loop::StreamRef> wake;
-  {
-    const std::lock_guard lock(mutex_);
-    claim_ = 0;
-    stored_.Set({});
-    wake = unproven_.VoidAll();
-  }
-  for (const loop::StreamRef& caller : wake) caller.Wake();
-}
+void Drone::NoteStoreReconnected() { static_cast<void>(OnFenced(context_.ledger)); }
 
 loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
                                  metrics::Ledger& /*ledger*/) {
@@ -284,7 +281,8 @@ loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
   {
     const std::lock_guard lock(mutex_);
     generation_.fetch_add(1);
-    claim_ = 0;
+    claim_.Void();
+    stored_.Set({});
     settling = waiting_.VoidAll();
   }
   return Tell(settling);

@@ -22,10 +22,10 @@
 #include "server/limits/token_bucket.h"
 #include "server/robot/commit_client.h"
 #include "server/uncrew/answer.h"
+#include "server/uncrew/drone_claim.h"
 #include "server/uncrew/judged_sample.h"
 #include "server/uncrew/live_samples.h"
 #include "server/uncrew/stored_samples.h"
-#include "server/uncrew/unproven_answers.h"
 #include "server/uncrew/waiting_samples.h"
 #include "storage/samples.h"
 
@@ -117,7 +117,6 @@ class Drone final : public robot::ClaimClient {
   // Under the lock.
   [[nodiscard]] ingest::Line line();
   void ClaimIfDue(SteadyTime now);
-  [[nodiscard]] LiveSamples::Sample LiveOf(const Sample& sample) const;
   [[nodiscard]] Offered AwaitClaim(loop::StreamRef caller);
   [[nodiscard]] Offered OfferLive(ingest::Port& port, const Sample& sample);
   [[nodiscard]] Offered OfferDurable(ingest::Port& port, const Sample& sample,
@@ -127,6 +126,11 @@ class Drone final : public robot::ClaimClient {
   /// What it says is known: of a set that waits, the answer waits, too.
   [[nodiscard]] Offered SaysTheSame(ingest::Port& port, const Sample& sample,
                                     loop::StreamRef caller);
+  /// An answer that rests on what is remembered of the store goes out once the store says that the
+  /// claim holds: another server may have stored since, or the store is an older copy by now.
+  [[nodiscard]] Offered AskStore(const Sample& sample, Answer answer, loop::StreamRef caller);
+  /// Tells the robot what waits since.
+  void AddWaitingSince(const robot::JournalUse& before);
   /// Counts a sample that comes to nothing more than this answer.
   [[nodiscard]] Offered Settle(ingest::Port& port, const Sample& sample, metrics::Became became);
   [[nodiscard]] Offered Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller);
@@ -141,16 +145,8 @@ class Drone final : public robot::ClaimClient {
   LiveSamples live_;
   StoredSamples stored_;
   WaitingSamples waiting_;
-  UnprovenAnswers unproven_;
   limits::TokenBucket rate_;
-  /// 0: it has none.
-  storage::Epoch claim_ = 0;
-  bool claiming_ = false;
-  SteadyTime claimed_at_;
-  bool other_fleet_ = false;
-  storage::FleetWord word_ = storage::FleetWord::kMoves;
-  std::string gateway_;
-  journal::GatewayRef gateway_use_;
+  DroneClaim claim_;
   /// Calls that wait for the claim; each once.
   std::vector<loop::StreamRef> unclaimed_;
 };

@@ -1,5 +1,6 @@
 #include "server/uncrew/judged_sample.h"
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <variant>
@@ -13,6 +14,26 @@ ingest::Arrival Sample::arrival() const {
           .payload_bytes = judged.payload_bytes,
           .waits = ingest::Waits::kStream,
           .is_counted = is_counted};
+}
+
+LiveSamples::Sample Sample::live() const {
+  return {.value = *judged.value(),
+          .metadata = judged.metadata,
+          .digest = digest,
+          .received = arrived_system,
+          .received_steady = arrived};
+}
+
+storage::CommitRecord QuestionOf(Questioner by) {
+  return {.robot = std::move(by.robot),
+          .session = by.session,
+          .received_at = by.received_at,
+          // It has to be something; a question is never written.
+          .content = model::OperatorRequest{},
+          .payload = "",
+          .payload_bytes = 0,
+          .sample = std::make_shared<const storage::SampleMark>(
+              storage::SampleMark{.claim = by.claim, .is_question = true})};
 }
 
 std::vector<storage::CommitRecord> Sample::RecordsOf(std::vector<DurableRecord> made) const {

@@ -10,6 +10,7 @@
 #include "schema/uncrew/records.h"
 #include "server/ingest/message.h"
 #include "server/uncrew/answer.h"
+#include "server/uncrew/live_samples.h"
 #include "storage/commit_record.h"
 #include "storage/samples.h"
 
@@ -29,9 +30,21 @@ struct Sample {
     return model::uncrew::RowOf(judged.type);
   }
   [[nodiscard]] ingest::Arrival arrival() const;
+  /// As what is held of it; of one that is not rejected.
+  [[nodiscard]] LiveSamples::Sample live() const;
   /// What was made of it, as the journal takes it.
   [[nodiscard]] std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made) const;
 };
+
+/// What a question to the store is of.
+struct Questioner {
+  storage::RobotRef robot;
+  model::SessionId session;
+  SystemTime received_at;
+  storage::Epoch claim = 0;
+};
+/// A record that asks whether the claim holds (storage::SampleMark::is_question).
+[[nodiscard]] storage::CommitRecord QuestionOf(Questioner by);
 
 /// Whether a sample of this type is all of its kind that there is, and what is not in it is over.
 [[nodiscard]] constexpr bool IsSet(model::uncrew::SampleType type) {

@@ -29,7 +29,7 @@ TicketRef WaitingSamples::Add(const storage::SampleRef& mark,
 
 TicketRef WaitingSamples::Find(std::uint32_t type, const storage::SampleDigest* digest) const {
   for (const Waiting& sample : waiting_ | std::views::reverse) {
-    if (sample.mark->type != type) continue;
+    if (sample.mark->is_question || sample.mark->type != type) continue;
     if (digest == nullptr || sample.mark->digest == *digest) return sample.ticket;
     // Without a time, it is another one than the last.
     if (!sample.mark->timed) return nullptr;
@@ -56,6 +56,10 @@ void WaitingSamples::Note(const robot::Settled& settled, Waiting& sample) {
 void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
   Ticket& ticket = *sample.ticket;
   ticket.state = Ticket::State::kCommitted;
+  settling.use = settling.use + sample.use;
+  std::ranges::copy(ticket.callers, std::back_inserter(settling.wake));
+  // Who asked was counted.
+  if (sample.mark->is_question) return;
   ticket.was_stored = sample.duplicate && !sample.stored;
   // The store keeps one record and refuses another, such as one fault too many: what it kept
   // counts.
@@ -71,8 +75,6 @@ void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
   } else {
     ++settling.counts.stored;
   }
-  settling.use = settling.use + sample.use;
-  std::ranges::copy(ticket.callers, std::back_inserter(settling.wake));
 }
 
 WaitingSamples::Settling WaitingSamples::Settle(std::span<const robot::Settled> settled) {
@@ -95,8 +97,10 @@ WaitingSamples::Settling WaitingSamples::VoidAll() {
   Settling settling;
   for (Waiting& sample : waiting_) {
     sample.ticket->state = Ticket::State::kVoid;
-    --settling.counts.in_flight;
-    ++settling.counts.refused;
+    if (!sample.mark->is_question) {
+      --settling.counts.in_flight;
+      ++settling.counts.refused;
+    }
     std::ranges::copy(sample.ticket->callers, std::back_inserter(settling.wake));
   }
   waiting_.clear();

@@ -41,7 +41,8 @@ using TicketRef = std::shared_ptr<Ticket>;
 /// Thread: confined to its owner's lock.
 class WaitingSamples final {
  public:
-  /// Numbers the records of a sample, which share this mark.
+  /// Numbers the records of a sample, which share this mark; or the one of a question, which is in
+  /// no count.
   [[nodiscard]] TicketRef Add(const storage::SampleRef& mark,
                               std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected);

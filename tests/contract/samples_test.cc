@@ -64,6 +64,20 @@ TEST_P(SamplesContract, KeepsTheSourcesLevelOfAStatusText) {
   EXPECT_EQ(Messages()[0].message.source_level, "notice");
 }
 
+TEST_P(SamplesContract, AnswersWhetherAClaimHoldsAndWritesNothing) {
+  const auto question = [this] {
+    return Sample(storage::SampleMark{.claim = claim_, .is_question = true});
+  };
+  EXPECT_THAT(Commit(question()), ElementsAre(OutcomeKind::kDuplicate));
+  EXPECT_THAT(Commit(Join(Sample(Mark(1)), question())),
+              ElementsAre(OutcomeKind::kStored, OutcomeKind::kDuplicate));
+  EXPECT_THAT(Messages(), SizeIs(1));
+  EXPECT_THAT(Memory(), SizeIs(1)) << "of the sample alone";
+  const auto before = question();
+  Claim();
+  EXPECT_THAT(Commit(before), ElementsAre(OutcomeKind::kFenced));
+}
+
 TEST_P(SamplesContract, KnowsTheSecondCopyWithinABatch) {
   EXPECT_THAT(Commit(Join(Sample(Mark(1)), Sample(Mark(1)))),
               ElementsAre(OutcomeKind::kStored, OutcomeKind::kDuplicate));

@@ -72,6 +72,7 @@ std::optional<OutcomeKind> FakeDatabase::LookAtSample(const ProcessId& process,
   if (robot == nullptr || robot->claim != storage::RobotHold{process, mark.claim}) {
     return OutcomeKind::kFenced;
   }
+  if (mark.is_question) return OutcomeKind::kDuplicate;
   storage::SampleMemory& memory = robot->samples[mark.type];
   memory.type = mark.type;
   if (storage::IsDuplicate(mark, memory)) return OutcomeKind::kDuplicate;

@@ -31,7 +31,7 @@ void ReadDrones(const Slice& slice, const ProcessId& process, KnownRows& known, 
     if (std::holds_alternative<model::OperatorRequest>(record.content)) asking.insert(ruri);
     if (record.sample == nullptr) continue;
     drones.insert(ruri);
-    types.emplace(ruri, record.sample->type);
+    if (!record.sample->is_question) types.emplace(ruri, record.sample->type);
   }
   const auto names = [](const std::set<std::string_view>& ruris) {
     Array array{Type::kText};

@@ -195,10 +195,27 @@ TEST_F(AvatarCallTest, AnUnclaimedDroneWaitsForNoLonger) {
 
 TEST_F(AvatarCallTest, AChangeIsStoredAndARepetitionIsLive) {
   EXPECT_EQ(Mode(bench_, "1", "HOLD"), "STORED");
-  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("2", "HOLD")).End(), "APPLIED");
-  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("3", "LAND")).End(), "waits");
-  bench_.Commit();
-  EXPECT_EQ(bench_.Call(SampleType::kFlightMode, ModeText("4", "LAND")).End(), "APPLIED");
+  EXPECT_EQ(Mode(bench_, "2", "HOLD"), "APPLIED");
+  EXPECT_EQ(Mode(bench_, "3", "LAND"), "STORED");
+  EXPECT_EQ(Mode(bench_, "4", "LAND"), "APPLIED");
+  EXPECT_EQ(bench_.counts().stored, 2U);
+  EXPECT_EQ(bench_.counts().applied, 2U);
+  EXPECT_TRUE(bench_.counts().Balanced());
+}
+
+TEST_F(AvatarCallTest, WhatSaysTheSameAsBeforeIsAChangeIfAnotherServerStoredSince) {
+  AvatarBench elsewhere(clock_, database_, 2);
+  EXPECT_EQ(Mode(bench_, "1", "HOLD"), "STORED");
+  EXPECT_EQ(Mode(elsewhere, "2", "LAND"), "STORED");
+  EXPECT_EQ(Mode(bench_, "3", "HOLD"), "STORED");
+
+  EXPECT_EQ(Committed(SampleType::kOperatorRequests, kRequest), "STORED");
+  FakeCall& none = elsewhere.Call(SampleType::kOperatorRequests, "operator_action_requests {}");
+  elsewhere.Commit();
+  EXPECT_EQ(none.End(), "STORED");
+  EXPECT_EQ(Committed(SampleType::kOperatorRequests,
+                      "metadata { sampled_at_unix_us: 9 } " + std::string(kRequest)),
+            "STORED");
 }
 
 TEST_F(AvatarCallTest, AChangeThatAnotherServersClaimFencedIsJudgedAnew) {

@@ -107,6 +107,20 @@ TEST_F(WaitingSamplesTest, VoidingTellsAllAndWhatSettlesLaterChangesNothing) {
   EXPECT_EQ(anew->state, Ticket::State::kCommitted);
 }
 
+TEST_F(WaitingSamplesTest, AQuestionIsInNoCountAndIsNoSample) {
+  std::vector<storage::CommitRecord> question(
+      1, {.content = model::OperatorRequest{}, .payload = "", .payload_bytes = 0});
+  const TicketRef ticket = waiting_.Add(
+      std::make_shared<const storage::SampleMark>(storage::SampleMark{.is_question = true}),
+      question, std::nullopt);
+  EXPECT_EQ(waiting_.Find(0, nullptr), nullptr);
+  const auto settling = Settle(OutcomeKind::kDuplicate);
+  EXPECT_EQ(ticket->state, Ticket::State::kCommitted);
+  EXPECT_EQ(settling.counts.duplicate, 0U);
+  EXPECT_EQ(settling.counts.in_flight, 0);
+  EXPECT_EQ(settling.use.records, 1U);
+}
+
 TEST_F(WaitingSamplesTest, ASampleWithATimeIsFoundAmongAllThatWait) {
   const TicketRef first = Add(1);
   const TicketRef second = Add(2);
