@@ -38,7 +38,7 @@ class PairCampaign(ServersInTurn, BrokerCampaign):
         """The one that reads the broker ends in order."""
         self.raise_server()
         server = self.wait(self.holder, "one of them reads the broker")
-        server.terminate(60)
+        self.end(server)
         self.start_server(server)
 
     def stall(self):
