@@ -4,11 +4,13 @@ by a line (drones.py drives it). PYTHONPATH holds what protoc made of avatar.pro
 {"act": "connect", "name": N, "target": HOST:PORT, "ca": FILE, "certificate": FILE, "key": FILE}
 {"act": "call", "to": N, "type": T, "request": {...}}, see call_of; several at once: {"act": "calls", "calls": [...]}
 {"act": "subscribe", "to": N, "times": COUNT, "pause": SECONDS}
-{"act": "fly", "to": [N, ...], "seed": S, "lost": SHARE}; then "progress" until "land", which gives its book
+{"act": "fly", "to": [N, ...], "seed": S, "lost": SHARE}, see Flight; then "progress" until "land", which gives
+the books; several flights at once: each with types of its own
 """
 
 import base64
 import collections
+import itertools
 import json
 import random
 import sys
@@ -17,7 +19,7 @@ import time
 
 import grpc
 from drone_book import Book
-from drone_samples import TYPES, Kind, request_of, sample_of, times
+from drone_samples import TYPES, UNSTORED, WRONG, WRONG_EVERY, call_of
 from google.protobuf import json_format
 from uncrew.v1 import avatar_pb2
 from uplink.v1 import relay_pb2
@@ -28,6 +30,8 @@ PATIENCE_SECONDS = 30
 # Between two tries of a sample whose call failed.
 PAUSE_SECONDS = 0.05
 LOST_AFTER_SECONDS = 0.01
+# Of a call of a flight: more than uncrew.answer_within.
+DEADLINE_SECONDS = 8
 OPTIONS = (
     ("grpc.ssl_target_name_override", "localhost"),
     ("grpc.initial_reconnect_backoff_ms", 100),
@@ -62,11 +66,11 @@ def answer_of(response):
 
 
 class Drone:
-    """Its channels by name. A flight uses them from a thread of its own."""
+    """Its channels by name. Flights use them from threads of their own."""
 
     def __init__(self):
         self.channels = {}
-        self.flight = None
+        self.flights = []
 
     def connect(self, name, target, ca, certificate=None, key=None):
         credentials = grpc.ssl_channel_credentials(read(ca), read(key), read(certificate))
@@ -119,65 +123,81 @@ class Drone:
             waiting.wait(pause)
         return ends
 
-    def fly(self, to, seed, lost):
-        self.flight = Flight(self, to, random.Random(seed), lost)
+    def fly(self, to, seed, **more):
+        self.flights.append(Flight(self, to, random.Random(seed), **more))
         return {}
 
+    def settled(self):
+        """Of each flight how many durable samples were answered."""
+        return [flight.stored for flight in self.flights]
+
     def progress(self):
-        return self.flight.stored
+        return sum(self.settled())
 
     def land(self):
-        return self.flight.land()
+        """After all that is open was answered for. Gives the books by drone."""
+        for flight in self.flights:
+            flight.lands.set()
+        books, problems = collections.defaultdict(Book), []
+        for flight in self.flights:
+            flight.thread.join()
+            books[flight.of].add(flight.book)
+            problems += flight.problems
+        self.flights = []
+        return {"books": {of: book.dump() for of, book in books.items()}, "problems": problems}
 
 
 class Flight:
-    """Publishes samples of all types, one after the other, by any of the channels. Of `lost` of the calls it
-    takes no answer. It sends what is durable again until it is answered for good."""
+    """Publishes samples of these types of the drone `of`, one after the other, those of the numbers from
+    `first` on. After each call it stays with its channel with the chance `stay`, if that answered; else it
+    takes any. Of `lost` of the calls it takes no answer. It sends what is durable again until a call ends OK.
+    """
 
-    def __init__(self, drone, to, chooser, lost):
+    def __init__(self, drone, to, chooser, lost, of="", types=tuple(TYPES), first=1, stay=0.0):
         self.drone, self.to, self.random, self.lost = drone, to, chooser, lost
+        self.of, self.types, self.first, self.stay = of, types, first, stay
+        self.at = chooser.choice(to)
         self.book = Book()
         self.stored = 0
         self.lands, self.pause = threading.Event(), threading.Event()
-        self.problem = None
+        self.problems = []
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
     def run(self):
-        number = 0
         try:
-            while not self.lands.is_set():
-                number += 1
-                for name in TYPES:
-                    self.publish(name, number)
+            for number in itertools.count(self.first):
+                # Everything once more, so that the server that is there then was told all of it.
+                is_last = self.lands.is_set()
+                for name in self.types:
+                    if name != WRONG or number % WRONG_EVERY == 0:
+                        self.publish(name, number)
+                if is_last:
+                    return
         # Whatever it is, the test is told when the drone lands.
         except Exception as error:  # pylint: disable=broad-except
-            self.problem = repr(error)
+            self.problems.append(repr(error))
 
     def publish(self, name, number):
-        request = request_of(name, sample_of(name, number), times(number))
+        kind, request = call_of(name, number)
         self.book.publish(name, number)
         while True:
-            self.book.answer(name, number, self.word_of(name, request))
+            self.book.answer(name, number, self.word_of(kind, request))
+            if name in UNSTORED:
+                return
             if self.book.is_settled(name, number):
                 self.stored += 1
                 return
-            if TYPES[name].kind is Kind.LIVE:
-                return
             self.pause.wait(PAUSE_SECONDS)
 
-    def word_of(self, name, request):
-        call = {"to": self.random.choice(self.to), "type": name, "request": request}
+    def word_of(self, kind, request):
+        call = {"to": self.at, "type": kind, "request": request, "deadline": DEADLINE_SECONDS}
         if self.random.random() < self.lost:
             call[self.random.choice(("deadline", "lose_after"))] = self.random.uniform(0, LOST_AFTER_SECONDS)
         said = self.drone.call(**call)
+        if said["code"] != "OK" or self.random.random() >= self.stay:
+            self.at = self.random.choice(self.to)
         return said.get("outcome", said["code"])
-
-    def land(self):
-        """After all that is open was answered for."""
-        self.lands.set()
-        self.thread.join()
-        return {"book": self.book.dump(), "problem": self.problem}
 
 
 def main():

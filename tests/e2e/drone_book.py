@@ -1,20 +1,25 @@
 """What a drone published and was answered, and what of it has to be stored: the book that a drone of these
 tests keeps (drone.py), and its comparison with the rows of a server.
 
-A drone sends a durable sample again until it is answered for good, and only then the next one of the type.
+A drone sends a durable sample again until it has an OK answer, and only then the next one of the type.
 So the numbers of a type are settled in their order, and at most the last one is open: that one may be
 stored or not.
 """
 
 import collections
 import json
+import operator
 import re
+import typing
 
-from drone_samples import MODES, STORED, alerts_of, requests_of, value_of
+from drone_samples import MODES, STORED, WRONG, alerts_of, requests_of, value_of
 
 NUMBER = re.compile(r"number (\d+)\.")
-# Answers after which a sample is not sent again.
-FINAL = ("STORED", "DUPLICATE", "REJECTED")
+WRONG_NUMBER = re.compile(r"wrong-(\d+)")
+# Answers after which a sample is not sent again: the outcomes of a call that ended OK.
+FINAL = ("STORED", "APPLIED", "SUPERSEDED", "DUPLICATE", "REJECTED")
+# What leaves rows.
+KEPT = (*STORED, WRONG)
 KINDS = {
     "Armed": "armed",
     "FlightMode": "flightMode",
@@ -45,7 +50,7 @@ class Book:
         return any(word in FINAL for word in self.samples[name][number])
 
     def open_samples(self):
-        return [(name, number) for name in STORED for number in self.samples[name]
+        return [(name, number) for name in KEPT for number in self.samples[name]
                 if not self.is_settled(name, number)]  # fmt: skip
 
     def words(self, *names):
@@ -63,20 +68,57 @@ class Book:
             book.samples[name] = {number: list(words) for number, words in numbers}
         return book
 
+    def add(self, later):
+        """What another book of the same drone has: other types, or later numbers."""
+        for name, numbers in later.samples.items():
+            self.samples[name].update(numbers)
+
+    def last(self):
+        """The highest number of all."""
+        return max((number for numbers in self.samples.values() for number in numbers), default=0)
+
+    def sets(self):
+        """The ids of the alerts and of the requests of the sets that were answered last."""
+        return tuple(
+            ids_of(max((number for number in self.samples[name] if self.is_settled(name, number)), default=0))
+            for name, ids_of in (("Alert", alerts_of), ("OperatorActionRequests", requests_of))
+        )
+
+    def due(self, name):
+        """The rows of what was answered for, and of that with what is open."""
+        numbers = list(self.samples[name])
+        return rows_due(name, [each for each in numbers if self.is_settled(name, each)]), rows_due(name, numbers)
+
+    def account(self, stored):
+        """How many rows are due, are there, are missing, and are too many."""
+        acked, possible, rows = collections.Counter(), collections.Counter(), collections.Counter()
+        for name in KEPT:
+            for counter, each in zip((acked, possible, rows), (*self.due(name), stored.get(name, ()))):
+                counter.update((name, *row) for row in each)
+        return Account(acked.total(), rows.total(), (acked - rows).total(), (rows - possible).total())
+
     def problems(self, stored):
         """A text for each thing that is wrong. `stored`: by type the rows in the order of the store, each
         (line, value), of which those of one line have an order (see rows_of)."""
-        found = [f"{name} {number}: rejected" for name in STORED for number, words in self.samples[name].items()
-                 if "REJECTED" in words]  # fmt: skip
-        for name in STORED:
-            numbers = list(self.samples[name])
-            least = [number for number in numbers if self.is_settled(name, number)]
-            rows, due, possible = (
-                _by_line(each) for each in (stored.get(name, ()), rows_due(name, least), rows_due(name, numbers))
-            )
+        found = [f"{name} {number}: {' '.join(words)}" for name in KEPT for number, words in self.samples[name].items()
+                 if self.is_settled(name, number) and (name == WRONG) != ("REJECTED" in words)]  # fmt: skip
+        for name in KEPT:
+            rows, due, possible = map(_by_line, (stored.get(name, ()), *self.due(name)))
             for line in sorted({*rows, *possible}):
                 found += _compare(f"{name} {line}".strip(), *(each.get(line, []) for each in (rows, due, possible)))
         return found
+
+
+class Account(typing.NamedTuple):
+    """Numbers of rows."""
+
+    acked: int = 0
+    stored: int = 0
+    lost: int = 0
+    doubled: int = 0
+
+    def __add__(self, other):
+        return Account(*map(operator.add, self, other))
 
 
 def rows_due(name, numbers):
@@ -94,7 +136,7 @@ def rows_due(name, numbers):
     return rows
 
 
-def rows_of(events, messages, faults, requests):
+def rows_of(events, messages, faults, requests, quarantine=()):
     """By type what lists of a server hold, the first to come first. A request is one row, with a second
     value once it is closed."""
     stored = collections.defaultdict(list)
@@ -109,6 +151,8 @@ def rows_of(events, messages, faults, requests):
         stored["OperatorActionRequests"].append((row["requestId"], True))
         if int(row["closedAtMs"]):
             stored["OperatorActionRequests"].append((row["requestId"], False))
+    if quarantine:
+        stored[WRONG] = [("", int(WRONG_NUMBER.search(row["detail"]).group(1))) for row in quarantine]
     return stored
 
 

@@ -63,6 +63,10 @@ TYPES = {
     "UAVCommandResult": Type("", Kind.DURABLE),
 }
 TELEMETRY = tuple(name for name in TYPES if name not in ("Alert", "OperatorActionRequests", "UAVCommandResult"))
+# A set of alerts in which one id stands twice: a row of quarantine, and no change of the set.
+WRONG = "Wrong"
+# It is said at numbers that this divides: a store keeps a bounded number of such rows of a robot.
+WRONG_EVERY = 8
 UNSTORED = tuple(name for name, each in TYPES.items() if each.kind is Kind.LIVE)
 STORED = tuple(name for name in TYPES if name not in UNSTORED)
 
@@ -167,6 +171,13 @@ def request_of(name, sample, metadata):
     elif sample is not None:
         request[TYPES[name].field] = sample
     return request
+
+
+def call_of(name, number):
+    """Type and request of the call by which the sample of this number is published."""
+    if name == WRONG:
+        return "Alert", request_of("Alert", alerts(f"wrong-{number}", f"wrong-{number}"), times(number))
+    return name, request_of(name, sample_of(name, number), times(number))
 
 
 def times(number, start_us=1_795_262_400_000_000):

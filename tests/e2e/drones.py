@@ -60,14 +60,37 @@ class Drone:
         self.process.stdout.close()
 
 
+def make_modules(folder):
+    """What a drone in Python needs of the contract."""
+    modules = folder / "modules"
+    modules.mkdir()
+    run("protoc", f"--proto_path={SOURCE / 'proto'}", f"--python_out={modules}", *PROTOS)
+    return modules
+
+
+def python_drone(modules):
+    """A drone without a connection."""
+    environment = {
+        "PYTHONPATH": f"{modules}:{HERE}",
+        # Python's library goes on connecting only while a call waits, or as often as this says.
+        "GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS": "50",
+    }
+    return Drone([PYTHON, str(HERE / "drone.py")], environment)
+
+
+def certify(pki, uav):
+    """The files of a drone's own certificate."""
+    if not (pki / f"{uav}.crt").exists():
+        uplinkctl("pki", "robot", "--dir", pki, "--name", uav, "--ruri", ROOT + uav, "--fleet", "acme")
+    return files_of(pki, uav)
+
+
 class DroneTest(EndToEnd):
     """Tests with drones, which are called by their ids."""
 
     def setUp(self):
         super().setUp()
-        self.modules = self.folder / "modules"
-        self.modules.mkdir()
-        run("protoc", f"--proto_path={SOURCE / 'proto'}", f"--python_out={self.modules}", *PROTOS)
+        self.modules = make_modules(self.folder)
 
     def keep(self, thing):
         self.open_things.append(thing)
@@ -79,18 +102,9 @@ class DroneTest(EndToEnd):
 
     def program(self):
         """A drone without a connection."""
-        environment = {
-            "PYTHONPATH": f"{self.modules}:{HERE}",
-            # Python's library goes on connecting only while a call waits, or as often as this says.
-            "GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS": "50",
-        }
-        return self.keep(Drone([PYTHON, str(HERE / "drone.py")], environment))
+        return self.keep(python_drone(self.modules))
 
-    def certify(self, pki, uav):
-        """The files of a drone's own certificate."""
-        if not (pki / f"{uav}.crt").exists():
-            uplinkctl("pki", "robot", "--dir", pki, "--name", uav, "--ruri", ROOT + uav, "--fleet", "acme")
-        return files_of(pki, uav)
+    certify = staticmethod(certify)
 
     def drone(self, server, uav="d1", **more):
         """A drone with its own certificate and a connection to this server."""
@@ -162,8 +176,8 @@ class DroneTest(EndToEnd):
     def land(self, drone):
         """Its book, once all that it said was answered for."""
         landed = drone.tell("land")
-        self.assertIsNone(landed["problem"])
-        book = Book.load(landed["book"])
+        self.assertEqual(landed["problems"], [])
+        book = Book.load(landed["books"][""])
         self.assertEqual(book.open_samples(), [])
         return book
 

@@ -4,7 +4,7 @@ import json
 import unittest
 
 from drone_book import Book, rows_due, rows_of
-from drone_samples import STORED, TELEMETRY, TYPES, UNSTORED, request_of, sample_of, times
+from drone_samples import STORED, TELEMETRY, TYPES, UNSTORED, WRONG, call_of, request_of, sample_of, times
 
 NUMBERS = range(1, 10)
 
@@ -76,9 +76,47 @@ class Books(unittest.TestCase):
         self.assertEqual(self.book.open_samples(), [])
         self.assertEqual(self.book.problems(self.stored), ["Error: row 9 is nothing, not 10"])
 
-    def test_a_rejected_sample_is_a_problem(self):
+    def test_a_good_sample_that_is_rejected_is_a_problem(self):
         self.leave_open("Error", "REJECTED")
-        self.assertIn("Error 10: rejected", self.book.problems(self.stored))
+        self.assertIn("Error 10: REJECTED", self.book.problems(self.stored))
+
+    def test_a_wrong_sample_that_is_not_rejected_is_a_problem(self):
+        self.leave_open(WRONG, "UNAVAILABLE", "REJECTED")
+        self.assertEqual(self.change(WRONG, ("", 10)), [])
+        self.book.publish(WRONG, 18)
+        self.book.answer(WRONG, 18, "STORED")
+        self.assertIn("Wrong 18: STORED", self.change(WRONG, ("", 10), ("", 18)))
+
+    def test_a_change_that_was_answered_ok_and_is_not_stored_is_lost(self):
+        for word in ("APPLIED", "SUPERSEDED"):
+            self.book, self.stored = flown()
+            self.leave_open("CurrentMissionItem", "CANCELLED", word)
+            self.assertEqual(self.book.open_samples(), [])
+            self.assertEqual(self.book.problems(self.stored), ["CurrentMissionItem: row 9 is nothing, not 10"])
+
+    def test_an_account_counts_what_is_lost_and_what_is_doubled(self):
+        rows = sum(map(len, self.stored.values()))
+        self.assertEqual(self.book.account(self.stored), (rows, rows, 0, 0))
+        self.stored["Error"] = [*self.stored["Error"][1:], ("", 5), ("", 5)]
+        self.assertEqual(self.book.account(self.stored), (rows, rows + 1, 1, 2))
+
+    def test_an_account_takes_what_is_open_for_stored_or_not(self):
+        rows = sum(map(len, self.stored.values()))
+        self.leave_open("Error", "UNAVAILABLE")
+        self.assertEqual(self.book.account(self.stored), (rows, rows, 0, 0))
+        self.stored["Error"].append(("", NUMBERS.stop))
+        self.assertEqual(self.book.account(self.stored), (rows, rows + 1, 0, 0))
+        self.stored["Error"].append(("", NUMBERS.stop))
+        self.assertEqual(self.book.account(self.stored), (rows, rows + 2, 0, 1))
+
+    def test_a_book_goes_on_with_a_later_one(self):
+        later = Book()
+        for name in ("Error", "Battery"):
+            later.publish(name, 30)
+            later.answer(name, 30, "STORED")
+        self.book.add(later)
+        self.assertEqual(self.book.last(), 30)
+        self.assertEqual(self.change("Error", *self.stored["Error"], ("", 30)), [])
 
     def test_live_samples_are_due_nowhere(self):
         self.book.publish("Battery", 1)
@@ -109,6 +147,7 @@ class Rows(unittest.TestCase):
                 {"requestId": "ask-0", "closedAtMs": "1795262400000"},
                 {"requestId": "ask-1", "closedAtMs": "0"},
             ],
+            quarantine=[{"detail": '"wrong-8" stands twice in its list'}],
         )
         self.assertEqual(
             stored,
@@ -120,6 +159,7 @@ class Rows(unittest.TestCase):
                 "StatusText": [("", 5)],
                 "Alert": [("low-1", True), ("low-1", False)],
                 "OperatorActionRequests": [("ask-0", True), ("ask-0", False), ("ask-1", True)],
+                "Wrong": [("", 8)],
             },
         )
 
@@ -132,6 +172,12 @@ class Samples(unittest.TestCase):
         for name in TYPES:
             requests = [json.dumps(request_of(name, sample_of(name, number), times(number))) for number in NUMBERS]
             self.assertEqual(len(set(requests)), len(NUMBERS), name)
+
+    def test_a_wrong_sample_names_its_number_and_is_a_call_of_a_type(self):
+        kind, request = call_of(WRONG, 8)
+        self.assertIn(kind, TYPES)
+        self.assertIn("wrong-8", json.dumps(request))
+        self.assertEqual(call_of("Error", 8), ("Error", request_of("Error", sample_of("Error", 8), times(8))))
 
     def test_each_number_of_a_type_that_is_stored_changes_something(self):
         for name in STORED:
