@@ -26,6 +26,8 @@ enum class Mutation : std::uint8_t {
   kFenceKeepsState,
   /// A broker's message is acked when it came, before the commit.
   kMessageAckedOnArrival,
+  /// A drone's sample is answered when it was taken, before the commit.
+  kSampleAnsweredEarly,
   /// A message that a broker delivers again counts as new.
   kRedeliveryForgotten,
   /// Whatever store was connected to anew counts as having all that was told before.

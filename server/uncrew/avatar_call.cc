@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "server/robot/mutation.h"
 #include "server/uncrew/limits.h"
 #include "server/uncrew/publish_response.h"
 #include "server/uncrew/sample_digest.h"
@@ -78,6 +79,10 @@ void AvatarCall::Take(Drone::Offered offered) {
     case Drone::Offered::Is::kAnswer:
       return Tell(offered.answer);
     case Drone::Offered::Is::kWaits:
+      if (robot::Planted(robot::Mutation::kSampleAnsweredEarly)) {
+        drone_->Forget(offered.ticket, call_.self());
+        return Tell(offered.answer);
+      }
       ticket_ = std::move(offered.ticket);
       once_committed_ = std::move(offered.answer);
       return;
