@@ -66,6 +66,26 @@ class Alternating(TwoServersWithDrones):
         (row,) = self.by_both(lambda server: self.listed(server, "operator-requests"))
         self.assertGreater(int(row["closedAtMs"]), 0)
 
+    def test_a_set_that_comes_back_at_a_server_is_stored_though_the_other_one_ended_it(self):
+        for number, (place, sets) in enumerate(((A, ("x",)), (B, ()), (A, ("x",)), (B, ()), (A, ("x",)))):
+            answer = self.call(self.uav, "Alert", alerts(*sets), number, place)
+            self.assert_outcome(answer, "STORED")
+        faults = self.by_both(lambda server: [row["active"] for row in self.listed(server, "faults")])
+        self.assertEqual(faults, [True, False, True, False, True])
+
+    def test_a_mode_that_comes_back_at_a_server_is_stored_though_the_other_one_ended_it(self):
+        for number in range(1, 5):
+            answer = self.call(self.uav, "Armed", {"is_armed": number % 2 == 1}, number, number % 2)
+            self.assert_outcome(answer, "STORED")
+        events = self.by_both(lambda server: [row["to"] for row in self.events(server, "armed")])
+        self.assertEqual(events, [True, False, True, False])
+
+    def test_a_change_at_a_server_whose_claim_is_over_is_stored(self):
+        self.assert_outcome(self.at(A, "FlightMode", 1), "STORED")
+        self.assert_outcome(self.at(B, "Error", 1), "STORED")
+        self.assert_outcome(self.at(A, "FlightMode", 2), "STORED")
+        self.assertEqual(len(self.by_both(lambda server: self.events(server, "flightMode"))), 2)
+
     def test_live_samples_are_the_first_servers_until_it_stops(self):
         self.assert_outcome(self.at(A, "Battery", 1), "APPLIED")
         # What is durable passes, and takes the drone from nobody.
