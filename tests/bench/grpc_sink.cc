@@ -1,5 +1,5 @@
 // The least that a server by the gRPC library can do: a completion queue, and raw frames that are
-// counted and thrown away. A comparator.
+// counted and thrown away, or calls that are parsed and answered. A comparator.
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -17,7 +17,9 @@
 #include <openssl/crypto.h>
 
 #include "schema/base/check.h"
+#include "tests/bench/avatar/sink_calls.h"
 #include "tests/bench/sink_protocol.h"
+#include "tests/bench/sink_tag.h"
 #include "uplink/v1/relay.grpc.pb.h"
 #include "uplink/v1/relay.pb.h"
 
@@ -103,10 +105,13 @@ class Call final {
  public:
   Call(Service& service, grpc::ServerCompletionQueue& queue, std::uint64_t frame_messages)
       : service_(service), queue_(queue), frame_messages_(frame_messages), stream_(&context_) {
-    service_.RequestRelay(&context_, &stream_, &queue_, &queue_, &started_);
+    service_.RequestRelay(&context_, &stream_, &queue_, &queue_, started_.tag());
   }
 
-  struct Tag {
+  struct Tag final : SinkTag {
+    Tag(Call* its_call, void (Call::*its_handler)(bool)) : call(its_call), handler(its_handler) {}
+    void Proceed(bool ok) override { (call->*handler)(ok); }
+
     Call* call;
     void (Call::*handler)(bool);
   };
@@ -117,7 +122,7 @@ class Call final {
       return;
     }
     new Call(service_, queue_, frame_messages_);
-    stream_.Read(&incoming_, &read_);
+    stream_.Read(&incoming_, read_.tag());
   }
 
   void OnRead(bool ok) {
@@ -133,7 +138,7 @@ class Call final {
       messages_ += frame_messages_;
       AckIfDue();
     }
-    stream_.Read(&incoming_, &read_);
+    stream_.Read(&incoming_, read_.tag());
   }
 
   void OnWritten(bool ok) {
@@ -156,12 +161,12 @@ class Call final {
 
   void Write(const v1::RelayResponse& frame) {
     writing_ = true;
-    stream_.Write(BufferOf(frame), &written_);
+    stream_.Write(BufferOf(frame), written_.tag());
   }
 
   void Finish() {
     if (writing_ || std::exchange(finishing_, true)) return;
-    stream_.Finish(grpc::Status::OK, &finished_);
+    stream_.Finish(grpc::Status::OK, finished_.tag());
   }
 
   Service& service_;
@@ -189,16 +194,15 @@ class Call final {
   SetChannelArguments(builder);
   builder.AddListeningPort("127.0.0.1:" + port, MutualTls(folder));
   builder.RegisterService(&service);
+  SinkCalls calls(builder);
   const auto queue = builder.AddCompletionQueue();
   const auto server = builder.BuildAndStart();
   UPLINK_CHECK(server != nullptr, "the sink listens");
   new Call(service, *queue, frame_messages);
+  calls.Await(*queue);
   void* tag = nullptr;
   bool ok = false;
-  while (queue->Next(&tag, &ok)) {
-    const auto* const of = static_cast<Call::Tag*>(tag);
-    (of->call->*of->handler)(ok);
-  }
+  while (queue->Next(&tag, &ok)) static_cast<SinkTag*>(tag)->Proceed(ok);
   std::abort();
 }
 
