@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -69,8 +70,13 @@ bool IsInstalled(ServerKind kind) {
   return true;
 }
 
-Server::Server(const World& world, ServerKind kind, std::size_t frame_messages)
-    : world_(world), kind_(kind), frame_messages_(frame_messages), port_(testing::FreePort()) {
+Server::Server(const World& world, ServerKind kind, std::size_t frame_messages,
+               std::vector<std::string> environment)
+    : world_(world),
+      kind_(kind),
+      frame_messages_(frame_messages),
+      environment_(std::move(environment)),
+      port_(testing::FreePort()) {
   // A port may come again, and with it a store's name.
   for (const char* end : {"", "-wal", "-shm"}) {
     std::filesystem::remove(world.folder.Path(fmt::format("uplinkd-{}.db{}", port_, end)));
@@ -83,12 +89,14 @@ void Server::Start() {
   if (kind_ == ServerKind::kUplinkd) {
     // Every server has a store of its own, and keeps it when it is started again. Robots that rest
     // while another server is measured are not offline.
-    process_ = StartPinned(
-        {UPLINKD_PROGRAM, "--config", folder.Path("uplinkd.toml")},
+    std::vector<std::string> environment = environment_;
+    environment.insert(
+        environment.end(),
         {fmt::format("UPLINKD_LISTEN_RELAY=127.0.0.1:{}", port_),
          fmt::format("UPLINKD_STORE_URL=sqlite://{}",
                      folder.Path(fmt::format("uplinkd-{}.db", port_))),
          "UPLINKD_PRESENCE_TIMEOUT=1h", "UPLINKD_RATES_OBJECT=0", "UPLINKD_RATES_TELEMETRY=0"});
+    process_ = StartPinned({UPLINKD_PROGRAM, "--config", folder.Path("uplinkd.toml")}, environment);
     UPLINK_CHECK(testing::WaitForPorts(*process_).has_value(), process_->text());
     return;
   }

@@ -31,8 +31,10 @@ enum class ServerKind : std::uint8_t {
 /// Thread: confined to one thread.
 class Server final {
  public:
-  /// `frame_messages` is what the bare gRPC sink counts a frame as.
-  Server(const World& world, ServerKind kind, std::size_t frame_messages = 1);
+  /// `frame_messages` is what the bare gRPC sink counts a frame as; `environment`
+  /// (`UPLINKD_...=`) sets what uplinkd has besides.
+  Server(const World& world, ServerKind kind, std::size_t frame_messages = 1,
+         std::vector<std::string> environment = {});
 
   [[nodiscard]] Load::Where where() const;
   [[nodiscard]] synthetic::ProcessUse use() const { return UseOf(*process_); }
@@ -47,6 +49,7 @@ class Server final {
   const World& world_;
   ServerKind kind_;
   std::size_t frame_messages_;
+  std::vector<std::string> environment_;
   std::uint16_t port_ = 0;
   std::unique_ptr<testing::ServerProcess> process_;
 };

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward|cyberwave] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward|cyberwave|avatar] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
-# `forward` takes `--receivers N`. `cyberwave` runs on a private cluster too, with brokers of its own,
+# `forward` takes `--receivers N`, `avatar` `--drones N` and `--only SCENARIO`. `cyberwave` runs on a private cluster too, with brokers of its own,
 # and takes `--only joints|events|ack|depth`.
 # `hostile` takes `--only ATTACK` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
@@ -127,6 +127,11 @@ case "$name" in
     build_preset release bin/uplink_bench_forward bin/uplinkd
     "$bin/uplink_bench_forward" --commit "$commit" "$@"
     ;;
+  avatar)
+    need_packages
+    build_preset release bin/uplink_bench_avatar bin/uplinkd
+    "$bin/uplink_bench_avatar" --commit "$commit" "$@"
+    ;;
   decode)
     need_packages
     build_preset release bin/uplink_bench_decode
@@ -137,5 +142,5 @@ case "$name" in
     build_preset release bin/uplink_bench_scrape bin/uplinkd bin/uplinkctl bin/uplink-fleet
     bench_scrape "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile, forward or cyberwave)" ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile, forward, cyberwave or avatar)" ;;
 esac

@@ -40,6 +40,7 @@ std::unique_ptr<Client> Load::NewThroughGateway(std::size_t number) {
 }
 
 std::unique_ptr<Client> Load::NewClient(std::size_t number) {
+  if (where_.connect) return where_.connect(number);
   if (!where_.gateways.empty()) return NewThroughGateway(number);
   link::LinkOptions options = where_.link;
   options.identity = where_.identities->at(number);

@@ -30,6 +30,9 @@ class Load final {
     /// Gateways' certificates: the robots speak through these, in equal parts, each by one
     /// connection. Empty: each by itself.
     std::vector<link::Identity> gateways = {};
+    /// Makes the client of that number, which connects at once, whatever stands above. Not set: one
+    /// of the protocol.
+    std::function<std::unique_ptr<Client>(std::size_t number)> connect = {};
   };
 
   /// `loop` outlives it. Loads of one loop live while any of them is driven: they answer pings.
