@@ -36,6 +36,10 @@ enum class Mutation : std::uint8_t {
   kSettledAckedFromMemory,
   /// The bytes of a frame that is not whole are signs of life for as long as they come.
   kSlowFrameUnbounded,
+  /// What waits while another server claims the drone counts as committed.
+  kFencedSampleAnswered,
+  /// A claim does not bring what the store remembers of the drone's samples.
+  kClaimMemoryForgotten,
 };
 
 #ifdef UPLINK_MUTATIONS

@@ -2,10 +2,13 @@
 
 #include <utility>
 
+#include "server/robot/mutation.h"
+
 namespace uplink::uncrew {
 
 void StoredSamples::Set(std::vector<storage::SampleMemory> memories) {
   by_number_ = {};
+  if (robot::Planted(robot::Mutation::kClaimMemoryForgotten)) return;
   for (storage::SampleMemory& memory : memories) {
     // One of a later version of the program may have more types.
     if (memory.type >= by_number_.size()) continue;

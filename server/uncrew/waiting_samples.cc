@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/journal/entry.h"
+#include "server/robot/mutation.h"
 
 namespace uplink::uncrew {
 
@@ -96,7 +97,9 @@ WaitingSamples::Settling WaitingSamples::Settle(std::span<const robot::Settled> 
 WaitingSamples::Settling WaitingSamples::VoidAll() {
   Settling settling;
   for (Waiting& sample : waiting_) {
-    sample.ticket->state = Ticket::State::kVoid;
+    sample.ticket->state = robot::Planted(robot::Mutation::kFencedSampleAnswered)
+                               ? Ticket::State::kCommitted
+                               : Ticket::State::kVoid;
     if (!sample.mark->is_question) {
       --settling.counts.in_flight;
       ++settling.counts.refused;

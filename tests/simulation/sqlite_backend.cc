@@ -45,6 +45,10 @@ void SqliteBackend::RemoveRobot(const std::string& ruri) {
   testing::SqliteShell(Path()).Run(sql);
 }
 
+void SqliteBackend::ForgetSamples() const {
+  testing::SqliteShell(Path()).Run("UPDATE samples SET digests = x''");
+}
+
 bool SqliteBackend::ReplaceFiles() {
   ++replaced_;
   for (const char* tail : {"", "-wal", "-shm"}) {

@@ -23,6 +23,8 @@ class SqliteBackend final : public Backend {
   void RemoveRobot(const std::string& ruri) override;
   bool ReplaceFiles() override;
   void AfterRetain() override { retained_ = true; }
+  /// No sample of a drone is known again.
+  void ForgetSamples() const;
 
  private:
   [[nodiscard]] std::string Path() const;

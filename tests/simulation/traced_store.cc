@@ -36,6 +36,10 @@ std::string TextOf(const storage::CommitRecord& record) {
       "record {} session {} seq {} held since {} received {} payload {} of {} bytes",
       record.robot->ruri, record.session.ToHex(), record.seq, record.held_since,
       UnixMs(record.received_at), absl::BytesToHexString(record.payload), record.payload_bytes);
+  if (record.sample != nullptr) {
+    text +=
+        fmt::format(" sample of type {} under claim {}", record.sample->type, record.sample->claim);
+  }
   if (const auto* item = std::get_if<storage::QuarantineItem>(&record.content)) {
     return text + " quarantine " + TextOf(item->rejection);
   }

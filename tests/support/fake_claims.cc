@@ -56,6 +56,9 @@ storage::ClaimResult FakeDatabase::ClaimOne(const ProcessId& process,
     }
     result.held_since = robot.held_since;
   }
+  if (forgets_samples_) {
+    for (auto& [type, memory] : robot.samples) memory.digests.clear();
+  }
   result.claim = ++epochs_;
   robot.claim = storage::RobotHold{process, result.claim};
   result.was_known = was_known;
@@ -65,13 +68,13 @@ storage::ClaimResult FakeDatabase::ClaimOne(const ProcessId& process,
   return result;
 }
 
-std::optional<OutcomeKind> FakeDatabase::LookAtSample(const ProcessId& process,
+std::optional<OutcomeKind> FakeDatabase::LookAtSample(const Transaction& transaction,
                                                       const CommitRecord& record) {
   const storage::SampleMark& mark = *record.sample;
   Robot* const robot = FindRobot(record.robot->ruri);
-  if (robot == nullptr || robot->claim != storage::RobotHold{process, mark.claim}) {
-    return OutcomeKind::kFenced;
-  }
+  if (robot == nullptr) return OutcomeKind::kFenced;
+  const bool is_claimed = robot->claim == storage::RobotHold{transaction.process, mark.claim};
+  if (!is_claimed && !transaction.rules.samples_without_claim) return OutcomeKind::kFenced;
   if (mark.is_question) return OutcomeKind::kDuplicate;
   storage::SampleMemory& memory = robot->samples[mark.type];
   memory.type = mark.type;

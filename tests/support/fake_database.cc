@@ -52,7 +52,7 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
       outcomes.push_back(CommitOne(transaction, record));
       continue;
     }
-    if (record.sample.get() != sample) of_sample = LookAtSample(process, record);
+    if (record.sample.get() != sample) of_sample = LookAtSample(transaction, record);
     sample = record.sample.get();
     outcomes.push_back(
         of_sample ? Outcome{*of_sample, std::nullopt}

@@ -77,6 +77,9 @@ struct FakeRules {
   /// A mutation: changes of presence are written whoever holds the robot. A test that claims to
   /// watch holds must fail with it.
   bool presence_without_hold = false;
+  /// A mutation: a drone's samples are taken under whatever claim. A test that claims to watch
+  /// claims must fail with it.
+  bool samples_without_claim = false;
   /// A mutation: a batch makes the row of a robot that has none. A test that claims to watch those
   /// must fail with it.
   bool batches_make_robots = false;
@@ -199,6 +202,10 @@ class FakeDatabase final {
   /// must fail with it.
   void HoldByOwnerAlone() { holds_by_owner_alone_ = true; }
 
+  /// A mutation: no sample that was stored before a claim is known after it. A test that claims to
+  /// watch samples must fail with it.
+  void ForgetSamplesAtClaims() { forgets_samples_ = true; }
+
   // What tests look at.
   /// Nothing while the store does not know the session. Also of storage::kServerRuri.
   [[nodiscard]] std::optional<model::Seq> Cursor(std::string_view ruri,
@@ -290,7 +297,7 @@ class FakeDatabase final {
   [[nodiscard]] storage::Epoch DrawEpoch(const Robot& robot);
   storage::Outcome CommitOne(const Transaction& transaction, const storage::CommitRecord& record);
   /// What becomes of all records of the sample; nothing: it is new, and remembered from now on.
-  std::optional<storage::OutcomeKind> LookAtSample(const storage::ProcessId& process,
+  std::optional<storage::OutcomeKind> LookAtSample(const Transaction& transaction,
                                                    const storage::CommitRecord& record);
   /// A record that is new; `session` is null for one of a sample.
   storage::Outcome WriteNew(const Transaction& transaction, Robot& robot, Session* session,
@@ -332,6 +339,7 @@ class FakeDatabase final {
   bool epochs_in_each_row_ = false;
   std::uint64_t server_runs_ = 1;
   bool holds_by_owner_alone_ = false;
+  bool forgets_samples_ = false;
 };
 
 }  // namespace uplink::testing
