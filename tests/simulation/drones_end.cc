@@ -69,6 +69,7 @@ void DronesWorld::Speak(Drone& drone, bool last_word) {
   }
   for (const DroneSampleRef& sample : aboard.Pending()) Send(drone, sample);
   if (!last_word) return;
+  drone.said.clear();
   Send(drone, aboard.MakeHeading(clock_.Steady()));
   for (const SampleType type : kRepeatedTypes) {
     if (const auto sample = aboard.Repeat(type, clock_.Steady())) Send(drone, sample);
@@ -106,9 +107,11 @@ bool DronesWorld::Settled(bool last_word) const {
   for (const Place& place : places_) {
     if (!place.process->idle()) return false;
   }
-  return std::ranges::all_of(drones_, [last_word](const Drone& drone) {
+  return std::ranges::all_of(drones_, [this, last_word](const Drone& drone) {
     if (!drone.aboard->Pending().empty()) return false;
     if (!last_word) return true;
+    // It was told so after it spoke.
+    if (places_[drone.place].process->HeldElsewhere(drone.aboard->ruri())) return false;
     return drone.said.contains(SampleType::kHeading) &&
            std::ranges::all_of(kRepeatedTypes,
                                [&drone](SampleType type) { return drone.said.contains(type); });

@@ -90,6 +90,7 @@ DronesProcess::DronesProcess(const Ground& ground)
                              .is_gone = ground_.is_gone}) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
+  journal_.OnReconnected([this](journal::Reconnected) { drones_.NoteStoreReconnected(); });
 }
 
 storage::Store& DronesProcess::WayToStore() {

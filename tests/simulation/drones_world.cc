@@ -145,7 +145,7 @@ void DronesWorld::CallStep(std::uint64_t id) {
       process->Break(id);
       return Lose(calls_.find(id));
     case Call::At::kAnswered:
-      if (random_.Percent(90)) return Receive(id);
+      if (!call.awaited || random_.Percent(90)) return Receive(id);
       ++result_.lost_answers;
       return BreakConnection(drones_[call.drone]);
   }
