@@ -1,5 +1,7 @@
 // Each planted fault must be found: a simulation that passes a broken server proves nothing.
-#include <gmock/gmock.h>
+#include <string>
+#include <string_view>
+
 #include <gtest/gtest.h>
 
 #include "tests/simulation/drones_world.h"
@@ -9,20 +11,22 @@ namespace uplink::simulation {
 namespace {
 
 using robot::Mutation;
-using ::testing::HasSubstr;
 using Fault = FakeDronesBackend::Fault;
 
 /// Seeds within which a planted fault must show.
 constexpr std::uint64_t kSeedsMax = 300;
 
-/// The first violation; empty if every seed passes.
-std::string FirstViolation(Fault fault = Fault::kNone) {
+std::string RunSeed(std::uint64_t seed, Fault fault = Fault::kNone) {
+  FakeDronesBackend backend(fault);
+  return DronesWorld(backend, {.seed = seed}).Run().violation;
+}
+
+/// Whether some seed breaks a promise, and says this of it.
+bool IsFound(std::string_view what, Fault fault = Fault::kNone) {
   for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) {
-    FakeDronesBackend backend(fault);
-    const DronesResult result = DronesWorld(backend, {.seed = seed}).Run();
-    if (!result.violation.empty()) return result.violation;
+    if (RunSeed(seed, fault).find(what) != std::string::npos) return true;
   }
-  return {};
+  return false;
 }
 
 struct Case {
@@ -38,7 +42,7 @@ class PlantedDroneFault : public ::testing::TestWithParam<Case> {
 
 TEST_P(PlantedDroneFault, IsFoundForWhatItIs) {
   robot::Plant(GetParam().mutation);
-  EXPECT_THAT(FirstViolation(), HasSubstr(GetParam().violation));
+  EXPECT_TRUE(IsFound(GetParam().violation));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -48,14 +52,16 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{Mutation::kClaimMemoryForgotten, "and the last change was to"}));
 
 TEST(PlantedStoreFault, ASampleThatIsTakenTwiceAfterARestartIsFound) {
-  EXPECT_THAT(FirstViolation(Fault::kSamplesForgotten), HasSubstr("is stored twice"));
+  EXPECT_TRUE(IsFound("is stored twice", Fault::kSamplesForgotten));
 }
 
 TEST(PlantedStoreFault, AClaimWhoseEpochIsNotComparedIsFound) {
-  EXPECT_THAT(FirstViolation(Fault::kClaimsNotCompared), HasSubstr("which is over"));
+  EXPECT_TRUE(IsFound("which is over", Fault::kClaimsNotCompared));
 }
 
-TEST(PlantedStoreFault, NothingPlantedIsNothingFound) { EXPECT_EQ(FirstViolation(), ""); }
+TEST(PlantedStoreFault, NothingPlantedIsNothingFound) {
+  for (std::uint64_t seed = 1; seed <= kSeedsMax; ++seed) ASSERT_EQ(RunSeed(seed), "");
+}
 
 }  // namespace
 }  // namespace uplink::simulation

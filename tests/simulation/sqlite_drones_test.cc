@@ -1,5 +1,6 @@
 // Drones that call a server on the SQLite store, which restarts (DronesWorld).
-#include <gmock/gmock.h>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/simulation/drones_sqlite.h"
@@ -8,7 +9,6 @@
 namespace uplink::simulation {
 namespace {
 
-using ::testing::HasSubstr;
 using Fault = SqliteDronesBackend::Fault;
 
 constexpr std::uint64_t kSeeds = 60;
@@ -30,10 +30,8 @@ TEST(DronesOnSqlite, AnswersAreTrueAndEachSampleIsStoredOnce) {
 
 TEST(DronesOnSqlite, ASampleThatIsTakenTwiceAfterARestartIsFound) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const DronesResult result = RunSeed(seed, Fault::kSamplesForgotten);
-    if (result.violation.empty()) continue;
-    EXPECT_THAT(result.violation, HasSubstr("is stored twice"));
-    return;
+    const std::string violation = RunSeed(seed, Fault::kSamplesForgotten).violation;
+    if (violation.find("is stored twice") != std::string::npos) return;
   }
   FAIL() << "no seed finds it";
 }
