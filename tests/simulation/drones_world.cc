@@ -114,7 +114,7 @@ void DronesWorld::DroneStep(Drone& drone) {
     }
     return;
   }
-  if (pick < 99) return BreakConnection(drone);
+  if (pick < 99) return BreakConnection(drone, drone.place);
   Tell(fmt::format("{} reboots", aboard.ruri()));
   aboard.Reboot();
 }
@@ -147,7 +147,7 @@ void DronesWorld::CallStep(std::uint64_t id) {
     case Call::At::kAnswered:
       if (!call.awaited || random_.Percent(90)) return Receive(id);
       ++result_.lost_answers;
-      return BreakConnection(drones_[call.drone]);
+      return BreakConnection(drones_[call.drone], call.place);
   }
 }
 
@@ -203,12 +203,12 @@ void DronesWorld::Lose(Calls::iterator call) {
   calls_.erase(call);
 }
 
-void DronesWorld::BreakConnection(Drone& drone) {
+void DronesWorld::BreakConnection(Drone& drone, std::size_t place) {
   ++result_.breaks;
   const std::size_t index = IndexOf(drone);
   Tell(fmt::format("{}'s connection breaks", drone.aboard->ruri()));
   for (auto& [id, call] : calls_) {
-    if (call.drone == index && call.place == drone.place) call.awaited = false;
+    if (call.drone == index && call.place == place) call.awaited = false;
   }
   // An answer that nobody waits for is no more.
   std::erase_if(calls_, [](const auto& each) {

@@ -106,8 +106,8 @@ class DronesWorld final {
   void Send(Drone& drone, const DroneSampleRef& sample);
   void Deliver(std::uint64_t id, Call& call);
   void Receive(std::uint64_t id);
-  /// The drone waits for no call of its connection any more, and comes again.
-  void BreakConnection(Drone& drone);
+  /// The drone waits for no call to that place any more, and comes again.
+  void BreakConnection(Drone& drone, std::size_t place);
   void Lose(Calls::iterator call);
   [[nodiscard]] bool IsOnItsWay(std::size_t drone, SampleType type) const;
   [[nodiscard]] DronesProcess* ProcessOf(const Call& call);
