@@ -81,7 +81,7 @@ ROOMS = (
 # Tools do not see these.
 ADAPTERS = ("front", "mqtt", "http")
 # The rooms of uplink-fleet, in the same way: its README says what each holds.
-FLEET_ROOMS = (("scenario",), ("robot",), ("twin",), ("broker",), ("compare",), ("report",), ("run",))
+FLEET_ROOMS = (("scenario",), ("robot",), ("twin",), ("drone",), ("broker",), ("compare",), ("report",), ("run",))
 
 # The rooms of server/front, in the same way.
 FRONT_ROOMS = (

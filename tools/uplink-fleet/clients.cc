@@ -25,6 +25,7 @@ bool TroublesTheNetwork(const Phase& phase) {
 
 #ifdef UPLINK_WITH_GRPC
 std::vector<std::string> ClientNames() { return {kOwn, kGrpc}; }
+std::vector<std::string> ProtocolNames() { return {kRelayProtocol, kDroneProtocol}; }
 
 absl::Status UseClient(const std::string& name, SwarmOptions& swarm) {
   if (name != kGrpc) return absl::OkStatus();
@@ -42,6 +43,7 @@ absl::Status UseClient(const std::string& name, SwarmOptions& swarm) {
 }
 #else
 std::vector<std::string> ClientNames() { return {kOwn}; }
+std::vector<std::string> ProtocolNames() { return {kRelayProtocol}; }
 
 absl::Status UseClient(const std::string& /*name*/, SwarmOptions& /*swarm*/) {
   return absl::OkStatus();

@@ -12,6 +12,11 @@ namespace uplink::synthetic {
 /// What `--client` may name: the clients that this build has.
 [[nodiscard]] std::vector<std::string> ClientNames();
 
+/// What `--protocol` may name, and the one by which drones speak, if this build has it.
+inline constexpr const char* kRelayProtocol = "uplink";
+inline constexpr const char* kDroneProtocol = "uncrew";
+[[nodiscard]] std::vector<std::string> ProtocolNames();
+
 /// Has the robots speak by this client.
 ///
 /// Errors: kInvalidArgument names what the client cannot do and the run asks for.

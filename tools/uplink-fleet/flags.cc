@@ -94,6 +94,8 @@ class ScenarioFlags {
               phase.options.malformed_share, RangeOf(kMalformedNumber));
     flags.Add({"--breaks-per-minute", "How often each robot breaks its stream off"},
               phase.trouble.breaks_per_minute, RangeOf(kBreaksNumber));
+    flags.Add({"--lost-answers", "Share of a drone's calls of which it takes no answer"},
+              phase.trouble.lost_answers, RangeOf(kLostAnswersNumber));
   }
 
   [[nodiscard]] absl::StatusOr<Scenario> Read(const config::Flags& flags) const {
@@ -114,6 +116,7 @@ class ScenarioFlags {
       if (flags.Given("--breaks-per-minute")) {
         phase.trouble.breaks_per_minute = given.trouble.breaks_per_minute;
       }
+      if (flags.Given("--lost-answers")) phase.trouble.lost_answers = given.trouble.lost_answers;
     }
     return scenario;
   }
@@ -147,6 +150,7 @@ class RunFlags {
     options.swarm.late_after =
         std::chrono::duration_cast<milliseconds>(options.run_for * kLateAfter);
     options.json = report_ == "json";
+    options.drones = protocol_ == kDroneProtocol;
     return options;
   }
 
@@ -179,6 +183,12 @@ class RunFlags {
                      "What the robots speak by: \"own\", a client for thousands of connections, or "
                      "\"grpc\", the gRPC library with the client that protoc makes"},
                     client_, ClientNames());
+    flags.AddChoice({"--protocol",
+                     "\"uplink\": robots that stream on the relay, or \"uncrew\": drones that call "
+                     "AvatarService there; of the other flags --target, --http, --pki, --fleet, "
+                     "--robots, --scenario, --faults, --malformed-share, --breaks-per-minute, "
+                     "--lost-answers, --for, --settle-for, --seed, --threads and --report count"},
+                    protocol_, ProtocolNames());
     flags.AddChoice({"--report", "Form of the report"}, report_, {"text", "json"});
   }
 
@@ -188,6 +198,7 @@ class RunFlags {
   std::string settle_for_ = "60s";
   std::string report_ = "text";
   std::string client_ = "own";
+  std::string protocol_ = kRelayProtocol;
   std::string seed_ = "1";
 };
 
@@ -196,6 +207,12 @@ std::nullopt_t Refuse(std::string_view why, int& code) {
   fmt::print(stderr, "uplink-fleet: {}\n", why);
   code = kExitWrongUse;
   return std::nullopt;
+}
+
+/// Drones have neither gateways nor a broker.
+absl::Status DronesFit(const RunOptions& options) {
+  if (!options.drones || (options.swarm.gateways == 0 && !options.twins)) return absl::OkStatus();
+  return absl::InvalidArgumentError("--protocol uncrew: it has no --gateways and no --cyberwave");
 }
 
 absl::Status GatewaysFit(const SwarmOptions& swarm) {
@@ -231,6 +248,9 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   if (!twins.ok()) return Refuse(std::string(twins.status().message()), code);
   RunOptions options = run_flags.Read(*scenario, *std::move(twins));
   if (absl::Status fits = GatewaysFit(options.swarm); !fits.ok()) {
+    return Refuse(std::string(fits.message()), code);
+  }
+  if (absl::Status fits = DronesFit(options); !fits.ok()) {
     return Refuse(std::string(fits.message()), code);
   }
   if (absl::Status able = UseClient(run_flags.client(), options.swarm); !able.ok()) {

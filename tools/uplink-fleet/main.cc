@@ -1,9 +1,13 @@
-// uplink-fleet: synthetic robots, and the comparison of what they sent with what the server has.
+// uplink-fleet: synthetic robots, twins and drones, and the comparison of what they sent with what
+// the server has.
 #include <csignal>
 
 #include <sys/resource.h>
 
 #include "tools/uplink-fleet/flags.h"
+#ifdef UPLINK_WITH_GRPC
+#include "tools/uplink-fleet/run/drone_run.h"
+#endif
 #include "tools/uplink-fleet/run/run.h"
 #include "tools/uplink-fleet/run/twin_run.h"
 
@@ -30,6 +34,12 @@ int main(int argc, char** argv) {
     uplink::synthetic::TwinRun run(*options);
     return run.Main();
   }
+#ifdef UPLINK_WITH_GRPC
+  if (options->drones) {
+    uplink::synthetic::DroneRun run(*options);
+    return run.Main();
+  }
+#endif
   uplink::synthetic::Run run(*options);
   return run.Main();
 }

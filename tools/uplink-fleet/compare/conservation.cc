@@ -40,6 +40,23 @@ std::optional<Conservation> BrokerMessagesOn(std::string_view page) {
                    .in_flight = "uplinkd_mqtt_messages_in_flight"});
 }
 
+std::optional<Conservation> DroneMessagesIn(const v1::ServerStatus& status) {
+  const auto source = status.messages_by_source().find("uncrew");
+  if (source == status.messages_by_source().end()) return std::nullopt;
+  Conservation counts;
+  for (const auto& [name, count] : source->second.counts()) {
+    const auto number = static_cast<std::uint64_t>(count);
+    if (name == "received") {
+      counts.received = number;
+    } else if (name == "inFlight") {
+      counts.in_flight = number;
+    } else {
+      counts.settled[name] = number;
+    }
+  }
+  return counts;
+}
+
 std::optional<Conservation> ForwardsOn(std::string_view page) {
   return On(page, {.received = "uplinkd_forwards_due_total",
                    .settled = "uplinkd_forwards_settled_total",

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "uplink/v1/fleet.pb.h"
+
 namespace uplink::synthetic {
 
 /// What a page of metrics says came in, and what became of it, summed over everything but outcomes.
@@ -31,6 +33,10 @@ struct Conservation {
 /// Of messages from brokers; by outcome: stored, applied, superseded, duplicate, rejected, refused,
 /// observed, ignored. Nothing if the page lacks one of the three metrics. Pure; any thread.
 [[nodiscard]] std::optional<Conservation> BrokerMessagesOn(std::string_view page);
+
+/// The same of drones' calls, as the server's status tells it; nothing if that says nothing of
+/// them.
+[[nodiscard]] std::optional<Conservation> DroneMessagesIn(const v1::ServerStatus& status);
 
 /// The same of the changes that were due to receivers; by outcome: written, coalesced, snapshot,
 /// dropped. Pure; any thread.

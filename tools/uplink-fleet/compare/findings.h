@@ -11,7 +11,8 @@
 
 /// What is compared of each robot, in the order of the table: THING(Name, text, of_store) and a
 /// PART (storage/live_parts.h) for each live part. `of_store`: the store says it, not the server's
-/// state. Those from TwinOnline on are of twins behind a broker.
+/// state. Those from TwinOnline on are of twins behind a broker, those from DroneOnline on of
+/// drones.
 #define UPLINK_THINGS(THING, PART)                                     \
   THING(Online, "robots online", false)                                \
   THING(PresenceHistory, "presence histories", true)                   \
@@ -46,7 +47,18 @@
   THING(TwinFaults, "errors raised and cleared", true)                 \
   THING(TwinActiveFaults, "active errors", true)                       \
   THING(TwinScopes, "environments and workflow runs", true)            \
-  THING(TwinQuarantine, "wrong on purpose, in quarantine", true)
+  THING(TwinQuarantine, "wrong on purpose, in quarantine", true)       \
+  THING(DroneOnline, "drones online, by source", false)                \
+  THING(DronePresence, "presence histories", true)                     \
+  THING(DroneLive, "last live values", false)                          \
+  THING(DroneAnswers, "drones whose answers were all due", false)      \
+  THING(DroneMessages, "status texts", true)                           \
+  THING(DroneEvents, "events", true)                                   \
+  THING(DroneFaults, "alerts raised and cleared", true)                \
+  THING(DroneActiveFaults, "active alerts", true)                      \
+  THING(DroneRequests, "operator requests, open or closed", true)      \
+  THING(DroneRequestsOpen, "drones' counts of open requests", false)   \
+  THING(DroneQuarantine, "wrong on purpose, in quarantine", true)
 
 namespace uplink::synthetic {
 
@@ -58,9 +70,11 @@ enum class Thing : std::uint8_t {
 #undef UPLINK_THING
 };
 
-inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kTwinQuarantine) + 1;
+inline constexpr std::size_t kThings = static_cast<std::size_t>(Thing::kDroneQuarantine) + 1;
 /// The first one of twins; those before it are of robots on the relay.
 inline constexpr std::size_t kTwinThings = static_cast<std::size_t>(Thing::kTwinOnline);
+/// The first one of drones.
+inline constexpr std::size_t kDroneThings = static_cast<std::size_t>(Thing::kDroneOnline);
 
 /// Differences that are kept in words.
 inline constexpr std::size_t kDifferencesMax = 200;

@@ -48,6 +48,12 @@ struct StoredTwin {
   }
 };
 
+/// Of a drone. A value.
+struct StoredDrone {
+  StoredRobot robot;
+  std::vector<v1::OperatorRequest> requests;
+};
+
 /// `GET /api/v1/robots/{ruri}` of its two robots while the link was quiet, by Side, as the server
 /// wrote it; empty: no such robot.
 using TwinLook = std::array<std::string, kSides>;

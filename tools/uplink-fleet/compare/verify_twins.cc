@@ -17,32 +17,39 @@ std::uint64_t Moved(std::uint64_t after, std::uint64_t before) {
   return after - std::min(after, before);
 }
 
-void CheckCounts(const TwinEvidence& evidence, std::vector<CheckRow>& rows) {
-  const ConservationWatch& watch = evidence.watch;
+}  // namespace
+
+std::optional<Conservation> SourceCounts::Moved() const {
+  if (!after) return std::nullopt;
+  const Conservation from = restarted ? Conservation() : before.value_or(Conservation());
+  Conservation moved{.received = synthetic::Moved(after->received, from.received),
+                     .in_flight = after->in_flight,
+                     .settled = {}};
+  for (const char* outcome : kOutcomes) {
+    moved.settled[outcome] = synthetic::Moved(after->Of(outcome), from.Of(outcome));
+  }
+  return moved;
+}
+
+void CheckCounts(const SourceCounts& counts, std::vector<CheckRow>& rows) {
+  const ConservationWatch& watch = counts.watch;
   rows.push_back({"scrapes in which received = the rest", Text(watch.scrapes()), Text(watch.good()),
                   "", watch.scrapes() > 0 && watch.good() == watch.scrapes(), watch.first_wrong()});
-  if (!evidence.after) {
+  const std::optional<Conservation> moved = counts.Moved();
+  if (!moved) {
     rows.push_back({"received = the rest", "", "", "", false, "/metrics does not say"});
     return;
   }
-  const Conservation& after = *evidence.after;
+  const Conservation& after = *counts.after;
   rows.push_back({"received = the rest", "", fmt::format("{} = {}", after.received, after.sum()),
                   "", after.holds(), ""});
   rows.push_back(
       {"in flight at the end", "0", Text(after.in_flight), "", after.in_flight == 0, ""});
-  const Conservation before =
-      evidence.restarted ? Conservation() : evidence.before.value_or(Conservation());
-  const std::uint64_t received = Moved(after.received, before.received);
-  // After a restart the counters know a part alone.
-  rows.push_back({"received, at least what was acked", Text(evidence.totals.acked), Text(received),
-                  "", evidence.restarted || received >= evidence.totals.acked, ""});
   for (const char* outcome : kOutcomes) {
-    rows.push_back({fmt::format("settled: {}", outcome), "",
-                    Text(Moved(after.Of(outcome), before.Of(outcome))), "", true, ""});
+    rows.push_back(
+        {fmt::format("settled: {}", outcome), "", Text(moved->Of(outcome)), "", true, ""});
   }
 }
-
-}  // namespace
 
 void TwinTotals::Add(const TwinAccount& account) {
   ++twins;
@@ -73,9 +80,14 @@ std::vector<CheckRow> VerifyTwins(const TwinEvidence& evidence) {
   rows.push_back({"pings answered", Text(totals.pings), Text(totals.pongs), "",
                   totals.pongs > 0 && totals.pongs <= totals.pings, "at QoS 0 some may be lost"});
   CheckCounts(evidence, rows);
+  if (const std::optional<Conservation> moved = evidence.Moved()) {
+    // After a restart the counters know a part alone.
+    rows.push_back({"received, at least what was acked", Text(totals.acked), Text(moved->received),
+                    "", evidence.restarted || moved->received >= totals.acked, ""});
+  }
   rows.push_back({"twins whose rows were read", Text(totals.twins), "", Text(evidence.twins_read),
                   evidence.twins_read == totals.twins, ""});
-  for (std::size_t i = kTwinThings; i < kThings; ++i) {
+  for (std::size_t i = kTwinThings; i < kDroneThings; ++i) {
     rows.push_back(LineOf(static_cast<Thing>(i), evidence.findings));
   }
   return rows;

@@ -41,17 +41,27 @@ class ConservationWatch final {
   std::string first_wrong_;
 };
 
-/// Everything that the table of a run with twins is made of. A value.
-struct TwinEvidence {
-  TwinTotals totals;
-  Findings findings;
-  std::uint64_t twins_read = 0;
+/// What the server counted of one source of messages. A value.
+struct SourceCounts {
   ConservationWatch watch;
   /// None: the page of metrics does not have them.
   std::optional<Conservation> before;
   std::optional<Conservation> after;
   /// The server was started anew in between: its counters began anew, too.
   bool restarted = false;
+
+  /// How far they moved during the run; nothing if the page does not have them.
+  [[nodiscard]] std::optional<Conservation> Moved() const;
+};
+
+/// The lines of the law of conservation, and one for each outcome. Pure; any thread.
+void CheckCounts(const SourceCounts& counts, std::vector<CheckRow>& rows);
+
+/// Everything that the table of a run with twins is made of. A value.
+struct TwinEvidence : SourceCounts {
+  TwinTotals totals;
+  Findings findings;
+  std::uint64_t twins_read = 0;
 };
 
 /// The table of such a run. Pure; any thread.

@@ -130,4 +130,24 @@ std::string JsonReport(const TwinFigures& figures, const std::vector<CheckRow>& 
                   figures.server, rows, findings);
 }
 
+std::string JsonReport(const DroneFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
+  return ReportOf({{"id", figures.run},
+                   {"seconds", figures.seconds},
+                   {"serverRestarted", figures.restarted},
+                   {"firstError", figures.first_error},
+                   {"drones", figures.totals.drones},
+                   {"seed", figures.seed},
+                   {"sent", figures.totals.sent},
+                   {"resent", figures.again},
+                   {"answered", figures.totals.answered},
+                   {"answersLost", figures.lost},
+                   {"linksCut", figures.cut},
+                   {"latencyMs",
+                    {{"durable", LatencyOf(figures.latencies.durable)},
+                     {"live", LatencyOf(figures.latencies.live)}}},
+                   {"fleet", UseOf(figures.own)}},
+                  figures.server, rows, findings);
+}
+
 }  // namespace uplink::synthetic

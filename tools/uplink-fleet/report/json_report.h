@@ -16,5 +16,8 @@ namespace uplink::synthetic {
 /// The same for a run with twins.
 [[nodiscard]] std::string JsonReport(const TwinFigures& figures, const std::vector<CheckRow>& rows,
                                      const Findings& findings);
+/// The same for a run with drones.
+[[nodiscard]] std::string JsonReport(const DroneFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
 
 }  // namespace uplink::synthetic

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/uplink-fleet/compare/verify_drones.h"
 #include "tools/uplink-fleet/compare/verify_twins.h"
 #include "tools/uplink-fleet/report/process_use.h"
 #include "tools/uplink-fleet/robot/account.h"
@@ -77,6 +78,28 @@ struct TwinFigures {
   std::optional<ProcessUse> server;
   ProcessUse own;
   /// First trouble that was overcome by reconnecting; empty if none.
+  std::string first_error;
+};
+
+/// What a run with drones did, beside the table. A value.
+struct DroneFigures {
+  std::uint64_t seed = 0;
+  std::string run;
+  /// For which calls were made.
+  double seconds = 0;
+  DroneTotals totals;
+  /// Of the calls: those that were the second time or later, those of which no answer was taken on
+  /// purpose, and links that were cut.
+  std::uint64_t again = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t cut = 0;
+  bool restarted = false;
+  /// From when a call was due to its answer.
+  Latencies latencies;
+  /// What the server's process used meanwhile; none if it runs elsewhere.
+  std::optional<ProcessUse> server;
+  ProcessUse own;
+  /// First trouble that was overcome by calling again; empty if none.
   std::string first_error;
 };
 

@@ -97,6 +97,20 @@ std::string FiguresText(const TwinFigures& figures) {
   return text;
 }
 
+/// The same of drones.
+std::string FiguresText(const DroneFigures& figures) {
+  const DroneTotals& totals = figures.totals;
+  std::string text = fmt::format(
+      "\n{} drones, {:.0f} s, seed {}, run {}: {} calls ({} again), {} answered, {} answers not "
+      "taken, {} links cut{}\n",
+      totals.drones, figures.seconds, figures.seed, figures.run, totals.sent, figures.again,
+      totals.answered, figures.lost, figures.cut, figures.restarted ? kRestarted : "");
+  text += LatencyLine("durable, due to answered", figures.latencies.durable, "calls");
+  text += LatencyLine("live, due to answered", figures.latencies.live, "calls");
+  if (figures.server) text += UseLine("server", *figures.server, totals.sent);
+  return text + UseLine("fleet", figures.own, totals.sent);
+}
+
 /// What differs, robot by robot.
 std::string Differences(const Findings& findings) {
   if (findings.differences().empty()) return {};
@@ -143,6 +157,11 @@ std::string TextReport(const RunFigures& figures, const std::vector<CheckRow>& r
 }
 
 std::string TextReport(const TwinFigures& figures, const std::vector<CheckRow>& rows,
+                       const Findings& findings) {
+  return FiguresText(figures) + TableText(rows, findings, figures.first_error);
+}
+
+std::string TextReport(const DroneFigures& figures, const std::vector<CheckRow>& rows,
                        const Findings& findings) {
   return FiguresText(figures) + TableText(rows, findings, figures.first_error);
 }

@@ -21,5 +21,8 @@ inline constexpr std::size_t kDifferencesShown = 20;
 /// The same for a run with twins.
 [[nodiscard]] std::string TextReport(const TwinFigures& figures, const std::vector<CheckRow>& rows,
                                      const Findings& findings);
+/// The same for a run with drones.
+[[nodiscard]] std::string TextReport(const DroneFigures& figures, const std::vector<CheckRow>& rows,
+                                     const Findings& findings);
 
 }  // namespace uplink::synthetic

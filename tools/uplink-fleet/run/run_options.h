@@ -21,6 +21,8 @@ struct RunOptions {
   SwarmOptions swarm;
   /// Twins behind a broker, in place of robots on the relay.
   std::optional<TwinSwarmOptions> twins;
+  /// Drones that call, in place of robots that stream; `swarm` says where and how many.
+  bool drones = false;
   std::uint64_t seed = 1;
   std::string http = "127.0.0.1:7480";
   milliseconds run_for{30'000};

@@ -176,6 +176,17 @@ absl::StatusOr<std::vector<v1::ScopeUpdate>> ServerView::ScopeUpdates(const std:
   return updates;
 }
 
+absl::StatusOr<std::vector<v1::OperatorRequest>> ServerView::OperatorRequests(
+    const std::string& ruri) {
+  std::vector<v1::OperatorRequest> requests;
+  const absl::Status status = FetchPages<v1::ListOperatorRequestsResponse>(
+      http_, "/api/v1/operator-requests?ruri=" + PercentEncoded(ruri),
+      [](auto& page) { return page.mutable_operator_requests(); },
+      [&requests](v1::OperatorRequest&& row) { requests.push_back(std::move(row)); });
+  if (!status.ok()) return status;
+  return requests;
+}
+
 absl::StatusOr<std::vector<v1::Quarantined>> ServerView::QuarantineOfNobody(std::int64_t from_ms) {
   std::vector<v1::Quarantined> rows;
   const absl::Status status = FetchPages<v1::ListQuarantineResponse>(

@@ -38,6 +38,9 @@ class ServerView final {
   [[nodiscard]] absl::StatusOr<std::vector<v1::ScopeUpdate>> ScopeUpdates(const std::string& scope,
                                                                           const std::string& id,
                                                                           std::int64_t from_ms);
+  /// What a drone asked operators to do, open or not.
+  [[nodiscard]] absl::StatusOr<std::vector<v1::OperatorRequest>> OperatorRequests(
+      const std::string& ruri);
   /// Rejected messages from brokers that belong to no robot, from `from_ms` on.
   [[nodiscard]] absl::StatusOr<std::vector<v1::Quarantined>> QuarantineOfNobody(
       std::int64_t from_ms);

@@ -20,7 +20,7 @@ struct PhaseKey {
   void (*set)(Phase& phase, double value);
 };
 
-constexpr std::array<PhaseKey, 12> kPhaseKeys = {{
+constexpr std::array<PhaseKey, 13> kPhaseKeys = {{
     {kRateNumber, false, [](Phase& to, double value) { to.options.rate_hz = value; }},
     {kStatusNumber, false, [](Phase& to, double value) { to.options.status_hz = value; }},
     {kFaultsNumber, false, [](Phase& to, double value) { to.options.faults_hz = value; }},
@@ -35,6 +35,7 @@ constexpr std::array<PhaseKey, 12> kPhaseKeys = {{
      [](Phase& to, double value) { to.trouble.half_opens_per_minute = value; }},
     {kTakeoversNumber, false,
      [](Phase& to, double value) { to.trouble.takeovers_per_minute = value; }},
+    {kLostAnswersNumber, false, [](Phase& to, double value) { to.trouble.lost_answers = value; }},
     {kSlowReadersNumber, false, [](Phase& to, double value) { to.trouble.slow_readers = value; }},
 }};
 

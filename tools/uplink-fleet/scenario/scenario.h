@@ -48,6 +48,8 @@ struct Trouble {
   milliseconds delay{0};
   /// Share of the robots that read nothing for kSlowPause of every kSlowCycle.
   double slow_readers = 0;
+  /// Share of a drone's calls whose answer it does not take: it calls again.
+  double lost_answers = 0;
   /// All connections are cut in one instant, each time that this has passed; never if 0.
   milliseconds storm_every{0};
 };
@@ -143,6 +145,7 @@ inline constexpr ScenarioNumber kCutsNumber{"cuts_per_minute", 0, 600};
 inline constexpr ScenarioNumber kHalfOpensNumber{"half_opens_per_minute", 0, 60};
 inline constexpr ScenarioNumber kTakeoversNumber{"takeovers_per_minute", 0, 600};
 inline constexpr ScenarioNumber kSlowReadersNumber{"slow_readers", 0, 1};
+inline constexpr ScenarioNumber kLostAnswersNumber{"lost_answers", 0, 0.9};
 inline constexpr ScenarioNumber kDecliningNumber{"declining_share", 0, 1};
 inline constexpr ScenarioNumber kLateNumber{"late_share", 0, 1};
 inline constexpr ScenarioNumber kBatchNumber{"batch", 1, 256};

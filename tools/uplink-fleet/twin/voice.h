@@ -113,9 +113,6 @@ class Voice final {
   [[nodiscard]] const TwinOptions& options() const { return options_; }
 
  private:
-  void Fill(boost::json::value& value, const Draft& draft);
-  [[nodiscard]] boost::json::value Filled(std::string_view text, const Draft& draft);
-
   const TwinOptions options_;
   const TwinIds ids_;
   Seeded chance_;

@@ -48,7 +48,7 @@ TEST(VerifyTwins, AGoodRunAgrees) {
 }
 
 TEST(VerifyTwins, EveryThingOfATwinHasARowOfItsOwn) {
-  for (std::size_t i = kTwinThings; i < kThings; ++i) {
+  for (std::size_t i = kTwinThings; i < kDroneThings; ++i) {
     TwinEvidence evidence = Good();
     evidence.findings.Differ(static_cast<Thing>(i), "rcan://a", "this", "that");
     EXPECT_THAT(Mismatches(evidence), ElementsAre(std::string(TextOf(static_cast<Thing>(i)).name)));
