@@ -65,6 +65,13 @@ class Demo(EndToEnd):
         self.assertIn("received = the rest", done.stdout)
         self.assertEqual(self.left_running(), [])
 
+    def test_with_drones_that_call_it_adds_up_and_leaves_nothing_running(self):
+        done = self.demo("--uncrew", "--for", "3s", "--robots", "5", "--seed", "7")
+        self.assertIn("verification: all agree", done.stdout)
+        self.assertNotIn("MISMATCH", done.stdout)
+        self.assertIn("alerts raised and cleared", done.stdout)
+        self.assertEqual(self.left_running(), [])
+
     def test_a_mismatch_is_passed_on(self):
         self.demo(code=3, programs=self.with_fleet("exit 3"))
         self.assertEqual(self.left_running(), [])
@@ -82,7 +89,7 @@ wait $pid"""
 
     def test_wrong_use_ends_with_2(self):
         for flags in (["--store", "oracle"], ["--robots", "0"],
-                      ["--for", "soon"], ["--for"], ["--nonsense"]):  # fmt: skip
+                      ["--for", "soon"], ["--for"], ["--nonsense"], ["--cyberwave", "--uncrew"]):  # fmt: skip
             with self.subTest(flags):
                 self.demo(*flags, code=2)
 

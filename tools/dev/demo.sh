@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# demo.sh [--for 30s] [--robots 50] [--gateways 0] [--store sqlite|postgres] [--seed N] [--cyberwave]:
+# demo.sh [--for 30s] [--robots 50] [--gateways 0] [--store sqlite|postgres] [--seed N]
+#         [--cyberwave|--uncrew]:
 # a development authority, an uplinkd with the embedded store or a private PostgreSQL cluster, a
 # synthetic fleet that breaks off and sends wrong things on purpose, by itself or through gateways, and
-# the comparison of what was sent, counted and stored. With --cyberwave a mosquitto and twins that
-# publish to it, in place of robots.
+# the comparison of what was sent, counted and stored. In place of robots, with --cyberwave a mosquitto
+# and twins that publish to it, with --uncrew drones that call.
 # Everything lies in build/demo, made afresh; nothing is left running. Fails if anything does not add
 # up.
 set -euo pipefail
@@ -22,6 +23,7 @@ gateways=0
 store=sqlite
 seed=1
 cyberwave=
+uncrew=
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --for | --robots | --gateways | --store | --seed)
@@ -39,6 +41,10 @@ while [[ $# -gt 0 ]]; do
       cyberwave=1
       shift
       ;;
+    --uncrew)
+      uncrew=1
+      shift
+      ;;
     *) die_usage "demo: unknown argument: $1" ;;
   esac
 done
@@ -48,7 +54,9 @@ case "$store" in
 esac
 [[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
 [[ "$gateways" =~ ^[0-9]{1,4}$ ]] || die_usage "demo: --gateways takes a number from 0 to 9999"
-[[ -z "$cyberwave" || "$gateways" -eq 0 ]] || die_usage "demo: --gateways are not for --cyberwave"
+[[ -z "$cyberwave$uncrew" || "$gateways" -eq 0 ]] ||
+  die_usage "demo: --gateways are not for --cyberwave and --uncrew"
+[[ -z "$cyberwave" || -z "$uncrew" ]] || die_usage "demo: --cyberwave or --uncrew, not both"
 [[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
 [[ "$duration" =~ ^[1-9][0-9]*(ms|s|m|h)$ ]] || die_usage "demo: --for takes a duration such as 30s"
 for program in uplinkd uplinkctl uplink-fleet; do
@@ -128,6 +136,11 @@ TOML
     --mqtt-password-file "$broker/uplink-fleet.password")
 fi
 
+if [[ -n "$uncrew" ]]; then
+  printf '\n[uncrew]\navatar = true\n' >>"$demo/uplinkd.toml"
+  fleet+=(--protocol uncrew)
+fi
+
 # A session of its own: an interrupt on the terminal is for this script, which drains the server.
 setsid "$bin/uplinkd" --config "$demo/uplinkd.toml" >"$log" 2>&1 &
 server_pid=$!
@@ -155,6 +168,8 @@ printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics  /metri
 printf '               /api/v1/faults?active=true  /api/v1/missions?open=true  /api/v1/shapes  /api/v1/objects\n'
 if [[ -n "$cyberwave" ]]; then
   printf '               /api/v1/scope-updates  /api/v1/quarantine?source=cyberwave  and below a robot\n'
+elif [[ -n "$uncrew" ]]; then
+  printf '               /api/v1/operator-requests  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Funcrew%%2Fuav%%2Fsynthetic-0001 and below it\n'
 else
   printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
 fi

@@ -18,8 +18,6 @@
 namespace uplink::synthetic {
 namespace {
 
-using model::uncrew::SampleKind;
-
 constexpr std::int64_t kSecondUs = 1'000'000;
 
 }  // namespace
@@ -130,7 +128,7 @@ void DroneMirror::Take(const AvatarCall& call) {
       std::visit(Taking{stored, now_us_ / 1000}, record);
     }
   } else {
-    const bool set = model::uncrew::RowOf(*type).kind == SampleKind::kDurable;
+    const bool set = model::uncrew::RowOf(*type).kind == model::uncrew::SampleKind::kDurable;
     answer.set_outcome(held || set ? ::uncrew::v1::OUTCOME_SUPERSEDED
                                    : ::uncrew::v1::OUTCOME_APPLIED);
   }
