@@ -114,12 +114,7 @@ const Phase& DroneGroup::phase(SteadyTime now) const {
 void DroneGroup::Run() {
   while (!shared_.abandon.load() && stage_ != DroneStage::kClose) {
     if (const DroneStage stage = shared_.stage.load(); stage != stage_) EnterStage(stage);
-    void* tag = nullptr;
-    bool ok = false;
-    const auto until = std::chrono::system_clock::time_point(clock_.System() + kTurnMax);
-    if (queue_->calls.AsyncNext(&tag, &ok, until) == grpc::CompletionQueue::GOT_EVENT) {
-      Done(*static_cast<Attempt*>(tag), clock_.Steady());
-    }
+    AwaitAnswers();
     const SteadyTime now = clock_.Steady();
     for (const auto& drone : drones_) Work(*drone, now);
     if (told_ || stage_ == DroneStage::kSend || !AllAnswered()) continue;
@@ -132,6 +127,19 @@ void DroneGroup::Run() {
   bool ok = false;
   while (queue_->calls.Next(&tag, &ok)) {
     // What it tells is not asked for any more.
+  }
+}
+
+void DroneGroup::AwaitAnswers() {
+  void* tag = nullptr;
+  bool ok = false;
+  milliseconds wait = kTurnMax;
+  // All that have come: no more than are on their way, since none leaves meanwhile.
+  while (queue_->calls.AsyncNext(&tag, &ok,
+                                 std::chrono::system_clock::time_point(clock_.System() + wait)) ==
+         grpc::CompletionQueue::GOT_EVENT) {
+    Done(*static_cast<Attempt*>(tag), clock_.Steady());
+    wait = milliseconds(0);
   }
 }
 

@@ -71,6 +71,7 @@ class DroneGroup final {
   struct Attempt;
   struct Queue;
 
+  void AwaitAnswers();
   void EnterStage(DroneStage stage);
   void Work(Drone& drone, SteadyTime now);
   void Send(Drone& drone, SteadyTime now);

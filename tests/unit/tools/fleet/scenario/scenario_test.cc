@@ -54,7 +54,8 @@ TEST_F(ScenarioTest, AFileSetsWhatItNamesAndLeavesTheRest) {
 
 TEST_F(ScenarioTest, TroubleIsRead) {
   const auto scenario = Load(
-      "flood = true\nlost_answers = 0.25\ndelay = \"100ms\"\nstorm_every = \"20s\"\ncuts_per_minute = 1\n"
+      "flood = true\nlost_answers = 0.25\ndelay = \"100ms\"\nstorm_every = "
+      "\"20s\"\ncuts_per_minute = 1\n"
       "half_opens_per_minute = 2\ntakeovers_per_minute = 3\nslow_readers = 0.5\n"
       "offline_before = \"1h\"\nconnects_per_second = 50\nstatus = 0.25");
   ASSERT_TRUE(scenario.ok()) << scenario.status();
