@@ -15,15 +15,21 @@ import grpc
 from uncrew.v1 import avatar_pb2 as avatar
 from uncrew.v1 import avatar_pb2_grpc
 
-# How long a call may take. The server answers within 5 s, or says that it cannot.
-CALL_SECONDS = 10
-# After which live samples no longer wait for a durable one.
-PATIENCE_SECONDS = 0.2
+# How long the call of a durable sample may take: the server answers within 5 s, or says that it cannot. A
+# live sample is not worth waiting for: the next one is newer.
+CALL_SECONDS, LIVE_SECONDS = 10, 2
+# The largest request that the server takes.
+REQUEST_BYTES_MAX = 64 * 1024
 # Durable samples that wait for their answer at most.
 WAITING_MAX = 10_000
+# Calls of live samples that wait for their answer at most. The server takes 64 calls at once.
+LIVE_MAX = 48
+# Before a durable sample is sent again: the first pause, and the longest.
+PAUSE_SECONDS, PAUSE_SECONDS_MAX = 1, 10
 # gRPC's own pause between two tries to connect grows to two minutes: long for something that flies.
 OPTIONS = (("grpc.max_reconnect_backoff_ms", 10_000),)
-# The link, the server or its store is away: the same sample again, later.
+# The link, the server or its store is away, or there is no room: the same sample again, later. A request
+# that is too large is RESOURCE_EXHAUSTED each time: publish() drops it.
 LATER = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.DEADLINE_EXCEEDED, grpc.StatusCode.RESOURCE_EXHAUSTED)
 
 
@@ -37,14 +43,28 @@ class Avatar:
 
         credentials = grpc.ssl_channel_credentials(read("ca.crt"), read(f"{name}.key"), read(f"{name}.crt"))
         self.stub = avatar_pb2_grpc.AvatarServiceStub(grpc.secure_channel(target, credentials, OPTIONS))
+        # Types and calls of live samples that are not answered yet.
+        self.live = []
         # Oldest first: what the server has to store, and did not say that it has.
         self.waiting = collections.deque()
         # The call of the oldest.
         self.under_way = None
+        self.pause = PAUSE_SECONDS
+        # When the oldest may be sent, by the monotonic clock.
+        self.not_before = 0
 
-    def start(self, kind, request):
+    def publish(self, durable, kind, request):
+        """Returns at once."""
+        if request.ByteSize() > REQUEST_BYTES_MAX:
+            print(f"{kind}: dropped, {request.ByteSize()} bytes are too many", file=sys.stderr)
+        elif durable:
+            self.keep(kind, request)
+        else:
+            self.show(kind, request)
+
+    def start(self, kind, request, seconds):
         # Python's library goes on connecting while a call waits for that, and hardly otherwise.
-        return getattr(self.stub, f"Publish{kind}").future(request, timeout=CALL_SECONDS, wait_for_ready=True)
+        return getattr(self.stub, f"Publish{kind}").future(request, timeout=seconds, wait_for_ready=True)
 
     def is_answered(self, kind, call, seconds):
         """False: the sample has to be sent again. Raises FutureTimeoutError while there is no answer."""
@@ -61,8 +81,15 @@ class Avatar:
         return True
 
     def show(self, kind, request):
-        """A live sample. One that does not arrive is lost: the next one is newer."""
-        self.is_answered(kind, self.start(kind, request), None)
+        """A live sample. One that does not arrive is lost, as is one while too many wait: the next is newer."""
+        before, self.live = self.live, []
+        for each in before:
+            try:
+                self.is_answered(*each, 0)
+            except grpc.FutureTimeoutError:
+                self.live.append(each)
+        if len(self.live) < LIVE_MAX:
+            self.live.append((kind, self.start(kind, request, LIVE_SECONDS)))
 
     def keep(self, kind, request):
         """A durable sample, for flush() to send."""
@@ -71,20 +98,24 @@ class Avatar:
         else:
             print(f"{kind}: lost, too many wait", file=sys.stderr)
 
-    def flush(self):
-        """Sends what waits, one after the other, so that it is stored in its order. An answer that takes
-        longer is looked at the next time."""
-        while self.waiting:
+    def flush(self, until):
+        """Sends what waits, one after the other, so that it is stored in its order. Returns by `until`, and in
+        a pause at once: the next time looks at what is answered then. Both are of the monotonic clock."""
+        while self.waiting and self.not_before <= time.monotonic() < until:
             kind, request = self.waiting[0]
-            self.under_way = self.under_way or self.start(kind, request)
+            self.under_way = self.under_way or self.start(kind, request, CALL_SECONDS)
             try:
-                answered = self.is_answered(kind, self.under_way, PATIENCE_SECONDS)
+                answered = self.is_answered(kind, self.under_way, max(0, until - time.monotonic()))
             except grpc.FutureTimeoutError:
                 return
             self.under_way = None
-            if not answered:
-                return
-            self.waiting.popleft()
+            if answered:
+                self.waiting.popleft()
+                self.pause = PAUSE_SECONDS
+            else:
+                # Longer each time, and another for each drone.
+                self.not_before = time.monotonic() + self.pause * random.uniform(0.5, 1.5)
+                self.pause = min(2 * self.pause, PAUSE_SECONDS_MAX)
 
 
 def now():
@@ -136,15 +167,17 @@ def main():
     parser.add_argument("--every", type=float, default=1, help="seconds of a round")
     options = parser.parse_args()
     link = Avatar(options.target, options.pki, options.name)
-    for step in range(options.rounds):
-        for durable, kind, request in flight(step, options.rounds):
-            (link.keep if durable else link.show)(kind, request)
-        link.flush()
+    step = 0
+    while step < options.rounds or link.waiting:
         # Not all drones at the same moment.
-        time.sleep(options.every * random.uniform(0.9, 1.1))
-    while link.waiting:
-        link.flush()
-        time.sleep(options.every if link.waiting else 0)
+        next_round = time.monotonic() + options.every * random.uniform(0.9, 1.1)
+        if step < options.rounds:
+            for durable, kind, request in flight(step, options.rounds):
+                link.publish(durable, kind, request)
+        step += 1
+        # Durable samples have the rest of the round, and live ones never wait for them.
+        link.flush(next_round)
+        time.sleep(max(0, next_round - time.monotonic()))
     print(f"landed after {options.rounds} rounds, everything stored")
 
 

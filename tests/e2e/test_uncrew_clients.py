@@ -14,6 +14,22 @@ NODE = shutil.which("node")
 NEEDED = "require('@grpc/grpc-js'); require('@grpc/proto-loader')"
 EXAMPLE = SOURCE / "examples/drone-python/drone.py"
 ROUNDS = 9
+# The example with a flight that begins with a text of more than 64 KiB.
+LENGTHY = """
+import drone
+from uncrew.v1 import avatar_pb2 as avatar
+
+
+def flight(step, rounds, plain=drone.flight):
+    if step == 0:
+        text = avatar.TelemetryStatusText(text="x" * 70_000)
+        yield True, "StatusText", avatar.PublishStatusTextRequest(metadata=drone.now(), status_text=text)
+    yield from plain(step, rounds)
+
+
+drone.flight = flight
+drone.main()
+"""
 
 
 def has_grpc_js():
@@ -52,17 +68,22 @@ class Node(DroneTest):
 
 
 class Example(DroneTest):
-    def test_the_example_flies_a_delivery_and_everything_of_it_is_stored(self):
+    def fly(self, program):
+        """What the program said, and the server to which it flew."""
         server = self.serve()
         self.certify(server.pki, "d1")
         run("protoc", f"--proto_path={SOURCE / 'proto'}", f"--grpc_out={self.modules}",
             "--plugin=protoc-gen-grpc=/usr/bin/grpc_python_plugin", "uncrew/v1/avatar.proto")  # fmt: skip
         done = run(
-            PYTHON, EXAMPLE, "--target", server.relay.replace("127.0.0.1", "localhost"), "--pki", server.pki,
+            PYTHON, program, "--target", server.relay.replace("127.0.0.1", "localhost"), "--pki", server.pki,
             "--name", "d1", "--rounds", ROUNDS, "--every", 0.05, timeout=SECONDS,
-            env={**os.environ, "PYTHONPATH": str(self.modules)},
+            env={**os.environ, "PYTHONPATH": f"{self.modules}:{EXAMPLE.parent}"},
         )  # fmt: skip
         self.assertIn(f"landed after {ROUNDS} rounds", done.stdout)
+        return done, server
+
+    def test_the_example_flies_a_delivery_and_everything_of_it_is_stored(self):
+        done, server = self.fly(EXAMPLE)
         self.assertEqual(done.stderr, "")
         self.assertEqual([row["message"] for row in self.history(server, "messages")], ["takes off"])
         self.assertEqual(len(self.events(server, "flightMode")), 2)
@@ -71,6 +92,14 @@ class Example(DroneTest):
         (request,) = self.listed(server, "operator-requests")
         self.assertGreater(int(request["closedAtMs"]), 0)
         self.assertGreater(self.shown(server)["battery"]["0"]["remainingPercent"], 0)
+
+    def test_the_example_drops_a_sample_that_is_too_large_and_sends_what_comes_after_it(self):
+        program = self.folder / "lengthy.py"
+        program.write_text(LENGTHY, encoding="utf-8")
+        done, server = self.fly(program)
+        self.assertRegex(done.stderr, r"^StatusText: dropped, 70\d\d\d bytes are too many\n$")
+        self.assertEqual([row["message"] for row in self.history(server, "messages")], ["takes off"])
+        self.assertEqual(len(self.events(server, "flightMode")), 2)
 
 
 if __name__ == "__main__":
