@@ -3,8 +3,8 @@
 import sqlite3
 import unittest
 
-from drones import SETTINGS
-from harness import BIN, EndToEnd, mismatches, run
+from drones import SETTINGS, rows
+from harness import BIN, EndToEnd, mismatches, run, wait_until
 
 WAIT_SECONDS = 60
 
@@ -23,7 +23,11 @@ class DroneFleet(EndToEnd):
         )  # fmt: skip
 
     def test_an_undisturbed_run_agrees_and_nothing_is_sent_twice(self):
-        _, fleet = self.at_work("--robots", 3, "--faults", 0.5, stored=60)
+        server, fleet = self.at_work("--robots", 3, "--faults", 0.5, stored=60)
+        wait_until(
+            server.process, lambda: rows(server, "/api/v1/operator-requests"), WAIT_SECONDS,
+            "a drone asks for an operator",
+        )  # fmt: skip
         report = self.assert_agrees(fleet)
         checks = {check["what"]: check for check in report["checks"]}
         self.assertEqual(report["run"]["resent"], 0, report["run"])

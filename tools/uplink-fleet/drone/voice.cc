@@ -17,8 +17,9 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr std::int64_t kUsPerMs = 1'000;
-/// Since its boot when it is first heard.
-constexpr std::int64_t kUpUs = 90'000'000;
+/// A drone has been up since midnight (UTC), so that a second run soon after the first one is no
+/// step back by less than kOlderMax of the server, which it takes for old samples.
+constexpr std::int64_t kDayUs = 86'400'000'000;
 
 std::unique_ptr<google::protobuf::Message> Empty(std::string_view type) {
   const std::string name = fmt::format("Publish{}Request", type);
@@ -33,7 +34,7 @@ std::unique_ptr<google::protobuf::Message> Empty(std::string_view type) {
 
 void DroneVoice::SetNow(std::int64_t now_us) {
   now_us_ = std::max(now_us, now_us_ + kUsPerMs);
-  if (boot_us_ == 0) boot_us_ = now_us_ - kUpUs;
+  if (boot_us_ == 0) boot_us_ = now_us_ - now_us_ % kDayUs;
 }
 
 AvatarDraft DroneVoice::Begin(std::string_view type, std::size_t line, std::string_view json,
