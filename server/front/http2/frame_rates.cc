@@ -58,8 +58,10 @@ bool FrameRates::Take(FrameKind kind, SteadyTime now) {
   SteadyTime& full_at = full_at_[static_cast<std::size_t>(kind)];
   const SteadyTime::duration interval = IntervalOf(RateOf(limit));
   const SteadyTime then = std::max(full_at, now) + interval;
-  const auto burst = static_cast<SteadyTime::rep>(BurstOf(limit, streams_max_));
-  if (then - now > interval * burst) return false;
+  std::uint64_t burst = BurstOf(limit, streams_max_);
+  // Who may make so many calls a second may make them at its beginning.
+  if (limit.scope == FrameScope::kCalls) burst = std::max<std::uint64_t>(burst, calls_per_second_);
+  if (then - now > interval * static_cast<SteadyTime::rep>(burst)) return false;
   full_at = then;
   return true;
 }
