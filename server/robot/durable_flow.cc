@@ -28,6 +28,7 @@ DurableFlow::Answer DurableFlow::LookAt(std::size_t bytes, const FlowLimits& lim
                                         SteadyTime now) const {
   if (const Answer disk = LookAtDisk(now); disk.by != HeldBack::kNone) return disk;
   const std::int64_t disk_rate = disk_rate_.load(std::memory_order_relaxed);
+  const std::lock_guard lock(mutex_);
   const SteadyTime flow = std::max(records_.PassesAt(1, limits.records, now),
                                    bytes_.PassesAt(bytes, limits.bytes, now));
   if (flow > now) return {HeldBack::kFlow, std::min<SteadyTime>(flow, now + kAgain)};
@@ -38,6 +39,7 @@ DurableFlow::Answer DurableFlow::LookAt(std::size_t bytes, const FlowLimits& lim
 }
 
 void DurableFlow::Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
   records_.Take(1, limits.records, now);
   bytes_.Take(bytes, limits.bytes, now);
   bytes_total_.fetch_add(bytes, std::memory_order_relaxed);

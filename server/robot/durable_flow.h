@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 
 #include "schema/base/clock.h"
@@ -23,7 +24,7 @@ struct FlowLimits {
 /// What one robot has stored per second: past its buckets its stream is held back, and nothing is
 /// lost. A store whose disk is nearly full asks for less than that (LimitForDisk).
 ///
-/// Thread: LookAt and Take by the robot's stream, of which there is one at a time; the rest by any.
+/// Thread: thread-safe: a robot may speak by a stream and by calls.
 class DurableFlow final {
  public:
   /// Whether a record of `bytes` may be stored now, and if not, when to look again.
@@ -54,6 +55,7 @@ class DurableFlow final {
   static constexpr std::int64_t kNoLimit = -1;
   [[nodiscard]] limits::BucketSize DiskSize(std::int64_t rate) const;
 
+  mutable std::mutex mutex_;
   limits::TokenBucket records_;
   limits::TokenBucket bytes_;
   limits::TokenBucket disk_;
