@@ -62,14 +62,15 @@ template <typename Row>
   return {NumberIn(row, column), RejectionIn(row, column + 1)};
 }
 
-/// RURI, fleet, first and last seen, presence, session, holder.
+/// RURI, fleet, first and last seen, presence, session, holder, whether it was claimed.
 template <typename Row>
 [[nodiscard]] RobotRow RobotIn(const Row& row) {
   RobotRow robot{.robot = {TextIn(row, 0), TextIn(row, 1)},
                  .first_seen = row.Time(2),
                  .last_seen = row.Time(3),
                  .last_session = SessionIn(row, 6),
-                 .holder = row.Uuid(8).bytes()};
+                 .holder = row.Uuid(8).bytes(),
+                 .was_claimed = row.Int(9) != 0};
   if (const auto presence = PresenceIn(row, 4)) {
     robot.last_presence = presence->presence;
     robot.presence_since = presence->since;

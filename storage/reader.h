@@ -120,6 +120,8 @@ struct RobotRow {
   std::optional<SettledSession> last_session;
   /// The process that opened its last stream, or adopted it.
   ProcessId holder{};
+  /// It spoke by calls: it was claimed.
+  bool was_claimed = false;
 };
 
 struct LatestRow {

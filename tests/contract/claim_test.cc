@@ -55,6 +55,7 @@ TEST_P(ClaimsContract, MakesTheRobotAndHoldsItWithoutASession) {
   ASSERT_THAT(Robots(), SizeIs(1));
   EXPECT_EQ(Robots()[0].robot, *robot_);
   EXPECT_EQ(Robots()[0].holder, storage::ProcessId{kProcess});
+  EXPECT_TRUE(Robots()[0].was_claimed);
   EXPECT_FALSE(Robots()[0].last_session.has_value()) << "a sample has no cursor";
   EXPECT_THAT(ClaimEach({}), IsEmpty());
 }

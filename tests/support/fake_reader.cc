@@ -64,6 +64,7 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
     row.first_seen = robot.first_seen;
     row.last_seen = robot.last_seen;
     row.holder = robot.owner;
+    row.was_claimed = robot.claim.has_value();
     if (const auto last = database_.presence_.Last(ruri)) {
       row.last_presence = last->presence;
       row.presence_since = last->since;
