@@ -13,7 +13,8 @@
 namespace uplink::storage::sqlite {
 namespace {
 
-/// Deletes the robot's least recently used sessions over the bound, but none that the process holds.
+/// Deletes the robot's least recently used sessions over the bound, but none that the process
+/// holds.
 absl::Status EvictSessions(Tables& tables, const OpenRequest& request) {
   DecidingTables& deciding = tables.deciding;
   const auto sessions = deciding.Sessions(request.robot->ruri);
