@@ -16,7 +16,7 @@ inline constexpr auto kUncrewSpecs = std::to_array<MetricSpec>({
      "From a drone's sample to its answer, of live samples and of those that are stored first.",
      kByKind},
     {MetricId::kAvatarDrones, "uplinkd_avatar_drones", MetricType::kGauge, "robots",
-     "Drones that called this server within the last ten minutes."},
+     "Drones that called this server within the last day."},
     {MetricId::kOperatorRequestsOpen, "uplinkd_operator_requests_open", MetricType::kGauge,
      "requests", "Requests of drones that wait for an operator, as the drones last said."},
     {MetricId::kOperatorRequestOldest, "uplinkd_operator_request_oldest_seconds",

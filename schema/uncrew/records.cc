@@ -150,9 +150,8 @@ struct Telling {
       told.emplace_back(RequestOf(request, sampled_ms, true));
     });
   }
-  /// Live ones.
   template <typename Live>
-  void operator()(const Live& /*body*/) {}
+  requires(uc::kKindOf<Live> == uc::SampleKind::kLive) void operator()(const Live& /*body*/) {}
 
  private:
   template <typename Body>
@@ -176,10 +175,12 @@ std::string_view MemoryOf(uc::SampleType type, std::string_view request) {
   return remembered ? request : std::string_view();
 }
 
-std::optional<uc::Value> Recall(uc::SampleType type, std::string_view memory) {
+std::optional<Recalled> Recall(uc::SampleType type, std::string_view memory) {
   if (memory.empty()) return std::nullopt;
   Judgement judged = Judge(type, memory);
-  if (auto* value = std::get_if<uc::Value>(&judged.verdict)) return std::move(*value);
+  if (auto* value = std::get_if<uc::Value>(&judged.verdict)) {
+    return Recalled{std::move(*value), std::move(judged.metadata)};
+  }
   return std::nullopt;
 }
 

@@ -23,9 +23,14 @@ using DurableRecord = std::variant<model::Record, model::OperatorRequest>;
 /// the request itself, for sets and for what is durable on change; else nothing. Pure.
 [[nodiscard]] std::string_view MemoryOf(model::uncrew::SampleType type, std::string_view request);
 
-/// The value in such a memory; nothing if it is empty, or no rule lets it pass any more. Pure.
-[[nodiscard]] std::optional<model::uncrew::Value> Recall(model::uncrew::SampleType type,
-                                                         std::string_view memory);
+/// A sample that was stored. A value.
+struct Recalled {
+  model::uncrew::Value value;
+  model::uncrew::Metadata metadata;
+};
+/// The sample in such a memory; nothing if it is empty, or no rule lets it pass any more. Pure.
+[[nodiscard]] std::optional<Recalled> Recall(model::uncrew::SampleType type,
+                                             std::string_view memory);
 
 /// Makes records of what Judge found good: the same kinds that other robots report, so that
 /// journal, store and views need not know who spoke. Pure; any thread.

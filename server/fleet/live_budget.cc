@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace uplink::fleet {
+namespace {
+
+/// The part that is all that a robot's calls say.
+constexpr std::size_t kOfCalls = storage::kLivePartKinds;
+
+}  // namespace
 
 LiveBudget::LiveBudget(const Context& context) : context_(context) {
   context_.fleet.live_total()->OnOver([this] { Relieve(); });
@@ -57,7 +63,7 @@ std::vector<LiveBudget::Holder> LiveBudget::Holders() const {
     return holder;
   };
   for (const RobotPtr& robot : context_.fleet.All()) {
-    const std::size_t held = robot->state.live_bytes();
+    const std::size_t held = robot->state.live_bytes() + robot->calls.live_bytes();
     if (held == 0) continue;
     holder_of(NameOf(*robot), held).robots.push_back(robot);
   }
@@ -79,7 +85,11 @@ std::vector<LiveBudget::Part> LiveBudget::PartsOf(const Holder& holder) {
       parts.push_back({.bytes = bytes[i], .robot = robot, .twin = twin, .index = i});
     }
   };
-  for (const RobotPtr& robot : holder.robots) add(robot->state.live_part_bytes(), robot, nullptr);
+  for (const RobotPtr& robot : holder.robots) {
+    add(robot->state.live_part_bytes(), robot, nullptr);
+    const std::size_t said = robot->calls.live_bytes();
+    if (said != 0) parts.push_back({.bytes = said, .robot = robot, .index = kOfCalls});
+  }
   for (const cyberwave::TwinPtr& twin : holder.twins) add(twin->table_bytes(), nullptr, twin);
   std::ranges::sort(parts, {}, &Part::bytes);
   return parts;
@@ -110,6 +120,7 @@ std::size_t LiveBudget::Drop(const Part& part) {
   if (part.twin != nullptr) {
     return context_.twins.DropTable(*part.twin, static_cast<cyberwave::TwinTable>(part.index));
   }
+  if (part.index == kOfCalls) return part.robot->calls.DropLive();
   return part.robot->state.DropLivePart(static_cast<storage::LivePart>(part.index));
 }
 

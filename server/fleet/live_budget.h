@@ -79,13 +79,13 @@ class LiveBudget final {
     std::string text;
     friend auto operator<=>(const Name&, const Name&) = default;
   };
-  /// One part of a robot, or one table of a twin.
+  /// One part of a robot, all that its calls say, or one table of a twin.
   struct Part {
     std::size_t bytes = 0;
     /// One of the two is null.
-    RobotPtr robot;
-    cyberwave::TwinPtr twin;
-    /// A storage::LivePart, or a cyberwave::TwinTable.
+    RobotPtr robot{};
+    cyberwave::TwinPtr twin{};
+    /// A storage::LivePart, one past them of calls, or a cyberwave::TwinTable.
     std::size_t index = 0;
   };
   struct Holder {

@@ -57,10 +57,10 @@ void Claiming::Tell(const ClaimEntry& claim, const storage::ClaimResult& result)
   claim.client->OnClaimed(result).Wake();
 }
 
-void Claiming::LoseAll() {
+void Claiming::DoubtAll() {
   if (robot::Planted(robot::Mutation::kReconnectTrusted)) return;
   for (const auto& [ruri, drone] : std::exchange(claimed_, {})) {
-    if (const auto client = drone.lock()) client->OnFenced(context_.ledger).Wake();
+    if (const auto client = drone.lock()) client->OnDoubted().Wake();
   }
 }
 

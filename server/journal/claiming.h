@@ -28,8 +28,9 @@ class Claiming final {
 
   /// Nothing if no drone is to be claimed.
   [[nodiscard]] std::optional<Step> Advance();
-  /// The store was connected to anew and may remember less than it told: no claim counts any more.
-  void LoseAll();
+  /// The store was connected to anew and may remember less than it told: drones that were claimed
+  /// ask for that again.
+  void DoubtAll();
 
  private:
   void Tell(const ClaimEntry& claim, const storage::ClaimResult& result);
@@ -38,7 +39,7 @@ class Claiming final {
   Holds& holds_;
   CallSize size_;
   std::vector<ClaimEntry> claiming_;
-  /// By RURI, those that were claimed since the last LoseAll; some may be gone.
+  /// By RURI, those that were claimed since the last DoubtAll; some may be gone.
   std::map<std::string, std::weak_ptr<robot::CommitClient>> claimed_;
 };
 

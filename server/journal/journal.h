@@ -76,7 +76,7 @@ class Journal final {
   /// same subject while a stream or an entry has it. Null for an empty subject.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
   /// Appends all that one durable message is, in order of the numbers: one commit has all of it.
-  /// Always takes it: callers ask RoomFor before.
+  /// Always takes it: callers ask RoomFor before, but for what each robot has at most one of.
   /// `by` has the client's generation as of the stream's begin. A record of an older generation is
   /// one that a fence overtook on its way here. It is not written: the cursor would pass the
   /// numbers that the fence dropped.

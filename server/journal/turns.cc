@@ -42,7 +42,7 @@ Step Turns::Advance() {
   if (comparing_.Due()) {
     // It is gathered anew afterwards: of what it holds some may be void by then.
     committing_.PutBack();
-    claiming_.LoseAll();
+    claiming_.DoubtAll();
     if (const std::optional<Step> failed = comparing_.Do()) return *failed;
   }
   // What waits goes between two duties, so that a long one that is followed by the next keeps no

@@ -75,6 +75,9 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
                                        metrics::Ledger& ledger) = 0;
   /// The store answered the claim of a drone (Journal::Claim). Returns the stream to wake.
   virtual loop::StreamRef OnClaimed(const storage::ClaimResult& /*result*/) { return {}; }
+  /// Of a drone: the store was connected to anew, and may remember less than it told. Returns the
+  /// stream to wake.
+  virtual loop::StreamRef OnDoubted() { return {}; }
   /// Outcomes of one commit, in order; never kFenced. Counts go to `ledger`. Returns the stream to
   /// wake.
   virtual loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger) = 0;
@@ -97,9 +100,9 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
 /// A drone as the journal sees it, beside its robot: what is told of its claim and of its samples.
 /// It has numbers of its own, and holds no robot: whose the robot is, the robot is told.
 ///
-/// OnFenced: another server claimed the drone, or the store was connected to anew. What waits is
-/// void; the drone claims anew, gets what the store remembers of its samples, and judges them
-/// again.
+/// OnFenced: another server claimed the drone. What waits is void; the drone claims anew, gets what
+/// the store remembers of its samples, and judges them again.
+/// OnDoubted: what waits stands; then the drone claims anew.
 class ClaimClient : public CommitClient {
  public:
   loop::StreamRef OnClaimed(const storage::ClaimResult& result) override = 0;

@@ -82,11 +82,7 @@ class App::Impl {
             .random = options_.random,
             .kernel_clock_synchronised = options_.kernel_clock_synchronised,
             .spatial_committed = [this] { relay_.OnSpatialCommitted(); },
-            .reconnected =
-                [this] {
-                  broker_.Reread();
-                  uncrew_.NoteStoreReconnected();
-                },
+            .reconnected = [this] { broker_.Reread(); },
             .shut_out = [this] { ground_.EndAsFailed(); }};
   }
 

@@ -16,7 +16,8 @@ UncrewSide::UncrewSide(const Context& context)
 transport::MethodsMaker UncrewSide::Methods() {
   const config::Config& config = context_.config;
   if (!config.uncrew.avatar) return {};
-  return uncrew::AvatarMethods({.drones = drones_,
+  return uncrew::AvatarMethods({.watch = context_.clock,
+                                .drones = drones_,
                                 .fleet = context_.fleet,
                                 .probe = probe_,
                                 .ledgers = context_.ledgers,

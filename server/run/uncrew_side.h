@@ -40,8 +40,6 @@ class UncrewSide final {
 
   // --- Any thread ---
 
-  /// Drones::NoteStoreReconnected.
-  void NoteStoreReconnected() { drones_.NoteStoreReconnected(); }
   [[nodiscard]] const uncrew::Drones& drones() const { return drones_; }
   /// None if drones may call nothing.
   void AddSamples(metrics::Exposition& page) const;

@@ -11,6 +11,10 @@ using storage::ForgetAnswer;
 
 namespace {
 
+/// Calls of a robot that is to be forgotten are taken again after so long: by then it is, or was
+/// asked anew.
+constexpr std::chrono::seconds kCallsEndFor{5};
+
 const char* NameOf(ForgetAnswer answer) {
   switch (answer) {
     case ForgetAnswer::kNone:
@@ -91,7 +95,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingFor
   if (robot.speaks()) {
     if (!asked.end_stream) return Tell(asked, ForgetAnswer::kHasStream);
     robot.sessions.EndStream().Wake();
-    robot.calls.AskToEnd();
+    robot.calls.AskToEnd(context_.clock.Steady() + kCallsEndFor);
     return Look::kUnderWay;
   }
   if (robot.sessions.in_flight() > 0) {

@@ -51,6 +51,7 @@ void Seed::RestoreSession(const storage::RobotRow& row) const {
 
 void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {
   robot.NoteHeard(row.last_seen);
+  if (row.was_claimed) robot.calls.NoteSpoken();
   robot.state.FollowHolder(
       {}, row.last_presence ? storage::StoredPresence{*row.last_presence, row.presence_since}
                             : storage::StoredPresence{model::Presence::kUnknown, row.first_seen});

@@ -57,6 +57,8 @@ class ServedCall {
   virtual void Write(std::vector<SharedMessage> messages) = 0;
   /// Ends the call, after a write under way.
   virtual void Finish(const absl::Status& status) = 0;
+  /// The same, and a line says who was refused, and why.
+  virtual void FinishRefused(const absl::Status& status) = 0;
   /// Ends it at once.
   virtual void Cancel() = 0;
   /// Asks whether the peer is there: answered by the handler's OnPeerAnswered, if it ever is.

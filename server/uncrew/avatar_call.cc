@@ -19,33 +19,47 @@ absl::Status NotInTime() {
       "the store did not confirm the sample in time: send the same sample again");
 }
 
+absl::Status NoRequest() {
+  return absl::DeadlineExceededError("the request did not come whole within uncrew.answer_within");
+}
+
 }  // namespace
 
 void AvatarCall::Start() {
   began_ = thread_.clock.Steady();
   began_system_ = thread_.clock.System();
-  answer_by_ = SteadyTime::max();
+  answer_by_ = began_ + thread_.answer_within;
+  awaits_request_ = true;
   call_.RequestMessage();
 }
 
 void AvatarCall::OnTooLarge(std::uint64_t bytes) {
+  awaits_request_ = false;
   Fail(absl::ResourceExhaustedError(
            fmt::format("the request has {} bytes, the limit is {}", bytes, kRequestBytesMax)),
        Outcome::kRefused);
 }
 
 void AvatarCall::OnMessage(std::string_view bytes) {
+  awaits_request_ = false;
+  arrived_ = thread_.watch.Steady();
   began_ = thread_.clock.Steady();
   began_system_ = thread_.clock.System();
   answer_by_ = began_ + thread_.answer_within;
   request_ = std::string(bytes);
   judged_ = Judge(type_, request_);
   digest_ = DigestOf(type_, request_);
-  if (const absl::Status found = FindDrone(); !found.ok()) return Fail(found, Outcome::kRefused);
+  if (const absl::Status found = FindDrone(); !found.ok()) {
+    return Fail(found, absl::IsUnavailable(found) ? Outcome::kUnavailable : Outcome::kRefused);
+  }
   Offer();
 }
 
 absl::Status AvatarCall::FindDrone() {
+  if (!judged_.decoded && call_.peer().role == identity::Role::kGateway) {
+    return absl::PermissionDeniedError(
+        "a gateway must name the drone that it speaks for, and the request cannot be decoded");
+  }
   const auto claim = SpeakerOf(call_.peer(), judged_.metadata.uav_id, thread_.ruri_template);
   if (!claim.ok()) return claim.status();
   auto drone = thread_.drones.Enter(*claim);
@@ -87,7 +101,8 @@ void AvatarCall::Take(Drone::Offered offered) {
       once_committed_ = std::move(offered.answer);
       return;
     case Drone::Offered::Is::kNoRoom:
-      again_at_ = thread_.clock.Steady() + kRoomAgain;
+      again_at_ = thread_.clock.Steady() + again_in_;
+      again_in_ = std::min(2 * again_in_, kRoomAgainMax);
       return;
     case Drone::Offered::Is::kUnclaimed:
       return;
@@ -115,8 +130,8 @@ void AvatarCall::OnWake() {
 
 void AvatarCall::OnCommitted(const Ticket& ticket) {
   Answer answer = std::move(once_committed_);
-  if (answer.outcome == Outcome::kStored) {
-    if (ticket.was_stored) answer.outcome = Outcome::kDuplicate;
+  if (answer.outcome == Outcome::kStored && ticket.was_stored) answer.outcome = Outcome::kDuplicate;
+  if (answer.outcome == Outcome::kStored || answer.outcome == Outcome::kDuplicate) {
     if (ticket.refused) answer = {.outcome = Outcome::kRejected, .rejection = ticket.refused};
   }
   Tell(answer);
@@ -124,17 +139,22 @@ void AvatarCall::OnCommitted(const Ticket& ticket) {
 
 void AvatarCall::OnTimer() {
   const SteadyTime now = thread_.clock.Steady();
+  if (awaits_request_ && now >= answer_by_) return FailWithoutRequest(NoRequest());
   if (drone_ == nullptr) return;
   if (now >= answer_by_) return Fail(NotInTime(), Outcome::kUnavailable);
   if (again_at_ && now >= *again_at_) Offer();
 }
 
 std::optional<SteadyTime> AvatarCall::deadline() const {
+  if (awaits_request_) return answer_by_;
   if (drone_ == nullptr) return std::nullopt;
   return again_at_ ? std::min(*again_at_, answer_by_) : answer_by_;
 }
 
 void AvatarCall::OnDrain(milliseconds grace) {
+  if (awaits_request_) {
+    return FailWithoutRequest(absl::UnavailableError("the server drains: send it to another"));
+  }
   // A sample that still waits then is sent again, to another server.
   answer_by_ = std::min(answer_by_, thread_.clock.Steady() + grace);
 }
@@ -142,6 +162,11 @@ void AvatarCall::OnDrain(milliseconds grace) {
 void AvatarCall::OnBroken(std::optional<absl::StatusCode> /*code*/) {
   if (drone_ != nullptr) Count(Outcome::kUnavailable);
   End();
+}
+
+void AvatarCall::FailWithoutRequest(const absl::Status& status) {
+  awaits_request_ = false;
+  Fail(status, Outcome::kRefused);
 }
 
 void AvatarCall::Tell(const Answer& answer) {
@@ -153,7 +178,7 @@ void AvatarCall::Tell(const Answer& answer) {
   Count(answer.outcome);
   AnswerSeconds& seconds = thread_.probe.answer_seconds;
   (ticket_ == nullptr ? seconds.live : seconds.durable)
-      .ObserveSince(began_, thread_.clock.Steady());
+      .ObserveSince(arrived_, thread_.watch.Steady());
   ticket_.reset();
   End();
   call_.Write(transport::WithPrefix(ResponseOf(answer, judged_)));
@@ -162,7 +187,11 @@ void AvatarCall::Tell(const Answer& answer) {
 
 void AvatarCall::Fail(const absl::Status& status, Outcome outcome) {
   Count(outcome);
+  if (outcome == Outcome::kUnavailable) {
+    thread_.probe.answer_seconds.durable.ObserveSince(arrived_, thread_.watch.Steady());
+  }
   End();
+  if (outcome == Outcome::kRefused) return call_.FinishRefused(status);
   call_.Finish(status);
 }
 

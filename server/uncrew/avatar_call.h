@@ -15,13 +15,17 @@
 #include "server/ingest/port.h"
 #include "server/transport/call_handler.h"
 #include "server/uncrew/drones.h"
+#include "server/uncrew/limits.h"
 #include "server/uncrew/probe.h"
 
 namespace uplink::uncrew {
 
 /// What the calls of one thread share. The references outlive it. Confined to the thread.
 struct AvatarThread {
+  /// That of the thread's events, which stands still during one.
   const Clock& clock;
+  /// For what an answer takes.
+  const Clock& watch;
   Drones& drones;
   AvatarProbe& probe;
   /// uncrew.answer_within and uncrew.ruri_template.
@@ -63,6 +67,7 @@ class AvatarCall final : public transport::CallHandler {
   void Tell(const Answer& answer);
   /// Ends the call without an answer.
   void Fail(const absl::Status& status, Outcome outcome);
+  void FailWithoutRequest(const absl::Status& status);
   void Count(Outcome outcome);
   /// Lets go of the drone. Idempotent.
   void End();
@@ -72,9 +77,14 @@ class AvatarCall final : public transport::CallHandler {
   const model::uncrew::SampleType type_;
   SteadyTime began_;
   SystemTime began_system_;
+  /// By `watch`.
+  SteadyTime arrived_;
+  /// By then the request must be here, and then its answer.
   SteadyTime answer_by_;
+  bool awaits_request_ = false;
   /// When to offer it again that had no room.
   std::optional<SteadyTime> again_at_;
+  milliseconds again_in_ = kRoomAgain;
   std::string request_;
   Judgement judged_;
   storage::SampleDigest digest_{};

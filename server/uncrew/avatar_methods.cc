@@ -50,6 +50,7 @@ transport::MethodsMaker AvatarMethods(AvatarContext context) {
     metrics::Ledger& ledger = context.ledgers.NewPage(model::MessageSource::kUncrew);
     return MethodsOf(std::make_shared<AvatarThread>(
         AvatarThread{.clock = clock,
+                     .watch = context.watch,
                      .drones = context.drones,
                      .probe = context.probe,
                      .answer_within = context.answer_within,

@@ -15,6 +15,8 @@ namespace uplink::uncrew {
 
 /// What AvatarService works with. All of it outlives the server.
 struct AvatarContext {
+  /// For what answers take: it goes on during an event.
+  const Clock& watch;
   Drones& drones;
   fleet::Fleet& fleet;
   AvatarProbe& probe;

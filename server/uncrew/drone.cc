@@ -13,38 +13,23 @@ namespace uplink::uncrew {
 using model::uncrew::SampleKind;
 using model::uncrew::SampleType;
 
-namespace {
-
-Answer LimitedBy(const DroneMessage& message) {
-  return {.outcome = Outcome::kRejected,
-          .rejection = message.limited(),
-          .retry_after = message.retry_after()};
-}
-
-bool IsGood(Outcome outcome) {
-  return outcome == Outcome::kApplied || outcome == Outcome::kSuperseded;
-}
-
-}  // namespace
-
 Drone::Drone(const Context& context, fleet::RobotPtr robot)
-    : context_(context), robot_(std::move(robot)) {
-  robot_->calls.Begin();
+    : context_(context), robot_(std::move(robot)), waiting_(robot_->calls) {
+  share_.CountIn(context_.live_total);
+  robot_->calls.Begin(this);
 }
 
-Drone::~Drone() {
-  robot_->calls.EndWaiting(waiting_.use());
-  robot_->calls.End();
-}
-
-// --- Who calls ---
+Drone::~Drone() { robot_->calls.End(this); }
 
 bool Drone::SetSpeaker(const fleet::Claim& claim) {
   const bool moves = claim.grant != fleet::Grant::kFleet;
   const bool same = robot_->id()->fleet == claim.robot.fleet;
   if (!same && !moves) return false;
   const std::lock_guard lock(mutex_);
-  claim_.SpeakAs(claim, moves, context_.journal);
+  // The store had it in the fleet of somebody else who called.
+  if (same && claim_.is_other_fleet()) claim_.TellFleet(waiting_.empty());
+  const bool is_new = claim_.SpeakAs(claim, moves, context_.journal);
+  if (is_new && !robot_->HasStream()) robot_->SetSpeaker(claim.gateway);
   if (!same) {
     robot_->SetFleet(claim.robot.fleet);
     claim_.TellFleet(waiting_.empty());
@@ -62,17 +47,22 @@ bool Drone::Enter(SystemTime now) {
   return true;
 }
 
-bool Drone::idle() const {
-  const std::lock_guard lock(mutex_);
-  return calls_.load() == 0 && waiting_.empty() && !claim_.is_asked();
+Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
+  Offered offered;
+  {
+    const std::lock_guard lock(mutex_);
+    offered = Take(port, sample, caller);
+    share_.Set(live_.bytes() + stored_.bytes());
+  }
+  // Over the budget it may be this drone that loses what it says.
+  context_.live_total->Check();
+  return offered;
 }
 
-// --- A sample ---
-
-Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
-  const std::lock_guard lock(mutex_);
+Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
   // It is to be forgotten: what it says comes again, to a drone that is new.
-  if (robot_->calls.asked_to_end()) return Settle(port, sample, metrics::Became::kRefused);
+  if (robot_->calls.asked_to_end(context_.clock.Steady()))
+    return Settle(port, sample, metrics::Became::kRefused);
   ClaimIfDue(context_.clock.Steady());
   if (claim_.is_other_fleet()) {
     static_cast<void>(Settle(port, sample, metrics::Became::kRefused));
@@ -82,7 +72,7 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
   if (sample.judged.decoded && !is_foreign) {
     port.NoteLife(line(), sample.arrived, sample.arrived_system);
   }
-  if (sample.judged.rejection() != nullptr) return OfferDurable(port, sample, caller);
+  if (sample.is_rejected()) return OfferDurable(port, sample, caller);
   // Sets are shown at once, whatever the store does.
   if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(sample.live())) {
     live_.Apply(sample.live());
@@ -105,35 +95,29 @@ Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
                         .ledger = context_.ledger});
   const ingest::Port::Offered offered = port.Offer(line(), message);
   port.Publish();
-  if (offered.answer == ingest::Port::Answer::kLimited) return {.answer = LimitedBy(message)};
+  if (offered.answer == ingest::Port::Answer::kLimited) return {.answer = message.LimitedAnswer()};
   if (!is_old) live_.Apply(live);
   return {.answer = {.outcome = is_old ? Outcome::kSuperseded : Outcome::kApplied}};
 }
 
 Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
                                    loop::StreamRef caller) {
-  if (claim_.epoch() == 0) return AwaitClaim(caller);
-  const bool is_rejected = sample.judged.rejection() != nullptr;
-  const SampleType type = is_rejected ? SampleType::kRejected : sample.judged.type;
-  const auto mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{
-      .claim = claim_.epoch(),
-      .type = NumberOf(type),
-      .digest = sample.digest,
-      .timed = sample.judged.metadata.timed(),
-      .last = is_rejected ? std::string() : std::string(MemoryOf(type, sample.request))});
-  const Answer if_known{.outcome = is_rejected ? Outcome::kRejected : Outcome::kDuplicate};
+  if (!claim_.serves()) return AwaitClaim(caller);
+  const storage::SampleRef mark = sample.MarkUnder(claim_.epoch());
+  const Answer if_known{.outcome = sample.is_rejected() ? Outcome::kRejected : Outcome::kDuplicate};
   if (const TicketRef ticket = waiting_.Find(mark->type, &mark->digest)) {
-    port.Count(sample.arrival(), metrics::Became::kDuplicate);
-    port.Publish();
+    static_cast<void>(Settle(port, sample, metrics::Became::kDuplicate));
+    if (sample.is_bad_live()) return {.answer = if_known};
     return Wait(ticket, if_known, caller);
   }
   if (stored_.IsDuplicate(*mark)) {
+    // It was shown at once; the store knows what followed it.
+    if (IsSet(sample.judged.type) && stored_.IsPast(*mark)) live_.Forget(sample.judged.type);
     static_cast<void>(Settle(port, sample, metrics::Became::kDuplicate));
-    return AskStore(sample, if_known, caller);
+    if (sample.is_bad_live()) return {.answer = if_known};
+    return AskStore(if_known, caller);
   }
-  const bool is_ordered =
-      !is_rejected && (IsSet(type) || sample.row().kind != SampleKind::kDurable);
-  if (is_ordered && live_.IsOlder(sample.live())) {
+  if (sample.is_ordered() && live_.IsOlder(sample.live())) {
     return Settle(port, sample, metrics::Became::kSuperseded);
   }
   return OfferRecords(port, sample, mark, caller);
@@ -141,90 +125,66 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
 
 Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
                                    const storage::SampleRef& mark, loop::StreamRef caller) {
-  const bool is_rejected = sample.judged.rejection() != nullptr;
   std::vector<storage::CommitRecord> records;
-  if (!is_rejected) {
+  if (!sample.is_rejected()) {
     const SampleType type = sample.judged.type;
     const auto before = Recall(type, stored_.Last(type));
-    records = sample.RecordsOf(Records::Of(sample.judged, before ? &*before : nullptr));
+    if (before && sample.is_ordered() && IsOlder(sample.judged.metadata, before->metadata)) {
+      if (IsSet(type) && live_.IsHeld(sample.live())) live_.Forget(type);
+      return AskStore(Settle(port, sample, metrics::Became::kSuperseded).answer, caller);
+    }
+    records = sample.RecordsOf(Records::Of(sample.judged, before ? &before->value : nullptr));
     if (records.empty()) return SaysTheSame(port, sample, caller);
   }
-  // A rejected one of a live type takes the same tokens as a good one.
-  const bool has_rate = is_rejected && sample.row().kind == SampleKind::kLive;
   DroneMessage message({.judged = sample.judged,
                         .arrival = sample.arrival(),
                         .mark = mark,
                         .records = std::move(records),
-                        .rate = has_rate ? &rate_ : nullptr,
+                        .rate = sample.is_bad_live() ? &rate_ : nullptr,
                         .now = context_.clock.Steady(),
                         .waiting = waiting_,
                         .ledger = context_.ledger});
-  const robot::JournalUse before = waiting_.use();
   const ingest::Port::Offered offered = port.Offer(line(), message);
   port.Publish();
   if (offered.answer == ingest::Port::Answer::kWaits) return {.is = Offered::Is::kNoRoom};
-  if (message.limited()) return {.answer = LimitedBy(message)};
+  if (message.limited()) return {.answer = message.LimitedAnswer()};
   if (message.ticket() == nullptr) return {.answer = {.outcome = Outcome::kUnavailable}};
-  AddWaitingSince(before);
   stored_.Add(*mark);
-  if (!is_rejected && !robot_->state.foreign()) live_.Apply(sample.live());
-  return Wait(message.ticket(), {.outcome = is_rejected ? Outcome::kRejected : Outcome::kStored},
-              caller);
+  if (!sample.is_rejected() && !robot_->state.foreign()) live_.Apply(sample.live());
+  if (sample.is_bad_live()) return {.answer = {.outcome = Outcome::kRejected}};
+  return Wait(message.ticket(),
+              {.outcome = sample.is_rejected() ? Outcome::kRejected : Outcome::kStored}, caller);
 }
 
 Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
                                   loop::StreamRef caller) {
   if (sample.row().kind == SampleKind::kDurableOnChange) {
     Offered live = OfferLive(port, sample);
-    if (live.answer.outcome == Outcome::kRejected || live.answer.outcome == Outcome::kUnavailable)
-      return live;
-    return AskStore(sample, std::move(live.answer), caller);
+    if (live.answer.outcome == Outcome::kRejected) return live;
+    // One that another server's live state keeps out is asked for, too: it may be a change since.
+    return AskStore(std::move(live.answer), caller);
   }
   Offered same = Settle(port, sample, metrics::Became::kSuperseded);
   // A drone may rely on the answer: the set is known once it is committed.
   const TicketRef ticket = waiting_.Find(NumberOf(sample.judged.type), nullptr);
-  return ticket == nullptr ? AskStore(sample, same.answer, caller)
-                           : Wait(ticket, same.answer, caller);
+  return ticket == nullptr ? AskStore(same.answer, caller) : Wait(ticket, same.answer, caller);
 }
 
-Drone::Offered Drone::AskStore(const Sample& sample, Answer answer, loop::StreamRef caller) {
+Drone::Offered Drone::AskStore(Answer answer, loop::StreamRef caller) {
+  Offered waits = Wait(waiting_.Ask(), std::move(answer), caller);
+  AppendQuestionIfDue();
+  return waits;
+}
+
+void Drone::AppendQuestionIfDue() {
+  if (!waiting_.HasToAsk()) return;
   std::vector<storage::CommitRecord> question;
   question.push_back(QuestionOf({.robot = robot_->id(),
                                  .session = context_.session,
-                                 .received_at = sample.arrived_system,
+                                 .received_at = context_.clock.System(),
                                  .claim = claim_.epoch()}));
-  const robot::JournalUse before = waiting_.use();
-  const TicketRef ticket = waiting_.Add(question.front().sample, question, std::nullopt);
-  AddWaitingSince(before);
-  context_.journal.AppendMessage(*this, line().by, std::move(question), sample.arrived);
-  return Wait(ticket, std::move(answer), caller);
-}
-
-void Drone::AddWaitingSince(const robot::JournalUse& before) {
-  robot_->calls.AddWaiting({.records = waiting_.use().records - before.records,
-                            .bytes = waiting_.use().bytes - before.bytes});
-}
-
-Drone::Offered Drone::Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
-  port.Count(sample.arrival(), became);
-  port.Publish();
-  return {.answer = {.outcome = OutcomeOf(became)}};
-}
-
-Drone::Offered Drone::AwaitClaim(loop::StreamRef caller) {
-  if (std::ranges::find(unclaimed_, caller) == unclaimed_.end()) unclaimed_.push_back(caller);
-  return {.is = Offered::Is::kUnclaimed};
-}
-
-Drone::Offered Drone::Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller) {
-  ticket->callers.push_back(caller);
-  return {.is = Offered::Is::kWaits, .answer = std::move(answer), .ticket = ticket};
-}
-
-void Drone::Forget(const TicketRef& ticket, loop::StreamRef caller) {
-  const std::lock_guard lock(mutex_);
-  std::erase(unclaimed_, caller);
-  if (ticket != nullptr) std::erase(ticket->callers, caller);
+  waiting_.AddQuestion(question);
+  context_.journal.AppendMessage(*this, line().by, std::move(question), context_.clock.Steady());
 }
 
 ingest::Line Drone::line() {
@@ -235,8 +195,6 @@ ingest::Line Drone::line() {
           .by = journal::AppendedBy(generation_.load(), claim_.use()),
           .client = this};
 }
-
-// --- Its claim ---
 
 void Drone::ClaimIfDue(SteadyTime now) {
   if (!claim_.IsDue(now, !waiting_.empty(), robot_->state.foreign())) return;
@@ -258,13 +216,30 @@ loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
     claim_.Take(result);
     stored_.Set(result.samples);
     if (result.held_since == 0 && robot_->state.foreign()) live_.Clear();
+    share_.Set(live_.bytes() + stored_.bytes());
     wake = std::exchange(unclaimed_, {});
   }
   for (const loop::StreamRef& caller : wake) caller.Wake();
   return {};
 }
 
-void Drone::NoteStoreReconnected() { static_cast<void>(OnFenced(context_.ledger)); }
+std::size_t Drone::DropLive() {
+  const std::lock_guard lock(mutex_);
+  const std::size_t held = live_.bytes();
+  live_.Clear();
+  share_.Set(stored_.bytes());
+  return held;
+}
+
+loop::StreamRef Drone::OnDoubted() {
+  WaitingSamples::Settling settling;
+  {
+    const std::lock_guard lock(mutex_);
+    claim_.Doubt();
+    settling.wake = waiting_.VoidQuestions();
+  }
+  return Tell(settling);
+}
 
 loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
                                  metrics::Ledger& /*ledger*/) {
@@ -272,6 +247,11 @@ loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
   {
     const std::lock_guard lock(mutex_);
     settling = waiting_.Settle(settled);
+    AppendQuestionIfDue();
+    // Those who wait for a claim may have it now.
+    if (claim_.is_doubtful() && waiting_.empty()) {
+      std::ranges::copy(std::exchange(unclaimed_, {}), std::back_inserter(settling.wake));
+    }
   }
   return Tell(settling);
 }
@@ -284,12 +264,13 @@ loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
     claim_.Void();
     stored_.Set({});
     settling = waiting_.VoidAll();
+    // Those who waited for a claim until nothing waits ask for it now.
+    std::ranges::copy(std::exchange(unclaimed_, {}), std::back_inserter(settling.wake));
   }
   return Tell(settling);
 }
 
 loop::StreamRef Drone::Tell(const WaitingSamples::Settling& settling) {
-  robot_->calls.EndWaiting(settling.use);
   context_.ledger.Publish(settling.counts);
   for (const loop::StreamRef& caller : settling.wake) caller.Wake();
   return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "metrics/ledger.h"
@@ -20,7 +22,9 @@
 #include "server/ingest/port.h"
 #include "server/journal/journal.h"
 #include "server/limits/token_bucket.h"
+#include "server/robot/calls.h"
 #include "server/robot/commit_client.h"
+#include "server/robot/live_total.h"
 #include "server/uncrew/answer.h"
 #include "server/uncrew/drone_claim.h"
 #include "server/uncrew/judged_sample.h"
@@ -39,7 +43,7 @@ namespace uplink::uncrew {
 /// in which they were judged.
 ///
 /// Thread: thread-safe.
-class Drone final : public robot::ClaimClient {
+class Drone final : public robot::ClaimClient, public robot::CallsLive {
  public:
   /// The references outlive it.
   struct Context {
@@ -47,6 +51,8 @@ class Drone final : public robot::ClaimClient {
     /// For what is settled: a page of the source's.
     metrics::Ledger& ledger;
     journal::Journal& journal;
+    /// In which what it says live counts.
+    std::shared_ptr<robot::LiveTotal> live_total;
     /// Drawn for this life of the drone: for keys of quarantine alone.
     model::SessionId session;
   };
@@ -85,16 +91,20 @@ class Drone final : public robot::ClaimClient {
     const std::lock_guard lock(mutex_);
     return *ticket;
   }
-  /// The store was connected to anew, and may be an older copy: nothing that is remembered of it
-  /// counts any more. The journal tells of it before anything more is committed.
-  void NoteStoreReconnected();
   /// The call waits no more.
-  void Forget(const TicketRef& ticket, loop::StreamRef caller);
+  void Forget(const TicketRef& ticket, loop::StreamRef caller) {
+    const std::lock_guard lock(mutex_);
+    std::erase(unclaimed_, caller);
+    if (ticket != nullptr) std::erase(ticket->callers, caller);
+  }
 
   [[nodiscard]] const fleet::RobotPtr& robot() const { return robot_; }
   [[nodiscard]] const std::string& ruri() const { return robot_->ruri(); }
   /// No call of it is here, and nothing waits.
-  [[nodiscard]] bool idle() const;
+  [[nodiscard]] bool idle() const {
+    const std::lock_guard lock(mutex_);
+    return calls_.load() == 0 && waiting_.empty() && !claim_.is_asked();
+  }
   [[nodiscard]] SystemTime called_at() const { return FromUnixMs(called_at_ms_.load()); }
   /// Calls `look` with what it says, under the lock: short. What another server has of it is not
   /// here.
@@ -109,7 +119,14 @@ class Drone final : public robot::ClaimClient {
   loop::StreamRef OnSettled(std::span<const robot::Settled> settled,
                             metrics::Ledger& ledger) override;
   loop::StreamRef OnFenced(metrics::Ledger& ledger) override;
+  loop::StreamRef OnDoubted() override;
   [[nodiscard]] std::uint64_t generation() const override { return generation_.load(); }
+  // robot::CallsLive
+  [[nodiscard]] std::size_t live_bytes() const override {
+    const std::lock_guard lock(mutex_);
+    return live_.bytes();
+  }
+  std::size_t DropLive() override;
 
  private:
   /// What waits no more is counted, and its calls are woken. Without the lock.
@@ -117,7 +134,11 @@ class Drone final : public robot::ClaimClient {
   // Under the lock.
   [[nodiscard]] ingest::Line line();
   void ClaimIfDue(SteadyTime now);
-  [[nodiscard]] Offered AwaitClaim(loop::StreamRef caller);
+  [[nodiscard]] Offered Take(ingest::Port& port, const Sample& sample, loop::StreamRef caller);
+  [[nodiscard]] Offered AwaitClaim(loop::StreamRef caller) {
+    if (std::ranges::find(unclaimed_, caller) == unclaimed_.end()) unclaimed_.push_back(caller);
+    return {.is = Offered::Is::kUnclaimed};
+  }
   [[nodiscard]] Offered OfferLive(ingest::Port& port, const Sample& sample);
   [[nodiscard]] Offered OfferDurable(ingest::Port& port, const Sample& sample,
                                      loop::StreamRef caller);
@@ -128,12 +149,19 @@ class Drone final : public robot::ClaimClient {
                                     loop::StreamRef caller);
   /// An answer that rests on what is remembered of the store goes out once the store says that the
   /// claim holds: another server may have stored since, or the store is an older copy by now.
-  [[nodiscard]] Offered AskStore(const Sample& sample, Answer answer, loop::StreamRef caller);
-  /// Tells the robot what waits since.
-  void AddWaitingSince(const robot::JournalUse& before);
+  [[nodiscard]] Offered AskStore(Answer answer, loop::StreamRef caller);
+  /// It does not ask for room: the journal has at most one question of each drone at a time.
+  void AppendQuestionIfDue();
   /// Counts a sample that comes to nothing more than this answer.
-  [[nodiscard]] Offered Settle(ingest::Port& port, const Sample& sample, metrics::Became became);
-  [[nodiscard]] Offered Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller);
+  [[nodiscard]] Offered Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
+    port.Count(sample.arrival(), became);
+    port.Publish();
+    return {.answer = {.outcome = OutcomeOf(became)}};
+  }
+  [[nodiscard]] Offered Wait(const TicketRef& ticket, Answer answer, loop::StreamRef caller) {
+    ticket->callers.push_back(caller);
+    return {.is = Offered::Is::kWaits, .answer = std::move(answer), .ticket = ticket};
+  }
 
   const Context context_;
   const fleet::RobotPtr robot_;
@@ -143,6 +171,7 @@ class Drone final : public robot::ClaimClient {
 
   mutable std::mutex mutex_;
   LiveSamples live_;
+  robot::LiveShare share_;
   StoredSamples stored_;
   WaitingSamples waiting_;
   limits::TokenBucket rate_;

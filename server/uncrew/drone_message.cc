@@ -63,9 +63,7 @@ ingest::Brought DroneMessage::Take() {
 Numbered DroneMessage::Number(std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected) {
   const storage::OriginRef origin = storage::OriginOf(
-      model::MessageSource::kUncrew, plan_.judged.type == model::uncrew::SampleType::kRejected
-                                         ? std::string_view()
-                                         : model::uncrew::RowOf(plan_.judged.type).method);
+      model::MessageSource::kUncrew, model::uncrew::RowOf(plan_.judged.type).method);
   for (storage::CommitRecord& record : records) record.origin = origin;
   ticket_ = plan_.waiting.Add(plan_.mark, records, rejected);
   return Numbered::kWaiting;

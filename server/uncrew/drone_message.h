@@ -7,6 +7,7 @@
 #include "schema/uncrew/judge.h"
 #include "server/ingest/message.h"
 #include "server/limits/token_bucket.h"
+#include "server/uncrew/answer.h"
 #include "server/uncrew/waiting_samples.h"
 #include "storage/origin.h"
 #include "storage/samples.h"
@@ -52,9 +53,12 @@ class DroneMessage final : public ingest::Message {
 
   /// Of records, once they are numbered; null before.
   [[nodiscard]] const TicketRef& ticket() const { return ticket_; }
-  /// Why it was over its rate, and when it is not any more.
+  /// Why it was over its rate.
   [[nodiscard]] const std::optional<model::Rejection>& limited() const { return limited_; }
-  [[nodiscard]] milliseconds retry_after() const { return retry_after_; }
+  /// What its drone is told of that.
+  [[nodiscard]] Answer LimitedAnswer() const {
+    return {.outcome = Outcome::kRejected, .rejection = limited_, .retry_after = retry_after_};
+  }
 
  private:
   Plan plan_;

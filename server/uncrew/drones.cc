@@ -53,25 +53,28 @@ fleet::Refusal JudgeFleet(fleet::Fleet& fleet, const fleet::Claim& claim) {
 }  // namespace
 
 absl::StatusOr<fleet::RobotPtr> Drones::Admit(const fleet::Claim& claim) {
-  if (const auto refusal = JudgeFleet(context_.fleet, claim); refusal != fleet::Refusal::kNone) {
-    return Refused(refusal, claim, context_.fleet);
-  }
   fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(claim);
   if (admission.robot == nullptr) return Refused(admission.refusal, claim, context_.fleet);
-  if (!admission.robot->speaker()) admission.robot->SetSpeaker(claim.gateway);
   return std::move(admission.robot);
 }
 
 absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
+  const DronePtr known = Find(claim.robot.ruri);
+  if (known == nullptr || known->robot()->id()->fleet != claim.robot.fleet) {
+    if (const auto refusal = JudgeFleet(context_.fleet, claim); refusal != fleet::Refusal::kNone) {
+      return Refused(refusal, claim, context_.fleet);
+    }
+  }
   fleet::RobotPtr robot;
-  if (Find(claim.robot.ruri) == nullptr) {
+  if (known == nullptr) {
     auto admitted = Admit(claim);
     if (!admitted.ok()) return admitted.status();
     robot = *std::move(admitted);
   }
   const std::lock_guard lock(mutex_);
   DronePtr& drone = drones_[claim.robot.ruri];
-  if (drone == nullptr && robot == nullptr) {
+  const bool leaves = robot != nullptr && robot->calls.asked_to_end(context_.clock.Steady());
+  if (drone == nullptr && (robot == nullptr || leaves)) {
     drones_.erase(claim.robot.ruri);
     return absl::UnavailableError("the drone was let go of just now: send the same sample again");
   }
@@ -80,6 +83,7 @@ absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
         std::make_shared<Drone>(Drone::Context{.clock = context_.clock,
                                                .ledger = context_.ledger,
                                                .journal = context_.journals.Of(claim.robot.ruri),
+                                               .live_total = context_.fleet.live_total(),
                                                .session = DrawSession()},
                                 robot);
     context_.fleet.Keep(*robot);
@@ -111,16 +115,13 @@ std::vector<DronePtr> Drones::All() const {
 
 void Drones::Round() {
   const SystemTime idle_since = context_.clock.System() - kDroneIdleMax;
+  const SteadyTime now = context_.clock.Steady();
   const std::lock_guard lock(mutex_);
-  std::erase_if(drones_, [idle_since](const auto& each) {
+  std::erase_if(drones_, [idle_since, now](const auto& each) {
     const Drone& drone = *each.second;
-    const bool goes = drone.called_at() < idle_since || drone.robot()->calls.asked_to_end();
+    const bool goes = drone.called_at() < idle_since || drone.robot()->calls.asked_to_end(now);
     return goes && drone.idle();
   });
-}
-
-void Drones::NoteStoreReconnected() {
-  for (const DronePtr& drone : All()) drone->NoteStoreReconnected();
 }
 
 std::size_t Drones::size() const {

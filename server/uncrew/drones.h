@@ -56,8 +56,6 @@ class Drones final {
   /// Lets go of drones that did not call for long, and of those whose robot is to be forgotten,
   /// once nothing of them waits. Once in a while.
   void Round();
-  /// Drone::NoteStoreReconnected of each.
-  void NoteStoreReconnected();
   [[nodiscard]] std::size_t size() const;
 
  private:

@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "server/uncrew/stored_samples.h"
+
 namespace uplink::uncrew {
 
 ingest::Arrival Sample::arrival() const {
@@ -14,6 +16,22 @@ ingest::Arrival Sample::arrival() const {
           .payload_bytes = judged.payload_bytes,
           .waits = ingest::Waits::kStream,
           .is_counted = is_counted};
+}
+
+bool Sample::is_ordered() const {
+  return !is_rejected() &&
+         (IsSet(judged.type) || row().kind != model::uncrew::SampleKind::kDurable);
+}
+
+storage::SampleRef Sample::MarkUnder(storage::Epoch claim) const {
+  using model::uncrew::SampleType;
+  const SampleType type = is_rejected() ? SampleType::kRejected : judged.type;
+  return std::make_shared<const storage::SampleMark>(storage::SampleMark{
+      .claim = claim,
+      .type = NumberOf(type),
+      .digest = digest,
+      .timed = judged.metadata.timed(),
+      .last = is_rejected() ? std::string() : std::string(MemoryOf(type, request))});
 }
 
 LiveSamples::Sample Sample::live() const {

@@ -29,6 +29,16 @@ struct Sample {
   [[nodiscard]] const model::uncrew::TypeRow& row() const {
     return model::uncrew::RowOf(judged.type);
   }
+  [[nodiscard]] bool is_rejected() const { return judged.rejection() != nullptr; }
+  /// Rejected, of a live type: it takes the same tokens as a good one, and like that it is answered
+  /// at once, whatever the store does. A bad sensor is no lost link.
+  [[nodiscard]] bool is_bad_live() const {
+    return is_rejected() && row().kind == model::uncrew::SampleKind::kLive;
+  }
+  /// An older one says nothing any more: it is of a set, or of a type that is shown.
+  [[nodiscard]] bool is_ordered() const;
+  /// How the store knows it again.
+  [[nodiscard]] storage::SampleRef MarkUnder(storage::Epoch claim) const;
   [[nodiscard]] ingest::Arrival arrival() const;
   /// As what is held of it; of one that is not rejected.
   [[nodiscard]] LiveSamples::Sample live() const;

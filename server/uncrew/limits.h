@@ -17,9 +17,11 @@ inline constexpr limits::BucketSize kLiveRate{.rate = 100, .burst = 200};
 /// A sample this much older by its boot time is of the same flight, and superseded; one that is
 /// older still comes after a reboot.
 inline constexpr std::chrono::seconds kOlderMax{60};
-/// A drone that did not call for so long is held no more.
-inline constexpr std::chrono::minutes kDroneIdleMax{10};
-/// A durable sample for which there is no room is offered again after so long.
+/// A drone that did not call for so long is held no more: until then its last place is shown.
+inline constexpr std::chrono::hours kDroneIdleMax{24};
+/// A durable sample for which there is no room is offered again after so long, and then each time
+/// after twice the time, up to the second.
 inline constexpr std::chrono::milliseconds kRoomAgain{50};
+inline constexpr std::chrono::milliseconds kRoomAgainMax{1000};
 
 }  // namespace uplink::uncrew

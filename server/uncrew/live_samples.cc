@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "schema/model/held_bytes.h"
 #include "server/uncrew/limits.h"
 
 namespace uplink::uncrew {
@@ -12,7 +13,17 @@ namespace {
 constexpr std::uint64_t kOlderMaxUs =
     static_cast<std::uint64_t>(std::chrono::microseconds(kOlderMax).count());
 
+std::size_t BytesOf(const LiveSample& sample) {
+  return sizeof(LiveSample) + model::HeldBytes(sample.value);
+}
+
 }  // namespace
+
+bool IsOlder(const model::uncrew::Metadata& sample, const model::uncrew::Metadata& known) {
+  const std::uint64_t now = sample.boot_us;
+  const std::uint64_t then = known.boot_us;
+  return now != 0 && now < then && then - now <= kOlderMaxUs;
+}
 
 const LiveSample* LiveSamples::Held(const Sample& sample) const {
   const std::vector<LiveSample>& held = Of(model::uncrew::TypeOf(sample.value));
@@ -27,10 +38,14 @@ bool LiveSamples::IsHeld(const Sample& sample) const {
 
 bool LiveSamples::IsOlder(const Sample& sample) const {
   const LiveSample* held = Held(sample);
-  if (held == nullptr) return false;
-  const std::uint64_t now = sample.metadata.boot_us;
-  const std::uint64_t then = held->metadata.boot_us;
-  return now != 0 && now < then && then - now <= kOlderMaxUs;
+  return held != nullptr && uncrew::IsOlder(sample.metadata, held->metadata);
+}
+
+void LiveSamples::Forget(model::uncrew::SampleType type) {
+  std::vector<LiveSample>& held = by_type_[static_cast<std::size_t>(type)];
+  for (const LiveSample& sample : held) bytes_ -= BytesOf(sample);
+  held.clear();
+  if (type == model::uncrew::SampleType::kOperatorRequests) requests_.clear();
 }
 
 void LiveSamples::NoteRequests(const Sample& sample) {
@@ -54,12 +69,16 @@ void LiveSamples::Apply(const Sample& sample) {
                    .received = sample.received,
                    .received_steady = sample.received_steady};
   const auto found = std::ranges::find(held, fresh.key, &LiveSample::key);
+  bytes_ += BytesOf(fresh);
   if (found != held.end()) {
+    bytes_ -= BytesOf(*found);
     *found = std::move(fresh);
     return;
   }
   if (held.size() >= model::uncrew::RowOf(type).parts_max) {
-    held.erase(std::ranges::min_element(held, {}, &LiveSample::received_steady));
+    const auto oldest = std::ranges::min_element(held, {}, &LiveSample::received_steady);
+    bytes_ -= BytesOf(*oldest);
+    held.erase(oldest);
   }
   held.push_back(std::move(fresh));
 }

@@ -26,6 +26,11 @@ struct LiveSample {
   SteadyTime received_steady;
 };
 
+/// Whether a sample is up to kOlderMax older by boot time than one that is known: of the same
+/// flight, and of no use any more.
+[[nodiscard]] bool IsOlder(const model::uncrew::Metadata& sample,
+                           const model::uncrew::Metadata& known);
+
 /// What a drone says now: of each type the newest sample, of types with keys one for each key. One
 /// table over the types: a new type needs nothing here.
 ///
@@ -44,7 +49,7 @@ class LiveSamples final {
   };
   /// It is held: it was sent again.
   [[nodiscard]] bool IsHeld(const Sample& sample) const;
-  /// One is held that is up to kOlderMax newer by boot time.
+  /// One is held than which it is older.
   [[nodiscard]] bool IsOlder(const Sample& sample) const;
   /// Holds it.
   void Apply(const Sample& sample);
@@ -60,10 +65,15 @@ class LiveSamples final {
   }
   /// Requests that wait for an operator, by id, and since when each is heard here.
   [[nodiscard]] const std::map<std::string, SteadyTime>& requests() const { return requests_; }
+  /// What is held of the type is not what is.
+  void Forget(model::uncrew::SampleType type);
   void Clear() {
     by_type_ = {};
     requests_.clear();
+    bytes_ = 0;
   }
+  /// What the samples hold in memory, about.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
   [[nodiscard]] const LiveSample* Held(const Sample& sample) const;
@@ -73,6 +83,7 @@ class LiveSamples final {
   std::array<std::vector<LiveSample>, model::uncrew::kTypeRows.size() + 1> by_type_;
   /// By request_id, since when it waits: at most kOperatorRequestsMax.
   std::map<std::string, SteadyTime> requests_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace uplink::uncrew

@@ -11,7 +11,7 @@ void AddSamples(const Drones& drones, const AvatarProbe& probe, SteadyTime now,
   for (const model::uncrew::TypeRow& row : model::uncrew::kTypeRows) {
     const auto& by_outcome = probe.publishes_total[static_cast<std::size_t>(row.type)];
     for (std::size_t i = 0; i < by_outcome.size(); ++i) {
-      page.Add(kAvatarPublishes, by_outcome[i], {row.member, kOutcomeWords[i]});
+      page.Add(kAvatarPublishes, by_outcome[i], {row.label(), kOutcomeWords[i]});
     }
   }
   page.Add(kAvatarAnswerSeconds, probe.answer_seconds.live, {"live"});
@@ -20,6 +20,8 @@ void AddSamples(const Drones& drones, const AvatarProbe& probe, SteadyTime now,
   std::size_t open = 0;
   SteadyTime oldest = now;
   for (const DronePtr& drone : drones.All()) {
+    // What it says now is said to another server.
+    if (drone->robot()->state.foreign()) continue;
     drone->LookAt([&](const LiveSamples& live) {
       open += live.requests().size();
       for (const auto& [id, since] : live.requests()) oldest = std::min(oldest, since);

@@ -1,5 +1,6 @@
 #include "server/uncrew/speaker.h"
 
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -45,8 +46,12 @@ absl::StatusOr<fleet::Claim> SpeakerOf(const identity::PeerIdentity& peer, std::
                          ? std::string(uav_id)
                          : identity::UavRuri(ruri_template, uav_id);
   const identity::Gateway& gateway = peer.gateway;
-  if (identity::FlawOfRuri(ruri) || identity::IsTwins(ruri) || !gateway.MaySpeakFor(ruri)) {
-    return MayNot("gateway " + gateway.subject, uav_id);
+  const std::optional<std::string> flaw = identity::FlawOfRuri(ruri);
+  if (flaw || identity::IsTwins(ruri) || !gateway.MaySpeakFor(ruri)) {
+    absl::Status why = MayNot("gateway " + gateway.subject, uav_id);
+    return absl::PermissionDeniedError(fmt::format(
+        "{}: uncrew.ruri_template makes it {}{}", std::string(why.message()),
+        PrintableUtf8(ruri, kShownBytesMax), flaw ? ", which is no RURI: " + *flaw : ""));
   }
   return fleet::Claim{.robot = {.ruri = std::move(ruri), .fleet = peer.fleet},
                       .grant = gateway.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,

@@ -22,4 +22,12 @@ void StoredSamples::Add(const storage::SampleMark& mark) {
   storage::Remember(mark, memory);
 }
 
+std::size_t StoredSamples::bytes() const {
+  std::size_t bytes = 0;
+  for (const storage::SampleMemory& memory : by_number_) {
+    bytes += memory.last.size() + memory.digests.size() * sizeof(storage::SampleDigest);
+  }
+  return bytes;
+}
+
 }  // namespace uplink::uncrew

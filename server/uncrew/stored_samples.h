@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "schema/model/uncrew/types.h"
+#include "schema/uncrew/limits.h"
+#include "storage/bounds.h"
 #include "storage/samples.h"
 
 namespace uplink::uncrew {
@@ -15,6 +17,10 @@ namespace uplink::uncrew {
   return static_cast<std::uint32_t>(type);
 }
 static_assert(model::uncrew::kTypeRows.size() < storage::kSampleTypesMax);
+static_assert(kRequestBytesMax <= storage::kSampleLastBytesMax, "a store keeps a whole request");
+static_assert(2 * kAlertsMax <= storage::kSampleRecordsMax, "each alert of two sets comes or goes");
+static_assert(kOperatorRequestsMax <= storage::kOpenRequestsPerRobotMax,
+              "a store keeps a whole set open");
 
 /// What the store remembers of a drone's samples, as far as this process knows: from the claim, and
 /// with what was given to the journal since, which may wait there still.
@@ -29,10 +35,16 @@ class StoredSamples final {
   [[nodiscard]] bool IsDuplicate(const storage::SampleMark& mark) const {
     return storage::IsDuplicate(mark, Of(mark.type));
   }
+  /// Whether one was stored that another of its type followed.
+  [[nodiscard]] bool IsPast(const storage::SampleMark& mark) const {
+    return IsDuplicate(mark) && Of(mark.type).digests.back() != mark.digest;
+  }
   /// What was given with the last stored sample of the type; empty if there is none.
   [[nodiscard]] std::string_view Last(model::uncrew::SampleType type) const {
     return Of(NumberOf(type)).last;
   }
+  /// What that holds in memory, about.
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   [[nodiscard]] const storage::SampleMemory& Of(std::uint32_t number) const {

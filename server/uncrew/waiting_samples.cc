@@ -1,9 +1,9 @@
 #include "server/uncrew/waiting_samples.h"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
+#include "schema/base/check.h"
 #include "server/journal/entry.h"
 #include "server/robot/mutation.h"
 
@@ -12,24 +12,43 @@ namespace uplink::uncrew {
 TicketRef WaitingSamples::Add(const storage::SampleRef& mark,
                               std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected) {
+  return Push(mark, records, rejected, std::make_shared<Ticket>());
+}
+
+TicketRef WaitingSamples::Ask() {
+  if (question_ == nullptr) question_ = std::make_shared<Ticket>();
+  return question_;
+}
+
+void WaitingSamples::AddQuestion(std::vector<storage::CommitRecord>& question) {
+  UPLINK_CHECK(HasToAsk(), "a second question of a drone is on its way");
+  question_on_its_way_ = true;
+  Push(question.front().sample, question, std::nullopt, std::exchange(question_, nullptr));
+}
+
+TicketRef WaitingSamples::Push(const storage::SampleRef& mark,
+                               std::vector<storage::CommitRecord>& records,
+                               std::optional<model::RejectReason> rejected, TicketRef ticket) {
   Waiting sample{.first = last_seq_ + 1,
                  .last = last_seq_ + records.size(),
                  .mark = mark,
                  .use = {.records = records.size(), .bytes = 0},
                  .rejected = rejected,
-                 .ticket = std::make_shared<Ticket>()};
+                 .ticket = std::move(ticket)};
   for (storage::CommitRecord& record : records) {
     record.seq = ++last_seq_;
     record.sample = mark;
     sample.use.bytes += journal::CostOf(record);
   }
   use_ = use_ + sample.use;
+  calls_.AddWaiting(sample.use);
   waiting_.push_back(std::move(sample));
   return waiting_.back().ticket;
 }
 
 TicketRef WaitingSamples::Find(std::uint32_t type, const storage::SampleDigest* digest) const {
-  for (const Waiting& sample : waiting_ | std::views::reverse) {
+  for (auto at = waiting_.rbegin(); at != waiting_.rend(); ++at) {
+    const Waiting& sample = *at;
     if (sample.mark->is_question || sample.mark->type != type) continue;
     if (digest == nullptr || sample.mark->digest == *digest) return sample.ticket;
     // Without a time, it is another one than the last.
@@ -57,10 +76,13 @@ void WaitingSamples::Note(const robot::Settled& settled, Waiting& sample) {
 void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
   Ticket& ticket = *sample.ticket;
   ticket.state = Ticket::State::kCommitted;
-  settling.use = settling.use + sample.use;
+  EndUse(sample.use);
   std::ranges::copy(ticket.callers, std::back_inserter(settling.wake));
-  // Who asked was counted.
-  if (sample.mark->is_question) return;
+  if (sample.mark->is_question) {
+    // Who asked was counted.
+    question_on_its_way_ = false;
+    return;
+  }
   ticket.was_stored = sample.duplicate && !sample.stored;
   // The store keeps one record and refuses another, such as one fault too many: what it kept
   // counts.
@@ -81,6 +103,8 @@ void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
 WaitingSamples::Settling WaitingSamples::Settle(std::span<const robot::Settled> settled) {
   Settling settling;
   for (const robot::Settled& one : settled) {
+    // One that is passed over was fenced, which is told later.
+    while (!waiting_.empty() && waiting_.front().last < one.seq) VoidFront(settling);
     // What was void before is not here any more.
     if (waiting_.empty() || one.seq < waiting_.front().first) continue;
     Waiting& sample = waiting_.front();
@@ -89,26 +113,51 @@ WaitingSamples::Settling WaitingSamples::Settle(std::span<const robot::Settled> 
     Finish(sample, settling);
     waiting_.pop_front();
   }
-  use_.records -= settling.use.records;
-  use_.bytes -= settling.use.bytes;
   return settling;
 }
 
-WaitingSamples::Settling WaitingSamples::VoidAll() {
-  Settling settling;
+std::vector<loop::StreamRef> WaitingSamples::VoidQuestions() {
+  std::vector<loop::StreamRef> wake;
+  const auto end = [&wake](TicketRef& ticket) {
+    ticket->state = Ticket::State::kVoid;
+    std::ranges::copy(ticket->callers, std::back_inserter(wake));
+  };
+  if (question_ != nullptr) end(question_);
+  question_.reset();
   for (Waiting& sample : waiting_) {
-    sample.ticket->state = robot::Planted(robot::Mutation::kFencedSampleAnswered)
-                               ? Ticket::State::kCommitted
-                               : Ticket::State::kVoid;
-    if (!sample.mark->is_question) {
-      --settling.counts.in_flight;
-      ++settling.counts.refused;
-    }
-    std::ranges::copy(sample.ticket->callers, std::back_inserter(settling.wake));
+    if (!sample.mark->is_question) continue;
+    end(sample.ticket);
+    // The record is on its way: what it is told is nobody's.
+    sample.ticket = std::make_shared<Ticket>();
   }
-  waiting_.clear();
-  settling.use = std::exchange(use_, {});
+  return wake;
+}
+
+WaitingSamples::Settling WaitingSamples::VoidAll() {
+  Settling settling{.wake = VoidQuestions()};
+  while (!waiting_.empty()) VoidFront(settling);
   return settling;
+}
+
+void WaitingSamples::VoidFront(Settling& settling) {
+  Waiting& sample = waiting_.front();
+  sample.ticket->state = robot::Planted(robot::Mutation::kFencedSampleAnswered)
+                             ? Ticket::State::kCommitted
+                             : Ticket::State::kVoid;
+  std::ranges::copy(sample.ticket->callers, std::back_inserter(settling.wake));
+  if (sample.mark->is_question) {
+    question_on_its_way_ = false;
+  } else {
+    --settling.counts.in_flight;
+    ++settling.counts.refused;
+  }
+  EndUse(sample.use);
+  waiting_.pop_front();
+}
+
+void WaitingSamples::EndUse(const robot::JournalUse& use) {
+  calls_.EndWaiting(use);
+  use_ = {.records = use_.records - use.records, .bytes = use_.bytes - use.bytes};
 }
 
 }  // namespace uplink::uncrew

@@ -11,6 +11,7 @@
 #include "schema/model/ids.h"
 #include "schema/model/rejection.h"
 #include "server/loop/wake.h"
+#include "server/robot/calls.h"
 #include "server/robot/commit_client.h"
 #include "storage/commit_record.h"
 
@@ -41,26 +42,40 @@ using TicketRef = std::shared_ptr<Ticket>;
 /// Thread: confined to its owner's lock.
 class WaitingSamples final {
  public:
-  /// Numbers the records of a sample, which share this mark; or the one of a question, which is in
-  /// no count.
+  /// What waits counts there, as long as it does.
+  explicit WaitingSamples(robot::Calls& calls) : calls_(calls) {}
+  ~WaitingSamples() { calls_.EndWaiting(use_); }
+  WaitingSamples(const WaitingSamples&) = delete;
+  WaitingSamples& operator=(const WaitingSamples&) = delete;
+
+  /// Numbers the records of a sample, which share this mark.
   [[nodiscard]] TicketRef Add(const storage::SampleRef& mark,
                               std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected);
   /// The last that waits with this digest or, where none is given, of this type; null if none does.
   [[nodiscard]] TicketRef Find(std::uint32_t type, const storage::SampleDigest* digest) const;
 
+  /// For an answer that rests on memory: a question that goes to the store after this. At most one
+  /// of a drone is on its way, however many ask: those who come meanwhile share the next.
+  [[nodiscard]] TicketRef Ask();
+  /// Whether somebody waits for a question that can go now: Add it, with Ask's ticket.
+  [[nodiscard]] bool HasToAsk() const {
+    return !question_on_its_way_ && question_ != nullptr && !question_->callers.empty();
+  }
+  /// Numbers the record of a question, which is in no count.
+  void AddQuestion(std::vector<storage::CommitRecord>& question);
+
   /// What settling came to. A value.
   struct Settling {
     metrics::MessageCounts counts;
-    /// What waits no more.
-    robot::JournalUse use;
     std::vector<loop::StreamRef> wake;
   };
   [[nodiscard]] Settling Settle(std::span<const robot::Settled> settled);
   [[nodiscard]] Settling VoidAll();
+  /// What memory says is in doubt: who asks is to offer its sample again. Returns whom to wake.
+  [[nodiscard]] std::vector<loop::StreamRef> VoidQuestions();
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
-  [[nodiscard]] robot::JournalUse use() const { return use_; }
 
  private:
   struct Waiting {
@@ -74,13 +89,22 @@ class WaitingSamples final {
     bool duplicate = false;
   };
 
+  TicketRef Push(const storage::SampleRef& mark, std::vector<storage::CommitRecord>& records,
+                 std::optional<model::RejectReason> rejected, TicketRef ticket);
   static void Note(const robot::Settled& settled, Waiting& sample);
-  static void Finish(Waiting& sample, Settling& settling);
+  void Finish(Waiting& sample, Settling& settling);
+  void VoidFront(Settling& settling);
+  /// It waits no more.
+  void EndUse(const robot::JournalUse& use);
 
+  robot::Calls& calls_;
   model::Seq last_seq_ = 0;
   robot::JournalUse use_;
   /// In order of their numbers.
   std::deque<Waiting> waiting_;
+  /// The next one; null: nobody asks.
+  TicketRef question_;
+  bool question_on_its_way_ = false;
 };
 
 }  // namespace uplink::uncrew

@@ -28,15 +28,20 @@ boost::json::object DroneJson(const uncrew::LiveSamples& live) {
   return object;
 }
 
-void CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot) {
+std::size_t CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot) {
   const uncrew::DronePtr drone = drones == nullptr ? nullptr : drones->Find(robot.id.ruri);
-  if (drone == nullptr) return;
-  robot.is_drone = true;
-  if (robot.state.foreign) return;
+  if (drone == nullptr) return 0;
+  if (robot.state.foreign) return 0;
+  std::size_t bytes = 0;
   drone->LookAt([&](const uncrew::LiveSamples& live) {
+    // Nothing is held of one that was not heard since it was dropped.
+    robot.calls_here = !live.Of(model::uncrew::SampleType::kOperatorRequests).empty();
     robot.operator_requests_open = live.requests().size();
-    if (with_parts) robot.drone = std::make_shared<const uncrew::LiveSamples>(live);
+    if (!with_parts) return;
+    robot.drone = std::make_shared<const uncrew::LiveSamples>(live);
+    bytes = live.bytes();
   });
+  return bytes;
 }
 
 }  // namespace uplink::view

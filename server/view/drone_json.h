@@ -12,7 +12,7 @@ namespace uplink::view {
 [[nodiscard]] boost::json::object DroneJson(const uncrew::LiveSamples& live);
 
 /// Adds to a robot what its calls said, and with `with_parts` all of it, unless it does not call
-/// here. Null `drones`: none call. Any thread.
-void CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot);
+/// here. Null `drones`: none call. Returns the bytes that were copied. Any thread.
+std::size_t CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot);
 
 }  // namespace uplink::view

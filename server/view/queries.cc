@@ -24,6 +24,7 @@ RobotView Look(const robot::Robot& robot, robot::RobotState::Parts parts) {
   if (!view.session.connected) {
     view.session.gateway = robot.calls.open() ? robot.speaker().value_or("") : "";
   }
+  view.is_drone = robot.calls.spoke();
   for (std::size_t kind = 0; kind < metrics::kKinds; ++kind) {
     view.rate_limited[kind] = robot.rates.limited(kind);
   }
@@ -85,6 +86,9 @@ bool Matches(const robot::Robot& robot, const RobotsQuery& query) {
 Queries::Queries(Sources sources)
     : sources_(std::move(sources)),
       started_at_(sources_.clock.System()),
+      counts_({.reader = sources_.reader,
+               .robots_max = sources_.fleet.robots_max(),
+               .with_requests = sources_.drones != nullptr}),
       brief_look_(sources_.to_store_thread) {}
 
 /// One look into the store: what is asked for, and what came.
@@ -113,7 +117,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
       if (query.parts.Has(Part::kCyberwave)) {
         bytes += CopyTwin(sources_.twins, page.robots.back());
       }
-      CopyDrone(sources_.drones, query.parts.Has(Part::kUncrew), page.robots.back());
+      bytes += CopyDrone(sources_.drones, query.parts.Has(Part::kUncrew), page.robots.back());
     } else if (page.next_token.empty()) {
       page.next_token = RobotsToken(page.robots.back().id.ruri);
     }
@@ -130,7 +134,7 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   const absl::StatusOr<std::size_t> filled = FillStored(page.robots, query.parts);
   if (!filled.ok()) return filled.status();
   EndPageAfter(*filled, page);
-  FillActiveFaults(page.robots);
+  FillCounts(page.robots);
   return page;
 }
 
@@ -142,7 +146,7 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   CopyTwin(sources_.twins, one.front());
   CopyDrone(sources_.drones, true, one.front());
   // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
-  if (FillActiveFaults(one)) {
+  if (FillCounts(one)) {
     static_cast<void>(FillStored(one, PartSet::All()));
     static_cast<void>(FillForeign(one));
   }
@@ -237,14 +241,14 @@ void Queries::FillBriefly(RobotsPage& page, const PartSet& parts) {
   look->ruris = RurisOf(page.robots);
   if (parts.AnyLive()) look->foreign = ForeignOf(page.robots);
   const bool in_time = brief_look_.Run([this, look] {
-    static_cast<void>(ReadActiveFaults(look->ruris));
+    static_cast<void>(counts_.Read(look->ruris));
     if (!look->foreign.empty()) look->live = sources_.reader.LiveOf(look->foreign);
   });
   // One that is late is written meanwhile: it is not looked at.
   if (in_time && look->live.ok()) {
     EndPageAfter(PutForeign(look->foreign, *look->live, page.robots), page);
   }
-  FillKnownFaults(page.robots);
+  counts_.Fill(page.robots);
 }
 
 absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots) {
@@ -255,29 +259,10 @@ absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots)
   return PutForeign(foreign, *live, robots);
 }
 
-bool Queries::FillActiveFaults(std::vector<RobotView>& robots) {
-  const bool read = robots.empty() || ReadActiveFaults(RurisOf(robots));
-  FillKnownFaults(robots);
+bool Queries::FillCounts(std::vector<RobotView>& robots) {
+  const bool read = robots.empty() || counts_.Read(RurisOf(robots));
+  counts_.Fill(robots);
   return read;
-}
-
-bool Queries::ReadActiveFaults(const std::vector<std::string>& ruris) {
-  const auto counts = sources_.reader.ActiveFaultCounts(ruris);
-  if (!counts.ok()) return false;
-  const std::lock_guard lock(mutex_);
-  // Those of robots that left go with the others, which are asked for again.
-  if (active_faults_.size() > 2 * sources_.fleet.robots_max()) active_faults_.clear();
-  for (const std::string& ruri : ruris) active_faults_[ruri] = 0;
-  for (const storage::ActiveFaults& count : *counts) active_faults_[count.ruri] = count.count;
-  return true;
-}
-
-void Queries::FillKnownFaults(std::vector<RobotView>& robots) {
-  const std::lock_guard lock(mutex_);
-  for (RobotView& robot : robots) {
-    const auto known = active_faults_.find(robot.id.ruri);
-    if (known != active_faults_.end()) robot.active_faults = known->second;
-  }
 }
 
 absl::StatusOr<std::size_t> Queries::FillStored(std::vector<RobotView>& robots,

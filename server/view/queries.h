@@ -5,10 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -26,6 +24,7 @@
 #include "server/view/brief_look.h"
 #include "server/view/broker_status.h"
 #include "server/view/parts.h"
+#include "server/view/stored_counts.h"
 #include "storage/reader.h"
 
 namespace uplink::view {
@@ -50,8 +49,11 @@ struct RobotView {
   /// What its messages at a broker said, as it stood then. Null if that is not wanted, if it is no
   /// twin that this process has heard, or if another process holds it.
   std::shared_ptr<const cyberwave::TwinParts> twin{};
-  /// It calls this process, as a drone.
+  /// It speaks by calls, as a drone, or did so before.
   bool is_drone = false;
+  /// What it says live is known here.
+  bool calls_here = false;
+  /// As its calls here last said; of a drone that does not call here, as the store last said.
   std::size_t operator_requests_open = 0;
   /// What its calls said, as it stood then. Null if that is not wanted, if it does not call this
   /// process, or if another one holds it.
@@ -199,19 +201,14 @@ class Queries final {
   /// from the first.
   [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);
   /// False if the store could not say and the numbers are the last that were read.
-  bool FillActiveFaults(std::vector<RobotView>& robots);
-  /// Reads the numbers for the next FillKnownFaults. False if the store could not say.
-  bool ReadActiveFaults(const std::vector<std::string>& ruris);
-  /// The numbers that were last read.
-  void FillKnownFaults(std::vector<RobotView>& robots);
+  bool FillCounts(std::vector<RobotView>& robots);
   /// Fills the stored parts that `parts` wants. Returns for how many of `robots`, from the first.
   [[nodiscard]] absl::StatusOr<std::size_t> FillStored(std::vector<RobotView>& robots,
                                                        const PartSet& parts);
 
   Sources sources_;
   const SystemTime started_at_;
-  std::mutex mutex_;
-  std::unordered_map<std::string, std::int64_t> active_faults_;
+  StoredCounts counts_;
   BriefLook brief_look_;
 };
 

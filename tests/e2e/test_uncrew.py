@@ -228,6 +228,14 @@ class Requests(OneServer):
         (row,) = self.listed_requests()
         self.assertGreaterEqual(int(row["closedAtMs"]), int(row["openedAtMs"]))
 
+    def test_a_request_is_seen_open_after_a_kill_before_the_drone_calls_again(self):
+        self.assert_outcome(self.say(requests("r1"), 1), "STORED")
+        self.running.kill()
+        self.running.start()
+        robot = self.robot(self.running)
+        self.assertEqual((robot["operatorRequestsOpen"], robot["source"]), (1, "uncrew"))
+        self.assertEqual(self.running.get("/api/v1/robots")["robots"][0]["operatorRequestsOpen"], 1)
+
     def test_a_request_gives_way_to_the_next_one(self):
         self.assert_outcome(self.say(requests("r1"), 1), "STORED")
         self.assert_outcome(self.say(requests("r2", kind="confirm_delivery_complete"), 2), "STORED")
@@ -364,6 +372,8 @@ class Identity(DroneTest):
     def test_a_drone_does_not_speak_for_another_one(self):
         self.connect(self.certify(self.running.pki, "d1"))
         self.assert_status(self.say("d2"), "PERMISSION_DENIED", "d2")
+        self.running.wait_for_line("stream_refused")
+        self.assertIn("metadata.uav_id d2", self.running.text())
         self.assertEqual(self.running.get("/api/v1/robots")["robots"], [])
         self.assert_outcome(self.say("d1"), "APPLIED")
 

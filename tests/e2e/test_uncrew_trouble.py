@@ -112,6 +112,15 @@ class StoreAway(Locked):
         self.assert_outcome(self.publish(self.uav, "StatusText", 2), "DUPLICATE")
         self.assertEqual(self.messages(), ["number 1.", "number 2."])
 
+    def test_a_bad_sensor_is_no_lost_link_while_the_store_is_away(self):
+        with store_locked(self.running):
+            for number in (2, 2, 3):
+                answer = self.call(self.uav, "Battery", {"remaining_percent": 200}, number)
+                self.assert_outcome(answer, "REJECTED", field="battery.remaining_percent")
+        self.wait(
+            self.running, lambda: len(self.listed(self.running, "quarantine")) == 2, "each is kept once"
+        )  # fmt: skip
+
     def test_a_caller_with_less_patience_ends_its_call_itself(self):
         with store_locked(self.running):
             answer = self.publish(self.uav, "StatusText", 2, deadline=ANSWER_SECONDS / 4)

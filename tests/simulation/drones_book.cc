@@ -94,6 +94,10 @@ void DronesBook::NoteSample(const storage::ProcessId& process, const Committed& 
     violation_(
         fmt::format("{} was looked at under claim {}, which is over", NameOf(sample), mark.claim));
   }
+  if (mark.is_question) {
+    if (outcome != OutcomeKind::kDuplicate) violation_("a question under a claim was not affirmed");
+    return;
+  }
   const Key key{mark.type, mark.digest};
   switch (outcome) {
     case OutcomeKind::kStored:

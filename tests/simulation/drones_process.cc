@@ -90,7 +90,6 @@ DronesProcess::DronesProcess(const Ground& ground)
                              .is_gone = ground_.is_gone}) {
   fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                            SystemTime at) { shards_.NotePresence(robot, presence, at); });
-  journal_.OnReconnected([this](journal::Reconnected) { drones_.NoteStoreReconnected(); });
 }
 
 storage::Store& DronesProcess::WayToStore() {
@@ -105,7 +104,8 @@ std::unique_ptr<storage::Leases> DronesProcess::MakeLeases() {
 }
 
 uncrew::AvatarContext DronesProcess::ContextOfCalls() {
-  return {.drones = drones_,
+  return {.watch = ground_.clock,
+          .drones = drones_,
           .fleet = fleet_,
           .probe = probe_,
           .ledgers = ledgers_,

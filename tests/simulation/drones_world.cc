@@ -187,7 +187,8 @@ void DronesWorld::Receive(std::uint64_t id) {
   if (!call.awaited) return;
   ++result_.ends[ToText(call.end)];
   Drone& drone = drones_[call.drone];
-  if (call.sample->kind() == model::uncrew::SampleKind::kLive) {
+  // A mode that says the same is live, too.
+  if (call.sample->kind() != model::uncrew::SampleKind::kDurable) {
     const bool unavailable = call.end.status.code() == absl::StatusCode::kUnavailable;
     drone.unavailable = unavailable ? drone.unavailable + 1 : 0;
   }

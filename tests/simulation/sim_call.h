@@ -51,6 +51,7 @@ class SimCall final : public transport::ServedCall {
     UPLINK_CHECK(!end_, "a call ends once");
     end_ = CallEnd{status, response_};
   }
+  void FinishRefused(const absl::Status& status) override { Finish(status); }
   void Cancel() override { Finish(absl::CancelledError("the handler said so")); }
   void AskPeer() override {}
   [[nodiscard]] const identity::PeerIdentity& peer() const override { return peer_; }

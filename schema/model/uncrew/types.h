@@ -75,13 +75,18 @@ struct TypeRow {
   SampleType type;
   /// `PublishBattery`.
   std::string_view method;
-  /// `battery`: for paths and labels.
+  /// `battery`: for paths.
   std::string_view member;
   /// `gpsInfo`: in `Robot.uncrew`.
   std::string_view name;
   SampleKind kind;
   /// 1: it has no key.
   std::size_t parts_max;
+
+  /// `gps_info`: of metrics.
+  [[nodiscard]] constexpr std::string_view label() const {
+    return type == SampleType::kCommandResult ? "command_result" : member;
+  }
 };
 
 /// A row per type but kRejected, in their order.

@@ -22,6 +22,15 @@ using OneOfValues = std::variant<Values...>;
 using Value = OneOfValues<void UPLINK_UNCREW_TYPES(UPLINK_TYPE)>;
 #undef UPLINK_TYPE
 
+/// The kind of the row of a value's struct.
+template <typename Body>
+inline constexpr SampleKind kKindOf = SampleKind::kLive;
+#define UPLINK_TYPE(Type, Method, member, name, kind, parts_max) \
+  template <>                                                    \
+  inline constexpr SampleKind kKindOf<Type> = SampleKind::kind;
+UPLINK_UNCREW_TYPES(UPLINK_TYPE)
+#undef UPLINK_TYPE
+
 [[nodiscard]] inline SampleType TypeOf(const Value& value) {
   return static_cast<SampleType>(value.index() + 1);
 }

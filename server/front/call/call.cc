@@ -38,8 +38,6 @@ Call::~Call() {
 
 loop::StreamRef Call::self() const { return {&thread_.inbox, id_}; }
 
-// --- The request ---
-
 void Call::OnHeadersEnd() {
   if (cancelled_) return;
   const std::unique_ptr<RequestHead> head = std::move(head_);
@@ -86,8 +84,7 @@ void Call::Serve(const RequestHead& head) {
 void Call::TurnAway(const absl::Status& status) {
   unwelcome_ = true;
   thread_.relay.probe.refused_identity_total.Add();
-  thread_.book.TellRefusal(status, owner_.origin(), thread_.clock.Steady());
-  Finish(status);
+  FinishRefused(status);
 }
 
 void Call::Refuse(const absl::Status& status) {
@@ -229,6 +226,11 @@ void Call::Finish(const absl::Status& status) {
   finish_by_ = thread_.clock.Steady() + session::kFinishWait;
   response_.Finish(status);
   owner_.Touch(*this);
+}
+
+void Call::FinishRefused(const absl::Status& status) {
+  thread_.book.TellRefusal(status, owner_.origin(), thread_.clock.Steady());
+  Finish(status);
 }
 
 void Call::Fail(const absl::Status& status) {

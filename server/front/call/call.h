@@ -61,6 +61,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void Write(std::string message_with_prefix) override;
   void Write(std::vector<SharedMessage> messages) override;
   void Finish(const absl::Status& status) override;
+  void FinishRefused(const absl::Status& status) override;
   void Cancel() override {
     cancelled_ = true;
     owner_.Touch(*this);

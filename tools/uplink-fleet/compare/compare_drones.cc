@@ -149,7 +149,7 @@ class DroneRows final {
     }
     for (const v1::OperatorRequest& row : rows) {
       if (!row.request_id().starts_with(mark_)) continue;
-      const std::string content = ContentOf(row);
+      std::string content = ContentOf(row);
       set.Find(row.request_id(), HashOf(content), [&content] { return content; });
     }
     set.Finish();

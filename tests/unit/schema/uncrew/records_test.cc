@@ -28,9 +28,9 @@ class Stored {
 
   std::vector<DurableRecord> After(const std::string& text) {
     const std::string request = RequestOf(type_, "metadata { sampled_at_unix_us: 9000 } " + text);
-    const std::optional<uc::Value> before = Recall(type_, memory_);
+    const auto before = Recall(type_, memory_);
     std::vector<DurableRecord> records =
-        Records::Of(Judge(type_, request), before ? &*before : nullptr);
+        Records::Of(Judge(type_, request), before ? &before->value : nullptr);
     if (!records.empty()) memory_ = MemoryOf(type_, request);
     return records;
   }

@@ -175,6 +175,36 @@ TEST_F(LiveBudgetTest, TheTwinThatHoldsMostLosesItsLargestTable) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr(fmt::format("twin={}", kTwin))));
 }
 
+/// What a drone's calls say, of which all goes at once.
+class Said final : public robot::CallsLive {
+ public:
+  explicit Said(const std::shared_ptr<robot::LiveTotal>& total) { share_.CountIn(total); }
+  void Say(std::size_t bytes) { share_.Set(bytes); }
+  [[nodiscard]] std::size_t live_bytes() const override { return share_.bytes(); }
+  std::size_t DropLive() override {
+    const std::size_t held = share_.bytes();
+    share_.Set(0);
+    return held;
+  }
+
+ private:
+  robot::LiveShare share_;
+};
+
+TEST_F(LiveBudgetTest, WhatADronesCallsSayCountsForItAndIsDroppedLikeAPart) {
+  const RobotPtr drone = Add("rcan://drone");
+  const RobotPtr other = Add("rcan://other");
+  Said said(fleet_.live_total());
+  drone->calls.Begin(&said);
+  Read(other, 20);
+  said.Say(kBudget);
+  Round();
+  EXPECT_EQ(said.live_bytes(), 0U);
+  EXPECT_EQ(Readings(other), 20U);
+  EXPECT_EQ(budget_.parts_dropped(), 1U);
+  drone->calls.End(&said);
+}
+
 TEST_F(LiveBudgetTest, WhatIsRestoredIsRelievedByTheNextRound) {
   std::vector<RobotPtr> robots;
   for (int i = 0; i < 6; ++i) {

@@ -82,6 +82,7 @@ class RecordingClient final : public robot::CommitClient {
   loop::StreamRef OnGapsWritten(std::size_t count) override {
     return Note("gaps " + std::to_string(count));
   }
+  loop::StreamRef OnDoubted() override { return Note("doubted"); }
   loop::StreamRef OnFenced(metrics::Ledger& /*ledger*/) override {
     generation_.fetch_add(1);
     return Note("fenced");

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -30,15 +31,15 @@ class CallsTest : public ::testing::Test {
 
 TEST_F(CallsTest, ARobotStaysInMemoryWhileItsCallsAreServed) {
   EXPECT_TRUE(Leaves());
-  robot_.calls.Begin();
+  robot_.calls.Begin(nullptr);
   EXPECT_TRUE(robot_.speaks());
   EXPECT_FALSE(robot_.HasStream());
   EXPECT_FALSE(robot_.idle());
   EXPECT_FALSE(Leaves());
-  robot_.calls.Begin();
-  robot_.calls.End();
+  robot_.calls.Begin(nullptr);
+  robot_.calls.End(nullptr);
   EXPECT_FALSE(Leaves()) << "of two who served them one is left";
-  robot_.calls.End();
+  robot_.calls.End(nullptr);
   EXPECT_TRUE(robot_.idle());
   EXPECT_TRUE(Leaves());
 }
@@ -55,15 +56,40 @@ TEST_F(CallsTest, WhatWaitsOfThemCountsWithWhatWaitsOfStreams) {
   EXPECT_EQ(robot_.journal_use().bytes, 130U);
 }
 
-TEST_F(CallsTest, AreAskedToEndOnlyWhileTheyAreServed) {
-  robot_.calls.AskToEnd();
-  EXPECT_FALSE(robot_.calls.asked_to_end());
-  robot_.calls.Begin();
-  robot_.calls.AskToEnd();
-  EXPECT_TRUE(robot_.calls.asked_to_end());
-  robot_.calls.End();
-  robot_.calls.Begin();
-  EXPECT_FALSE(robot_.calls.asked_to_end()) << "who serves them anew was not asked";
+TEST_F(CallsTest, AreAskedToEndForAWhileWhoeverServesThem) {
+  const SteadyTime now = clock_.Steady();
+  EXPECT_FALSE(robot_.calls.asked_to_end(now));
+  robot_.calls.AskToEnd(now + std::chrono::seconds(5));
+  EXPECT_TRUE(robot_.calls.asked_to_end(now));
+  robot_.calls.Begin(nullptr);
+  robot_.calls.End(nullptr);
+  EXPECT_TRUE(robot_.calls.asked_to_end(now)) << "a call between does not keep it";
+  EXPECT_FALSE(robot_.calls.asked_to_end(now + std::chrono::seconds(5))) << "it stayed";
+}
+
+TEST_F(CallsTest, WhatTheySayCountsAndIsDroppedAsLongAsTheyAreServed) {
+  class Live final : public CallsLive {
+   public:
+    [[nodiscard]] std::size_t live_bytes() const override { return bytes_; }
+    std::size_t DropLive() override { return std::exchange(bytes_, 0); }
+
+   private:
+    std::size_t bytes_ = 7;
+  };
+  Live live;
+  Live other;
+  EXPECT_EQ(robot_.calls.live_bytes(), 0U);
+  EXPECT_FALSE(robot_.calls.spoke());
+  robot_.calls.Begin(&live);
+  EXPECT_EQ(robot_.calls.live_bytes(), 7U);
+  EXPECT_EQ(robot_.calls.DropLive(), 7U);
+  EXPECT_EQ(robot_.calls.live_bytes(), 0U);
+  robot_.calls.Begin(&other);
+  robot_.calls.End(&live);
+  EXPECT_EQ(robot_.calls.live_bytes(), 7U) << "those that are served now";
+  robot_.calls.End(&other);
+  EXPECT_EQ(robot_.calls.live_bytes(), 0U);
+  EXPECT_TRUE(robot_.calls.spoke());
 }
 
 TEST_F(CallsTest, ADisownedRobotIsOfItsFleetAndNothingOfItIsKnown) {

@@ -120,14 +120,14 @@ TEST_F(ForgetRoundsTest, AStreamIsARefusal) {
 TEST_F(ForgetRoundsTest, CallsAreARefusalAndEndIfThatIsAsked) {
   Come();
   Go();
-  Shown()->calls.Begin();
+  Shown()->calls.Begin(nullptr);
   Ask(false);
   EXPECT_EQ(AnswerIn(1).answer, ForgetAnswer::kHasStream);
-  EXPECT_FALSE(Shown()->calls.asked_to_end());
+  EXPECT_FALSE(Shown()->calls.asked_to_end(clock_.Steady()));
   Ask(true);
   EXPECT_EQ(AnswerIn(3).answer, ForgetAnswer::kNone);
-  EXPECT_TRUE(Shown()->calls.asked_to_end());
-  Shown()->calls.End();
+  EXPECT_TRUE(Shown()->calls.asked_to_end(clock_.Steady()));
+  Shown()->calls.End(nullptr);
   EXPECT_EQ(AnswerIn(5).answer, ForgetAnswer::kLetGo);
   EXPECT_EQ(Shown(), nullptr);
 }

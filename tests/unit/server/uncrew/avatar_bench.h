@@ -43,6 +43,7 @@ class FakeCall final : public transport::ServedCall {
     UPLINK_CHECK(!status_, "a call ends once");
     status_ = status;
   }
+  void FinishRefused(const absl::Status& status) override { Finish(status); }
   void Cancel() override {}
   void AskPeer() override {}
   [[nodiscard]] const identity::PeerIdentity& peer() const override { return peer_; }
@@ -77,7 +78,8 @@ class AvatarBench final : public loop::WakeInbox {
                  .fleet = fleet_,
                  .journals = shards_,
                  .ledger = book_.NewPage(model::MessageSource::kUncrew)}),
-        methods_(AvatarMethods({.drones = drones_,
+        methods_(AvatarMethods({.watch = clock,
+                                .drones = drones_,
                                 .fleet = fleet_,
                                 .probe = probe_,
                                 .ledgers = book_,
@@ -85,9 +87,7 @@ class AvatarBench final : public loop::WakeInbox {
                                 .answer_within = std::chrono::seconds(5),
                                 .ruri_template = config::UncrewConfig().ruri_template,
                                 .in_flight_max = 1000,
-                                .payload_bytes_max = 65'536})(clock)) {
-    journal_.OnReconnected([this](journal::Reconnected /*to*/) { drones_.NoteStoreReconnected(); });
-  }
+                                .payload_bytes_max = 65'536})(clock)) {}
   ~AvatarBench() override { handlers_.clear(); }
   AvatarBench(const AvatarBench&) = delete;
   AvatarBench& operator=(const AvatarBench&) = delete;
@@ -142,13 +142,18 @@ class AvatarBench final : public loop::WakeInbox {
   }
   /// A call whose message has too many bytes.
   FakeCall& CallTooLarge(std::uint64_t bytes) {
+    FakeCall& call = CallWithoutRequest();
+    handlers_[last_]->OnTooLarge(bytes);
+    return call;
+  }
+  /// A call of which the message does not come.
+  FakeCall& CallWithoutRequest() {
     const std::uint64_t id = ++last_;
     calls_.push_back(std::make_unique<FakeCall>(Drone("1"), loop::StreamRef{this, id}));
     auto handler = methods_.at("/uncrew.v1.AvatarService/PublishHeading").serve(*calls_.back());
     UPLINK_CHECK(handler.ok(), "a call is served");
     handlers_[id] = *std::move(handler);
     handlers_[id]->Start();
-    handlers_[id]->OnTooLarge(bytes);
     return *calls_.back();
   }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/uncrew/limits.h"
+#include "tests/support/fake_reader.h"
 #include "tests/unit/server/uncrew/avatar_bench.h"
 
 namespace uplink::uncrew {
@@ -165,6 +166,67 @@ TEST_F(AvatarCallTest, WithoutACommitItIsUnavailableInTimeAndStillCommits) {
   EXPECT_EQ(Committed(SampleType::kStatusText, kText), "DUPLICATE");
 }
 
+TEST_F(AvatarCallTest, WhatWasTakenCommitsAlsoOnceTheStoreIsConnectedToAnew) {
+  Begin();
+  FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
+  FakeCall& set = bench_.Call(SampleType::kOperatorRequests, kRequest);
+  bench_.store().Break();
+  bench_.Advance();
+  bench_.Pass(std::chrono::seconds(5));
+  EXPECT_EQ(call.End(), "UNAVAILABLE");
+  EXPECT_EQ(set.End(), "UNAVAILABLE");
+  bench_.Commit();
+  EXPECT_EQ(bench_.counts().stored, 2U);
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "DUPLICATE");
+  EXPECT_EQ(Committed(SampleType::kOperatorRequests,
+                      "metadata { sampled_at_unix_us: 9 } " + std::string(kRequest)),
+            "SUPERSEDED");
+}
+
+TEST_F(AvatarCallTest, ARequestThatDoesNotComeWholeEndsInTimeAndAtADrain) {
+  FakeCall& late = bench_.CallWithoutRequest();
+  bench_.Pass(std::chrono::milliseconds(4'999));
+  EXPECT_EQ(late.End(), "waits");
+  bench_.Pass(std::chrono::milliseconds(1));
+  EXPECT_EQ(late.End(), "DEADLINE_EXCEEDED");
+  EXPECT_THAT(std::string(late.status().message()), HasSubstr("uncrew.answer_within"));
+  FakeCall& drained = bench_.CallWithoutRequest();
+  bench_.Drain(std::chrono::seconds(2));
+  EXPECT_EQ(drained.End(), "UNAVAILABLE");
+}
+
+TEST_F(AvatarCallTest, ADroneThatIsToBeForgottenMayCallAgainOnceThatIsOver) {
+  Begin();
+  const fleet::RobotPtr robot = bench_.fleet().Find(AvatarBench::Drone("1").ruri);
+  robot->calls.AskToEnd(clock_.Steady() + std::chrono::seconds(5));
+  bench_.drones().Round();
+  EXPECT_EQ(bench_.drones().size(), 0U);
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }").End(), "UNAVAILABLE");
+  EXPECT_EQ(bench_.drones().size(), 0U) << "else it could never be forgotten";
+  clock_.Advance(std::chrono::seconds(5));
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }").End(), "APPLIED");
+}
+
+TEST_F(AvatarCallTest, ADroneIsMovedToItsNewFleetAlsoIfSomethingOfItWaited) {
+  Begin();
+  FakeCall& waits = bench_.Call(SampleType::kStatusText, kText);
+  identity::PeerIdentity moved = AvatarBench::Drone("1");
+  moved.fleet = "other";
+  static_cast<void>(
+      bench_.CallBytes(moved, SampleType::kHeading,
+                       test::RequestOf(SampleType::kHeading, "heading { heading_deg: 2 }")));
+  bench_.Commit();
+  EXPECT_EQ(waits.End(), "STORED");
+  static_cast<void>(
+      bench_.CallBytes(moved, SampleType::kHeading,
+                       test::RequestOf(SampleType::kHeading, "heading { heading_deg: 3 }")));
+  bench_.Commit();
+  testing::FakeReader reader(database_);
+  const auto robots = reader.Robots(1);
+  ASSERT_TRUE(robots.ok());
+  EXPECT_EQ(robots->front().robot.fleet, "other");
+}
+
 TEST_F(AvatarCallTest, WithoutACommitADrainAnswersItWithinItsGrace) {
   Begin();
   FakeCall& call = bench_.Call(SampleType::kStatusText, kText);
@@ -256,6 +318,17 @@ TEST_F(AvatarCallTest, ASetWithoutItsMessageClearsNothing) {
   EXPECT_EQ(call.End(), "REJECTED");
   EXPECT_EQ(call.response().reason(), v1::REJECT_REASON_MISSING_FIELD);
   EXPECT_EQ(OpenRequests(), 1U);
+}
+
+TEST_F(AvatarCallTest, ABadSensorIsNoLostLinkWhileTheStoreIsAway) {
+  Begin();
+  const std::string_view bad = "battery { remaining_percent: 200 }";
+  EXPECT_EQ(bench_.Call(SampleType::kBattery, bad).End(), "REJECTED");
+  EXPECT_EQ(bench_.Call(SampleType::kBattery, bad).End(), "REJECTED");
+  EXPECT_EQ(bench_.counts().rejected, 0U) << "its row waits";
+  bench_.Commit();
+  EXPECT_EQ(bench_.counts().rejected, 1U);
+  EXPECT_TRUE(bench_.counts().Balanced());
 }
 
 TEST_F(AvatarCallTest, BadContentIsAnAnswerAndKeptOnce) {

@@ -53,5 +53,18 @@ TEST(Speaker, AGatewayNamesOneOfItsRobots) {
   EXPECT_EQ(RuriOf(any, "a b"), "PERMISSION_DENIED");
 }
 
+TEST(Speaker, ARefusalSaysWhichRuriTheIdCameTo) {
+  const identity::PeerIdentity named{
+      .role = Role::kGateway,
+      .fleet = "f",
+      .gateway = {.subject = "CN=g", .ruris = {"rcan://local.rcan/uncrew/uav/7"}}};
+  EXPECT_EQ(SpeakerOf(named, "8", Template()).status().message(),
+            "the certificate of gateway CN=g may not speak for metadata.uav_id 8: "
+            "uncrew.ruri_template makes it rcan://local.rcan/uncrew/uav/8");
+  const auto flawed = SpeakerOf(named, "a b", Template());
+  EXPECT_NE(flawed.status().message().find("which is no RURI: "), std::string::npos)
+      << flawed.status();
+}
+
 }  // namespace
 }  // namespace uplink::uncrew

@@ -33,12 +33,27 @@ class WaitingSamplesTest : public ::testing::Test {
     }
     return waiting_.Settle({&settled, 1});
   }
+  /// As one more call that asks.
+  TicketRef Ask() {
+    TicketRef ticket = waiting_.Ask();
+    ticket->callers.push_back({});
+    return ticket;
+  }
+  void AddQuestion() {
+    ASSERT_TRUE(waiting_.HasToAsk());
+    std::vector<storage::CommitRecord> question(
+        1, {.content = model::OperatorRequest{}, .payload = "", .payload_bytes = 0});
+    question.front().sample =
+        std::make_shared<const storage::SampleMark>(storage::SampleMark{.is_question = true});
+    waiting_.AddQuestion(question);
+  }
   [[nodiscard]] TicketRef Find(std::uint8_t digest) const {
     const storage::SampleDigest whole{digest};
     return waiting_.Find(kType, &whole);
   }
 
-  WaitingSamples waiting_;
+  robot::Calls calls_;
+  WaitingSamples waiting_{calls_};
   model::Seq settled_ = 0;
 };
 
@@ -47,14 +62,14 @@ TEST_F(WaitingSamplesTest, ASampleIsCommittedWithTheLastOfItsRecords) {
   EXPECT_EQ(Settle(OutcomeKind::kStored).counts.stored, 0U);
   EXPECT_EQ(Settle(OutcomeKind::kStored).counts.stored, 0U);
   EXPECT_EQ(ticket->state, Ticket::State::kWaiting);
+  EXPECT_EQ(calls_.waiting().records, 3U);
   const auto settling = Settle(OutcomeKind::kStored);
   EXPECT_EQ(ticket->state, Ticket::State::kCommitted);
   EXPECT_EQ(settling.counts.stored, 1U);
   EXPECT_EQ(settling.counts.in_flight, -1);
-  EXPECT_EQ(settling.use.records, 3U);
   EXPECT_TRUE(waiting_.empty());
-  EXPECT_EQ(waiting_.use().records, 0U);
-  EXPECT_EQ(waiting_.use().bytes, 0U);
+  EXPECT_EQ(calls_.waiting().records, 0U);
+  EXPECT_EQ(calls_.waiting().bytes, 0U);
 }
 
 TEST_F(WaitingSamplesTest, WhatTheStoreHadIsADuplicate) {
@@ -94,7 +109,7 @@ TEST_F(WaitingSamplesTest, VoidingTellsAllAndWhatSettlesLaterChangesNothing) {
   const auto settling = waiting_.VoidAll();
   EXPECT_EQ(settling.counts.refused, 2U);
   EXPECT_EQ(settling.counts.in_flight, -2);
-  EXPECT_EQ(settling.use.records, 3U);
+  EXPECT_EQ(calls_.waiting().records, 0U);
   EXPECT_EQ(settling.wake.size(), 2U);
   EXPECT_EQ(first->state, Ticket::State::kVoid);
   EXPECT_EQ(second->state, Ticket::State::kVoid);
@@ -108,17 +123,63 @@ TEST_F(WaitingSamplesTest, VoidingTellsAllAndWhatSettlesLaterChangesNothing) {
 }
 
 TEST_F(WaitingSamplesTest, AQuestionIsInNoCountAndIsNoSample) {
-  std::vector<storage::CommitRecord> question(
-      1, {.content = model::OperatorRequest{}, .payload = "", .payload_bytes = 0});
-  const TicketRef ticket = waiting_.Add(
-      std::make_shared<const storage::SampleMark>(storage::SampleMark{.is_question = true}),
-      question, std::nullopt);
+  const TicketRef ticket = Ask();
+  AddQuestion();
   EXPECT_EQ(waiting_.Find(0, nullptr), nullptr);
   const auto settling = Settle(OutcomeKind::kDuplicate);
   EXPECT_EQ(ticket->state, Ticket::State::kCommitted);
   EXPECT_EQ(settling.counts.duplicate, 0U);
   EXPECT_EQ(settling.counts.in_flight, 0);
-  EXPECT_EQ(settling.use.records, 1U);
+  EXPECT_EQ(calls_.waiting().records, 0U);
+}
+
+TEST_F(WaitingSamplesTest, HoweverManyAskOneQuestionIsOnItsWay) {
+  const TicketRef first = Ask();
+  AddQuestion();
+  const TicketRef next = Ask();
+  EXPECT_NE(next, first) << "the first may have been looked at before this came";
+  EXPECT_EQ(Ask(), next);
+  EXPECT_FALSE(waiting_.HasToAsk());
+  EXPECT_EQ(Settle(OutcomeKind::kDuplicate).wake.size(), 1U);
+  EXPECT_EQ(next->state, Ticket::State::kWaiting);
+  AddQuestion();
+  EXPECT_EQ(Settle(OutcomeKind::kDuplicate).wake.size(), 2U);
+  EXPECT_EQ(next->state, Ticket::State::kCommitted);
+  EXPECT_FALSE(waiting_.HasToAsk());
+}
+
+TEST_F(WaitingSamplesTest, AQuestionOfWhichAllCallersLeftDoesNotGo) {
+  Ask()->callers.clear();
+  EXPECT_FALSE(waiting_.HasToAsk());
+}
+
+TEST_F(WaitingSamplesTest, AVoidQuestionIsTheNextOnesTooAndAnotherMayBeAsked) {
+  const TicketRef first = Ask();
+  AddQuestion();
+  const TicketRef next = Ask();
+  EXPECT_EQ(waiting_.VoidAll().wake.size(), 2U);
+  EXPECT_EQ(first->state, Ticket::State::kVoid);
+  EXPECT_EQ(next->state, Ticket::State::kVoid);
+  EXPECT_FALSE(waiting_.HasToAsk());
+  const TicketRef anew = Ask();
+  EXPECT_EQ(anew->state, Ticket::State::kWaiting);
+  EXPECT_TRUE(waiting_.HasToAsk());
+}
+
+TEST_F(WaitingSamplesTest, InDoubtThoseWhoAskOfferAgainAndWhatWaitsStays) {
+  const TicketRef sample = Add(1);
+  sample->callers.push_back({});
+  const TicketRef asked = Ask();
+  AddQuestion();
+  const TicketRef next = Ask();
+  EXPECT_EQ(waiting_.VoidQuestions().size(), 2U);
+  EXPECT_EQ(asked->state, Ticket::State::kVoid);
+  EXPECT_EQ(next->state, Ticket::State::kVoid);
+  EXPECT_EQ(Settle(OutcomeKind::kStored).counts.stored, 1U);
+  EXPECT_EQ(sample->state, Ticket::State::kCommitted);
+  EXPECT_TRUE(Settle(OutcomeKind::kDuplicate).wake.empty());
+  EXPECT_EQ(asked->state, Ticket::State::kVoid) << "it was told to offer again";
+  EXPECT_TRUE(waiting_.empty());
 }
 
 TEST_F(WaitingSamplesTest, ASampleWithATimeIsFoundAmongAllThatWait) {

@@ -164,7 +164,7 @@ TEST(Json, EveryPartOfTheContractHasItsName) {
   std::size_t known = 0;
   for (const char* name :
        {"agentInfo", "settings", "uiCapabilities", "motion", "status", "extras", "health", "usage",
-        "consumables", "directives", "rcanState", "cyberwave"}) {
+        "consumables", "directives", "rcanState", "cyberwave", "uncrew"}) {
     const std::optional<Part> part = PartFromText(name);
     ASSERT_TRUE(part) << name;
     EXPECT_EQ(static_cast<std::size_t>(*part), known++);

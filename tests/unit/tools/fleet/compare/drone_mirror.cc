@@ -116,8 +116,8 @@ void DroneMirror::Take(const AvatarCall& call) {
                                            .received = FromUnixMs(now_us_ / 1000),
                                            .received_steady = {}};
   const bool held = live_.IsHeld(sample);
-  const std::optional<model::uncrew::Value> before = uncrew::Recall(*type, last_[at]);
-  const auto records = uncrew::Records::Of(judged, before ? &*before : nullptr);
+  const auto before = uncrew::Recall(*type, last_[at]);
+  const auto records = uncrew::Records::Of(judged, before ? &before->value : nullptr);
   if (std::ranges::find(known_[at], call.request) != known_[at].end()) {
     answer.set_outcome(::uncrew::v1::OUTCOME_DUPLICATE);
   } else if (!records.empty()) {
