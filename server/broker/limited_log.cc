@@ -28,12 +28,12 @@ bool LimitedLog::Passes(limits::KeyedBuckets& budgets, const cyberwave::Topic& t
   using enum limits::KeyedBuckets::Answer;
   const auto answer = budgets.Take(BudgetKeyOf(topic), amount, now);
   if (answer == kOverAndTell) {
-    const limits::KeyedLimit& limit = budgets.limit();
+    const limits::Policy& policy = budgets.policy();
     const bool is_ping = topic.kind == cyberwave::TopicKind::kPing;
     lines_.Write(log::Level::kWarn, "twin_limited",
                  {{"id", is_ping ? topic.name : topic.id.ToText()},
-                  {"why", fmt::format("more than {} {} per second, after {} at once",
-                                      limit.each.rate, limit.of, limit.each.burst)}});
+                  {"why", fmt::format("more than {} {} per second, after {} at once", policy.most,
+                                      policy.of, policy.at_once)}});
   }
   return answer == kPasses;
 }

@@ -4,9 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/config/config.h"
-#include "server/limits/keyed_buckets.h"
-#include "server/robot/durable_flow.h"
 #include "storage/deliveries.h"
 
 namespace uplink::broker {
@@ -25,28 +22,9 @@ inline constexpr std::chrono::seconds kBehindShownAfter{10};
 inline constexpr std::chrono::seconds kTickLate{3};
 /// Twins whose faults are remembered while they are not in memory, for each that may be.
 inline constexpr std::size_t kFaultsKeptShare = 2;
-/// Ids that have a budget of their own: more than there may be twins by default.
-inline constexpr std::size_t kBudgetsMax = 32'768;
-/// Payloads at QoS 0 that one id may have us look into: 65 of the largest in a second, which take a
-/// fortieth of a core. A camera's are not looked into.
-inline constexpr limits::KeyedLimit kBytesOfId{
-    .of = "bytes at QoS 0",
-    .each = {.rate = 4 * config::kMiB, .burst = 32 * config::kMiB},
-    .keys_max = kBudgetsMax};
-/// Smaller ones take no longer to read than to send.
+/// Payloads that count as bytes at QoS 0 (limits::PolicyId::kBytesOfId): smaller ones take no
+/// longer to read than to send.
 inline constexpr std::size_t kBudgetedBytesMin = 512;
-/// Messages of one id that are rejected and belong to no robot, such as those of a twin that was
-/// never heard. They stand for all ids in one place of the journal, and in one quarantine: with 50
-/// per second of each, thousands of ids do not fill what that place may have while the store takes
-/// them.
-inline constexpr limits::KeyedLimit kRejectsOfStranger{.of = "rejected messages of no robot",
-                                                       .each = {.rate = 50, .burst = 2'000},
-                                                       .keys_max = kBudgetsMax};
-/// What one environment or workflow run may have stored: it is no robot, and has no flow of one.
-inline constexpr limits::KeyedLimit kRecordsOfScope{
-    .of = "messages to store", .each = robot::FlowLimits().records, .keys_max = kBudgetsMax};
-inline constexpr limits::KeyedLimit kBytesOfScope{
-    .of = "bytes to store", .each = robot::FlowLimits().bytes, .keys_max = kBudgetsMax};
 /// How long a robot's stream is not opened anew that an operator ended, so that the robot can be
 /// forgotten although it speaks.
 inline constexpr std::chrono::seconds kRestAfterDrop{5};

@@ -18,8 +18,8 @@ namespace uplink::broker {
 /// Whether a message is more than its sender may send, or may have stored. The log names who sends
 /// too much.
 ///
-/// Environments and runs have a budget each (kRecordsOfScope, kBytesOfScope), which counts as a
-/// robot's flow does (ingest::Waits).
+/// Environments and runs have a budget each (PolicyId::kRecordsOfScope, kBytesOfScope), which
+/// counts as a robot's flow does (ingest::Waits).
 ///
 /// Thread:  confined to the broker's.
 class MessageLimits final {
@@ -40,7 +40,7 @@ class MessageLimits final {
     SteadyTime arrived;
   };
   /// It is rejected and belongs to no robot, and its id has sent too many such
-  /// (kRejectsOfStranger).
+  /// (limits::PolicyId::kRejectsOfStranger).
   [[nodiscard]] bool ExceedsUnknownSenderBudget(const Message& message, const TwinStream& stream);
   /// Why the message is rejected for the rates of its sender. Nothing: it passes, and its tokens
   /// are taken. `records` is how many it may bring (RecordsAtMost).
@@ -51,9 +51,9 @@ class MessageLimits final {
   [[nodiscard]] bool ExceedsScopeBudget(const Message& message, bool journal_short);
 
   const Context context_;
-  limits::KeyedBuckets strangers_{kRejectsOfStranger};
-  limits::KeyedBuckets scope_records_{kRecordsOfScope};
-  limits::KeyedBuckets scope_bytes_{kBytesOfScope};
+  limits::KeyedBuckets strangers_{limits::PolicyOf(limits::PolicyId::kRejectsOfStranger)};
+  limits::KeyedBuckets scope_records_{limits::PolicyOf(limits::PolicyId::kRecordsOfScope)};
+  limits::KeyedBuckets scope_bytes_{limits::PolicyOf(limits::PolicyId::kBytesOfScope)};
 };
 
 }  // namespace uplink::broker

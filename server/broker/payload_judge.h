@@ -9,7 +9,8 @@
 
 namespace uplink::broker {
 
-/// Judges what a broker delivers, and looks into no more bytes of one id at QoS 0 than kBytesOfId.
+/// Judges what a broker delivers, and looks into no more bytes of one id at QoS 0 than
+/// limits::PolicyId::kBytesOfId.
 /// To read a large payload takes longer than its publisher needs to send it, and meanwhile the
 /// broker drops what others say. At QoS 1 our acks hold publishers back.
 ///
@@ -30,7 +31,7 @@ class PayloadJudge final {
  private:
   const cyberwave::JudgeTerms& terms_;
   LimitedLog& limited_log_;
-  limits::KeyedBuckets bytes_{kBytesOfId};
+  limits::KeyedBuckets bytes_{limits::PolicyOf(limits::PolicyId::kBytesOfId)};
 };
 
 }  // namespace uplink::broker

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "schema/cyberwave/limits.h"
-#include "server/limits/token_bucket.h"
+#include "server/limits/policies.h"
 
 /// The bounds of what is held of one twin, and of what it may send.
 namespace uplink::cyberwave {
@@ -32,18 +32,21 @@ inline constexpr std::size_t kMetricFaultsMax = kErrorsMax;
 /// What one message may have stored: faults that are raised, and faults that are cleared.
 inline constexpr std::size_t kRecordsOfMessageMax = 2 * kMetricFaultsMax;
 
-/// What one twin may send, its simulated robot included.
-inline constexpr limits::BucketSize kMessagesOfTwin{.rate = 1'000, .burst = 5'000};
-inline constexpr limits::BucketSize kLogLinesOfTwin{.rate = 50, .burst = 2'000};
-/// Faults that its metrics may raise and clear: one message of half a kilobyte may change 128, and
-/// one twin would keep the store busy with nothing else. As many as log lines.
-inline constexpr limits::BucketSize kFaultChangesOfTwin{.rate = 50, .burst = 2'000};
+/// What one twin may send.
+inline constexpr limits::BucketSize kMessagesOfTwin =
+    limits::PolicyOf(limits::PolicyId::kMessagesOfTwin).bucket();
+inline constexpr limits::BucketSize kLogLinesOfTwin =
+    limits::PolicyOf(limits::PolicyId::kLogLinesOfTwin).bucket();
+inline constexpr limits::BucketSize kFaultChangesOfTwin =
+    limits::PolicyOf(limits::PolicyId::kFaultChangesOfTwin).bucket();
 
 /// Pongs in any second, to one name and to all.
-inline constexpr std::size_t kPongsOfNameMax = 10;
-inline constexpr std::size_t kPongsMax = 1'000;
+inline constexpr std::size_t kPongsOfNameMax =
+    limits::PolicyOf(limits::PolicyId::kPongsOfName).most;
+inline constexpr std::size_t kPongsMax = limits::PolicyOf(limits::PolicyId::kPongs).most;
 /// Names that are remembered. Those that got a pong within the last second always have room.
-inline constexpr std::size_t kPongNamesMax = 2'048;
+inline constexpr std::size_t kPongNamesMax =
+    limits::PolicyOf(limits::PolicyId::kPongsOfName).keys_max;
 static_assert(kPongNamesMax >= 2 * kPongsMax);
 
 }  // namespace uplink::cyberwave

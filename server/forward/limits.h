@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/limits/token_bucket.h"
+#include "server/limits/policies.h"
 
 namespace uplink::forward {
 
@@ -43,11 +43,10 @@ inline constexpr std::chrono::milliseconds kLookAgain{10};
 /// a busy fleet shares takes a third of a core, and not all of several.
 inline constexpr std::chrono::microseconds kPauseForOne{50};
 inline constexpr std::chrono::milliseconds kLookAgainMax{250};
-/// What one robot may make all others of its fleet receive, in bytes per second and at once: half
-/// of a gigabit network. What is over waits, the latest of each item. 2,000 receivers of 50 changes
-/// per second, 250 bytes each, take a half of it.
-inline constexpr limits::BucketSize kFanOut = {.rate = std::uint64_t{64} * 1024 * 1024,
-                                               .burst = std::uint64_t{256} * 1024 * 1024};
+/// What one robot may make all others of its fleet receive. What is over waits, the latest of each
+/// item.
+inline constexpr limits::BucketSize kFanOut =
+    limits::PolicyOf(limits::PolicyId::kForwardedBytesOfRobot).bucket();
 /// What a frame takes on the wire besides its bytes: gRPC's, HTTP/2's, TLS's and TCP's headers.
 inline constexpr std::size_t kWireOverheadBytes = 128;
 /// Items whose changes may wait for that, of all robots: some 40 MiB. Past it nothing more waits.

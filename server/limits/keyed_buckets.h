@@ -3,32 +3,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string_view>
 #include <unordered_map>
 
 #include "schema/base/clock.h"
+#include "server/limits/policies.h"
 #include "server/limits/recent_times.h"
 #include "server/limits/token_bucket.h"
 
 namespace uplink::limits {
 
-/// What each key may have. A value.
-struct KeyedLimit {
-  /// Of what, as the log says it; a word of ours.
-  std::string_view of;
-  BucketSize each;
-  /// Keys that have a bucket of their own.
-  std::size_t keys_max = 0;
-};
-
-/// A bucket for each key. At `keys_max` those that are full again are forgotten; keys beyond share
-/// one bucket. Up to `keys_max` an invented key has a burst of its own: what all keys use together
-/// needs a bound besides.
+/// A bucket for each key of a policy. At its `keys_max` those that are full again are forgotten;
+/// keys beyond share one bucket. Up to `keys_max` an invented key has a burst of its own: what all
+/// keys use together needs a bound besides.
 ///
 /// Thread:  confined to its owner.
 class KeyedBuckets final {
  public:
-  explicit KeyedBuckets(const KeyedLimit& limit) : limit_(limit) {}
+  explicit KeyedBuckets(const Policy& policy) : policy_(policy) {}
 
   enum class Answer : std::uint8_t {
     kPasses,
@@ -40,7 +31,7 @@ class KeyedBuckets final {
   /// Nothing: the bucket of those beyond.
   [[nodiscard]] Answer Take(std::optional<std::size_t> key, std::size_t amount, SteadyTime now);
 
-  [[nodiscard]] const KeyedLimit& limit() const { return limit_; }
+  [[nodiscard]] const Policy& policy() const { return policy_; }
 
  private:
   struct Budget {
@@ -49,7 +40,7 @@ class KeyedBuckets final {
   };
   [[nodiscard]] Budget& Of(std::optional<std::size_t> key, SteadyTime now);
 
-  const KeyedLimit limit_;
+  const Policy policy_;
   std::unordered_map<std::size_t, Budget> budgets_;
   Budget shared_;
   RecentTimes<1> sweeps_;

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "schema/base/clock.h"
-#include "server/config/config.h"
+#include "server/limits/policies.h"
 #include "server/limits/token_bucket.h"
 #include "server/robot/held_back.h"
 
@@ -15,10 +15,8 @@ namespace uplink::robot {
 
 /// How much one robot may have stored (limits.durable_*). A value.
 struct FlowLimits {
-  limits::BucketSize records{config::LimitsConfig().durable_records_rate,
-                             config::LimitsConfig().durable_records_burst};
-  limits::BucketSize bytes{config::LimitsConfig().durable_bytes_rate,
-                           config::LimitsConfig().durable_bytes_burst};
+  limits::BucketSize records = limits::PolicyOf(limits::PolicyId::kRecordsOfRobot).bucket();
+  limits::BucketSize bytes = limits::PolicyOf(limits::PolicyId::kBytesOfRobot).bucket();
 };
 
 /// What one robot has stored per second: past its buckets its stream is held back, and nothing is

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "schema/base/clock.h"
+#include "server/limits/policies.h"
 
 namespace uplink::robot {
 
@@ -14,7 +15,8 @@ inline constexpr std::size_t kRejectsRememberedMax = 256;
 inline constexpr std::size_t kSessionsMax = 8;
 /// Malformed messages of a robot per second, over all its streams, and as many at once after a
 /// pause; past them its stream is held back. The same of messages over their rate.
-inline constexpr std::uint32_t kRejectsPerSecondMax = 1000;
+inline constexpr std::uint32_t kRejectsPerSecondMax =
+    limits::PolicyOf(limits::PolicyId::kRejectsOfRobot).most;
 /// So many follow at a time: less than one robot may have in a commit (journal::BatchShare).
 inline constexpr std::uint32_t kRejectsAtOnce = 100;
 /// What one jump of numbers adds to the count of missing ones, at most: an agent may jump by 2^32,
@@ -23,12 +25,14 @@ inline constexpr std::uint64_t kMissingPerJumpMax = std::uint64_t{1} << 20U;
 /// A minute, its end included, for limits::RecentTimes.
 inline constexpr SteadyTime::duration kMinute = std::chrono::minutes(1) + SteadyTime::duration(1);
 /// Takeovers within a minute above which a robot is flagged as contested.
-inline constexpr std::uint32_t kTakeoversPerMinuteMax = 10;
+inline constexpr std::uint32_t kTakeoversPerMinuteMax =
+    limits::PolicyOf(limits::PolicyId::kTakeoversOfRobot).most;
 /// What a record that waits in the journal costs besides its payload and its body: the record, the
 /// queue's node. A gap costs as much.
 inline constexpr std::size_t kRecordOverheadBytes = 512;
 /// Streams of one robot within a minute of which none waits.
-inline constexpr std::uint32_t kStreamsPerMinuteMax = 10;
+inline constexpr std::uint32_t kStreamsPerMinuteMax =
+    limits::PolicyOf(limits::PolicyId::kStreamsOfRobot).most;
 /// How long the first one past that waits; each further one waits twice as long as the one before.
 inline constexpr std::chrono::milliseconds kStreamDelayMin{100};
 /// Longest wait of one stream.

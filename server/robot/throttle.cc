@@ -5,7 +5,8 @@
 namespace uplink::robot {
 namespace {
 
-constexpr limits::BucketSize kRejects{.rate = kRejectsPerSecondMax, .burst = kRejectsPerSecondMax};
+constexpr limits::BucketSize kRejects =
+    limits::PolicyOf(limits::PolicyId::kRejectsOfRobot).bucket();
 
 }  // namespace
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/limits/token_bucket.h"
+#include "server/limits/policies.h"
 
 /// The bounds of drones' calls. Those of content are in schema/uncrew/limits.h.
 namespace uplink::uncrew {
@@ -13,7 +13,8 @@ namespace uplink::uncrew {
 /// samples there are as many at most.
 inline constexpr std::size_t kCallsInFlightMax = 64;
 /// Live samples of one drone per second, and at once; one more is RATE_LIMITED.
-inline constexpr limits::BucketSize kLiveRate{.rate = 100, .burst = 200};
+inline constexpr limits::BucketSize kLiveRate =
+    limits::PolicyOf(limits::PolicyId::kLiveSamplesOfDrone).bucket();
 /// A sample this much older by its boot time is of the same flight, and superseded; one that is
 /// older still comes after a reboot.
 inline constexpr std::chrono::seconds kOlderMax{60};

@@ -5,17 +5,20 @@
 
 #include "schema/base/clock.h"
 #include "server/front/door/source_address.h"
+#include "server/limits/policies.h"
 #include "server/limits/recent_keys.h"
 
 namespace uplink::front {
 
-/// Handshakes per second of a source that wants no more than its part, and at once after a pause: a
-/// site of 40 robots behind one address comes back without a wait.
-inline constexpr int kHandshakesPerSecond = 20;
-inline constexpr int kHandshakesAtOnce = 40;
+/// Handshakes per second of a source, and at once after a pause.
+inline constexpr int kHandshakesPerSecond =
+    limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).most;
+inline constexpr int kHandshakesAtOnce =
+    limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).at_once;
 /// Past it the source that was noted least recently is forgotten. Each takes what
 /// limits::RecentKeys does.
-inline constexpr std::size_t kRatedSourcesMax = 8192;
+inline constexpr std::size_t kRatedSourcesMax =
+    limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).keys_max;
 
 /// Which sources began more handshakes lately than kHandshakesPerSecond and kHandshakesAtOnce. What
 /// follows from it the caller decides, so a source may go over: unlike a limits::TokenBucket this

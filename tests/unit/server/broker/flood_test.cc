@@ -30,7 +30,8 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   testing::FakeDatabase database;
   Bench bench(database, 1, {.journal = {.robot_share = 100}});
   ASSERT_TRUE(bench.TakeLease());
-  for (std::size_t i = 0; i < kRejectsOfStranger.each.burst + 100; ++i) {
+  for (std::size_t i = 0; i < limits::PolicyOf(limits::PolicyId::kRejectsOfStranger).at_once + 100;
+       ++i) {
     (void)bench.Publish(Bench::Of("telemetry"), "{");
   }
   using model::RejectReason;
@@ -47,7 +48,8 @@ TEST(Flood, OfATwinThatWasNeverHeardTakesNothingFromOthersThatAreNoRobots) {
   (void)bench.Publish(Bench::Of("telemetry"), "{");
   EXPECT_EQ(rejects(RejectReason::kRateLimited), 100U);
   bench.Run();
-  EXPECT_EQ(rejects(RejectReason::kMalformed), kRejectsOfStranger.each.burst + 3);
+  EXPECT_EQ(rejects(RejectReason::kMalformed),
+            limits::PolicyOf(limits::PolicyId::kRejectsOfStranger).at_once + 3);
   EXPECT_TRUE(bench.ledger.Read().messages.Balanced());
 }
 
@@ -79,7 +81,7 @@ TEST(Flood, WhatIsOverAnIdsBudgetIsRejectedUnreadAtQos0Alone) {
   Bench bench(database, 1);
   ASSERT_TRUE(bench.TakeLease());
   const std::string large = R"({"type":"event","detail":")" + std::string(60'000, 'x') + "\"}";
-  const std::size_t passing = kBytesOfId.each.burst / large.size();
+  const std::size_t passing = limits::PolicyOf(limits::PolicyId::kBytesOfId).at_once / large.size();
   // Of a twin that nobody heard, who is commanded.
   for (std::size_t i = 0; i < passing + 10; ++i) {
     (void)bench.Publish(Bench::Of("command"), large);

@@ -201,7 +201,8 @@ TEST(FlowOfScopes, EachEnvironmentHasABudgetOfItsOwn) {
     (void)bench.Publish(std::string("cyberwave/environment/") + id + "/joined",
                         R"({"type":"joined","data":{"who":"a"}})");
   };
-  for (std::size_t i = 0; i < kRecordsOfScope.each.burst; ++i) joined(kTwin);
+  for (std::size_t i = 0; i < limits::PolicyOf(limits::PolicyId::kRecordsOfScope).at_once; ++i)
+    joined(kTwin);
   EXPECT_EQ(bench.Count(Became::kRejected), 0U);
   joined(kTwin);
   EXPECT_EQ(bench.Count(Became::kRejected), 1U);

@@ -14,7 +14,13 @@ namespace {
 using std::chrono::seconds;
 using enum KeyedBuckets::Answer;
 
-constexpr KeyedLimit kLimit{.of = "things", .each = {.rate = 10, .burst = 20}, .keys_max = 2};
+constexpr Policy kPolicy{.id = PolicyId::kBytesOfId,
+                         .of = "things",
+                         .whose = "a key",
+                         .most = 10,
+                         .at_once = 20,
+                         .keys_max = 2,
+                         .shown = metrics::MetricId::kMqttRejects};
 
 TEST(KeyedBuckets, AnswerByTheKeysOwnBucket) {
   struct Row {
@@ -40,7 +46,7 @@ TEST(KeyedBuckets, AnswerByTheKeysOwnBucket) {
       {log::RateLimited::kSpan, 1, 21, kPasses, "a full one gives more than its burst"},
       {log::RateLimited::kSpan, 1, 1, kOverAndTell, "the span is over"},
   };
-  KeyedBuckets buckets(kLimit);
+  KeyedBuckets buckets(kPolicy);
   for (const Row& row : rows) {
     const SteadyTime now = SteadyTime(std::chrono::hours(1)) + row.at;
     EXPECT_EQ(buckets.Take(row.key, row.amount, now), row.answer)
