@@ -1,5 +1,6 @@
 #include "server/rcan/drone_series.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -15,11 +16,10 @@ using enum metrics::rcan::SeriesId;
 
 constexpr double kPercent = 100;
 
-/// The samples of a drone that are fresh, and the page for them.
-class Fresh final {
+/// The samples of a drone that are fresh.
+class Fresh {
  public:
-  Fresh(const uncrew::LiveSamples& live, SteadyTime since, SeriesPage& page)
-      : live_(live), since_(since), page_(page) {}
+  Fresh(const uncrew::LiveSamples& live, SteadyTime since) : live_(live), since_(since) {}
 
   /// Calls `take` with each value of the type that is fresh.
   template <typename Type, typename Take>
@@ -35,23 +35,32 @@ class Fresh final {
     Each<Type>([&](const Type& value) { found = &value; });
     return found;
   }
+
+ private:
+  const uncrew::LiveSamples& live_;
+  const SteadyTime since_;
+};
+
+/// The same, and the page for them.
+class Basic final : public Fresh {
+ public:
+  Basic(const Fresh& fresh, SeriesPage& page) : Fresh(fresh), page_(page) {}
+
   /// What is known, unless a stream of the robot said it.
   template <typename Number>
   void Add(SeriesId id, const std::optional<Number>& value) const {
     if (value && !page_.Has(id)) page_.Add(id, static_cast<double>(*value));
   }
-  template <typename Number>
-  void Add(SeriesId id, std::int64_t key, const std::optional<Number>& value) const {
-    if (value) page_.Add(id, std::to_string(key), static_cast<double>(*value));
-  }
 
  private:
-  const uncrew::LiveSamples& live_;
-  const SteadyTime since_;
   SeriesPage& page_;
 };
 
-void AddPlace(const Fresh& fresh) {
+std::optional<double> AsDouble(const std::optional<float>& value) {
+  return value ? std::optional(double{*value}) : std::nullopt;
+}
+
+void AddPlace(const Basic& fresh) {
   std::optional<float> amsl;
   std::optional<float> relative;
   if (const auto* altitude = fresh.Of<un::Altitude>()) {
@@ -69,7 +78,7 @@ void AddPlace(const Fresh& fresh) {
   fresh.Add(kAltitudeRelativeM, relative);
 }
 
-void AddMotion(const Fresh& fresh) {
+void AddMotion(const Basic& fresh) {
   if (const auto* velocity = fresh.Of<un::VelocityNed>()) {
     if (velocity->north_m_s && velocity->east_m_s) {
       fresh.Add(kSpeedMS, std::optional(std::hypot(double{*velocity->north_m_s},
@@ -84,7 +93,7 @@ void AddMotion(const Fresh& fresh) {
   }
 }
 
-void AddBattery(const Fresh& fresh) {
+void AddBattery(const Basic& fresh) {
   const un::Battery* first = nullptr;
   fresh.Each<un::Battery>([&](const un::Battery& battery) {
     if (first == nullptr || battery.key < first->key) first = &battery;
@@ -96,7 +105,7 @@ void AddBattery(const Fresh& fresh) {
   fresh.Add(kBatteryCurrentA, first->current_battery_a);
 }
 
-void AddState(const Fresh& fresh) {
+void AddState(const Basic& fresh) {
   if (const auto* gps = fresh.Of<un::GpsInfo>()) {
     fresh.Add(kGpsSatellites, gps->num_satellites);
     if (gps->fix_type) {
@@ -111,26 +120,30 @@ void AddState(const Fresh& fresh) {
   }
 }
 
-void AddKeyed(const Fresh& fresh) {
-  fresh.Each<un::WinchStatus>([&](const un::WinchStatus& winch) {
-    fresh.Add(kWinchLineM, winch.key, winch.line_length_m);
-    fresh.Add(kWinchTensionKg, winch.key, winch.tension_kg);
-  });
-  fresh.Each<un::DistanceSensor>([&](const un::DistanceSensor& sensor) {
-    fresh.Add(kDistanceM, sensor.key, sensor.current_distance_m);
-  });
-}
-
 }  // namespace
 
-void AddDrone(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
-              metrics::rcan::SeriesPage& page) {
-  const Fresh fresh(live, now - stale_after, page);
+void AddDroneBasic(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
+                   metrics::rcan::SeriesPage& page) {
+  const Basic fresh(Fresh(live, now - stale_after), page);
   AddPlace(fresh);
   AddMotion(fresh);
   AddBattery(fresh);
   AddState(fresh);
-  AddKeyed(fresh);
+}
+
+void AddDroneNamed(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
+                   NamedSeries& series) {
+  const Fresh fresh(live, now - stale_after);
+  fresh.Each<un::WinchStatus>([&](const un::WinchStatus& winch) {
+    // In the order of SeriesId.
+    const std::array<std::optional<double>, 2> samples = {AsDouble(winch.line_length_m),
+                                                          AsDouble(winch.tension_kg)};
+    series.Add(kWinchLineM, std::to_string(winch.key), samples);
+  });
+  fresh.Each<un::DistanceSensor>([&](const un::DistanceSensor& sensor) {
+    const std::array<std::optional<double>, 1> sample = {AsDouble(sensor.current_distance_m)};
+    series.Add(kDistanceM, std::to_string(sensor.key), sample);
+  });
 }
 
 }  // namespace uplink::rcan

@@ -2,13 +2,18 @@
 
 #include "metrics/rcan/page.h"
 #include "schema/base/clock.h"
+#include "server/rcan/named_series.h"
 #include "server/uncrew/live_samples.h"
 
 namespace uplink::rcan {
 
 /// Adds the values of a drone that no stream of the robot said: of each type whose last sample came
 /// at most `stale_after` (uncrew.stale_after) before `now`. Called under the drone's lock.
-void AddDrone(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
-              metrics::rcan::SeriesPage& page);
+void AddDroneBasic(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
+                   metrics::rcan::SeriesPage& page);
+
+/// The same of what carries an id that the drone chose: its winches and its distance sensors.
+void AddDroneNamed(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
+                   NamedSeries& series);
 
 }  // namespace uplink::rcan

@@ -114,10 +114,9 @@ ScrapeTurns::Turn RobotScrape::AddBasicOf(Known& known, SeriesSources& sources, 
   } else if (const cyberwave::TwinPtr twin = TwinOf(robot->ruri())) {
     twin->LookAt([this](const cyberwave::TwinParts& parts) { AddTwinBasic(parts, page_); });
   }
-  const bool is_here = known.shown != Shown::kPresence && sources_.drones != nullptr;
-  if (const auto drone = is_here ? sources_.drones->Find(robot->ruri()) : nullptr) {
-    drone->LookAt([&](const uncrew::LiveSamples& live) {
-      AddDrone(live, sources.steady_now, sources_.drones_stale_after, page_);
+  if (known.shown != Shown::kPresence) {
+    LookAtDrone(robot->ruri(), [&](const uncrew::LiveSamples& live) {
+      AddDroneBasic(live, sources.steady_now, sources_.drones_stale_after, page_);
     });
   }
   known.basic_room = std::max(known.basic_room, page_.robot_samples());
@@ -140,6 +139,9 @@ ScrapeTurns::Turn RobotScrape::AddNamedOf(Known& known, const SeriesSources& sou
   if (const cyberwave::TwinPtr twin = TwinOf(robot->ruri())) {
     twin->LookAt([&series](const cyberwave::TwinParts& parts) { AddTwinNamed(parts, series); });
   }
+  LookAtDrone(robot->ruri(), [&](const uncrew::LiveSamples& live) {
+    AddDroneNamed(live, sources.steady_now, sources_.drones_stale_after, series);
+  });
   const std::size_t samples = page_.robot_samples();
   known.named_room = std::max(known.named_room, samples);
   const bool fits = page_.EndRobot(known.named_room);
@@ -161,6 +163,12 @@ ScrapeTurns::Turn RobotScrape::AddNamedOf(Known& known, const SeriesSources& sou
 cyberwave::TwinPtr RobotScrape::TwinOf(const std::string& ruri) const {
   if (sources_.twins == nullptr || !cyberwave::IsTwinRuri(ruri)) return nullptr;
   return sources_.twins->Find(ruri);
+}
+
+void RobotScrape::LookAtDrone(const std::string& ruri,
+                              const std::function<void(const uncrew::LiveSamples&)>& look) const {
+  if (sources_.drones == nullptr) return;
+  if (const auto drone = sources_.drones->Find(ruri)) drone->LookAt(look);
 }
 
 void RobotScrape::Count(const LeftOut& left_out) {

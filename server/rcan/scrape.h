@@ -114,6 +114,9 @@ class RobotScrape final {
   ScrapeTurns::Turn AddNamedOf(Known& known, const SeriesSources& sources, LeftOut& left_out);
   /// The robot's twin, if it is one that was heard; or null.
   [[nodiscard]] cyberwave::TwinPtr TwinOf(const std::string& ruri) const;
+  /// Calls `look` under the drone's lock, if the robot is one that called.
+  void LookAtDrone(const std::string& ruri,
+                   const std::function<void(const uncrew::LiveSamples&)>& look) const;
   void Count(const LeftOut& left_out);
   void TellRoom(const LeftOut& left_out);
   void Name(Known& known, const std::string& ruri, const SeriesLeftOut& series, SteadyTime now);

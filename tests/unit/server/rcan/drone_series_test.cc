@@ -21,11 +21,14 @@ class DroneSeriesTest : public ::testing::Test {
     live_.Apply(
         {.value = value, .metadata = {}, .digest = {}, .received = {}, .received_steady = at});
   }
-  [[nodiscard]] std::string Text(bool has_motion = false) {
+  [[nodiscard]] std::string Text(bool has_motion = false, SteadyTime now = kNow) {
     metrics::rcan::SeriesPage page({.series_max = 100});
     page.BeginRobot("r");
     if (has_motion) page.Add(metrics::rcan::SeriesId::kLatitudeDeg, 1);
-    AddDrone(live_, kNow, kStale, page);
+    AddDroneBasic(live_, now, kStale, page);
+    NamedSeries series(page, names_, rules_, {.now = now});
+    AddDroneNamed(live_, now, kStale, series);
+    left_out_ = series.left_out();
     EXPECT_TRUE(page.EndRobot());
     std::string text;
     page.Write(metrics::Format::kText, text);
@@ -33,6 +36,11 @@ class DroneSeriesTest : public ::testing::Test {
   }
 
   uncrew::LiveSamples live_;
+  const NameRules rules_{
+      .hash = NameHash({}),
+      .limits = {.names_max = 4, .new_per_hour = 2, .forget_after = std::chrono::minutes(10)}};
+  SeriesNames names_;
+  SeriesLeftOut left_out_;
 };
 
 TEST_F(DroneSeriesTest, TheBatteryOfTheLowestIdIsShown) {
@@ -67,6 +75,20 @@ TEST_F(DroneSeriesTest, EachWinchAndSensorHasItsOwn) {
   Hear(un::DistanceSensor{.key = 5, .current_distance_m = 8.F});
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_winch_line_m{winch=\"2\",ruri=\"r\"} 7\n"));
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_distance_m{sensor=\"5\",ruri=\"r\"} 8\n"));
+}
+
+TEST_F(DroneSeriesTest, IdsThatChangeMakeFewNewSeries) {
+  SteadyTime now = kNow;
+  std::size_t shown = 0;
+  for (std::int64_t id = 0; id < 30; ++id) {
+    now += std::chrono::minutes(1);
+    Hear(un::DistanceSensor{.key = id, .current_distance_m = 8.F}, now);
+    const std::string label = "sensor=\"" + std::to_string(id) + "\"";
+    const bool is_shown = Text(false, now).find(label) != std::string::npos;
+    EXPECT_EQ(is_shown, left_out_.all() == 0) << id;
+    shown += is_shown ? 1 : 0;
+  }
+  EXPECT_EQ(shown, 4U + 2U) << "its first names, and then new_per_hour";
 }
 
 }  // namespace
