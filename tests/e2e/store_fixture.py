@@ -8,7 +8,7 @@ import subprocess
 import time
 import urllib.parse
 
-from harness import SOURCE, Cluster, Server, run, wait_until
+from harness import SOURCE, Cluster, Server, run, uplinkctl, wait_until
 from test_clock import ShiftedClock
 
 FIXTURES = SOURCE / "tests/fixtures/stores"
@@ -51,6 +51,9 @@ class SqliteStore:
         finally:
             file.close()
 
+    def migrate(self):
+        """The server does so itself."""
+
     def simplify(self):
         """There is nothing to leave out."""
 
@@ -76,6 +79,10 @@ class PostgresStore:
             "SELECT relname FROM pg_class WHERE relnamespace = 'uplinkd'::regnamespace"
             " AND relkind IN ('r', 'p') AND NOT relispartition"
         )]  # fmt: skip
+
+    def migrate(self):
+        """As an operator does before the server of a later build starts."""
+        uplinkctl("store", "migrate", "--url", self.owner, "--grant-to", "uplinkd")
 
     def simplify(self):
         """Without empty days, which a server makes again, and without the name of the machine."""

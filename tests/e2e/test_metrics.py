@@ -13,6 +13,7 @@ import urllib.request
 from broker_messages import A, SETTINGS, event, topic
 from harness import BIN, SOURCE, EndToEnd, Server, run, wait_until
 from mosquitto import Mosquitto
+from drones import SETTINGS as UNCREW
 from mqtt_client import Client
 from prometheus import Prometheus
 
@@ -35,6 +36,8 @@ for family in text_string_to_metric_families(sys.stdin.read()):
     print(family.name)
 """
 OF_A_BROKER = "uplinkd_mqtt_"
+OF_DRONES = ("uplinkd_avatar_", "uplinkd_operator_request")
+DRONES = 2
 DASHBOARD = SOURCE / "deploy/grafana/uplinkd.json"
 GUIDE = SOURCE / "docs/operate/metrics.md"
 
@@ -135,11 +138,11 @@ class Scrapes(EndToEnd):
 
     def test_a_real_scrape_is_the_catalogue(self):
         self.at_work()
-        self.compare_with_the_catalogue(lambda name: not name.startswith(OF_A_BROKER))
+        self.compare_with_the_catalogue(lambda name: not name.startswith((OF_A_BROKER, *OF_DRONES)))
 
-    def test_where_a_broker_is_read_its_metrics_are_there_too(self):
+    def test_where_a_broker_is_read_and_drones_call_their_metrics_are_there_too(self):
         # Nobody answers on port 1: what is counted of a broker is told all the same.
-        self.running = Server(self.folder / "reading", '[mqtt]\nurl = "mqtt://127.0.0.1:1"\n')
+        self.running = Server(self.folder / "reading", '[mqtt]\nurl = "mqtt://127.0.0.1:1"\n' + UNCREW)
         self.open_things.append(self.running)
         self.running.start()
         self.at_work()
@@ -175,12 +178,13 @@ class Scrapes(EndToEnd):
         self.assertGreater(seen, 1000)
 
     def read_a_broker(self):
-        """From here on the server is one that reads a broker; what publishes there."""
+        """From here on the server is one that reads a broker and takes the calls of drones; what publishes to the
+        broker."""
         broker = Mosquitto(self.folder)
         self.open_things.append(broker)
         broker.start()
         settings = SETTINGS.format(port=broker.port, prefixes='""', media="off")
-        self.running = Server(self.folder / "reading", settings)
+        self.running = Server(self.folder / "reading", settings + UNCREW)
         self.open_things.append(self.running)
         self.running.start()
         client = Client(broker.port, "twin")
@@ -190,13 +194,14 @@ class Scrapes(EndToEnd):
     def test_a_real_prometheus_answers_the_questions(self):
         twin = self.read_a_broker()
         fleet = self.at_work()
+        drones = self.fleet(self.running, "--protocol", "uncrew", "--robots", DRONES)
         prometheus = Prometheus(self.folder, self.running)
         self.open_things.append(prometheus)
         # A rate has to see that it grows.
         prometheus.wait_for_value("uplinkd_mqtt_ack_seconds_count", 0)
         prometheus.wait_for_value('uplinkd_mqtt_connected{connection="durable"}', 1)
         twin.publish(topic(A, "event"), event(1), qos=1)
-        prometheus.wait_for_value("sum(rcan_robot_online)", ROBOTS)
+        prometheus.wait_for_value("sum(rcan_robot_online)", ROBOTS + DRONES)
         ((_, battery),) = prometheus.wait_for("avg(rcan_robot_battery_pct)")
         self.assertTrue(0 < battery <= 100, battery)
         joints = prometheus.wait_for('rcan_acb_position_rad{joint="shoulder_pan"}')
@@ -213,6 +218,7 @@ class Scrapes(EndToEnd):
         for group in prometheus.get("/api/v1/rules")["groups"]:
             for rule in group["rules"]:
                 self.assertEqual((rule["health"], rule.get("lastError")), ("ok", None), rule["name"])
+        self.assert_agrees(drones)
         self.assert_agrees(fleet)
 
     @staticmethod

@@ -22,6 +22,7 @@ class StoresOfReleases(EndToEnd):
         store = STORES[kind](folder)
         self.open_things.append(store)
         store.restore((release / f"{kind}.sql").read_text(encoding="utf-8"))
+        store.migrate()
         return folder, store, recorded(release, kind)
 
     def reading(self, folder, store, then):
