@@ -5,13 +5,22 @@
 #include "server/robot/mutation.h"
 
 namespace uplink::uncrew {
+namespace {
+
+std::size_t BytesOf(const storage::SampleMemory& memory) {
+  return memory.last.size() + memory.digests.size() * sizeof(storage::SampleDigest);
+}
+
+}  // namespace
 
 void StoredSamples::Set(std::vector<storage::SampleMemory> memories) {
   by_number_ = {};
+  bytes_ = 0;
   if (robot::Planted(robot::Mutation::kClaimMemoryForgotten)) return;
   for (storage::SampleMemory& memory : memories) {
     // One of a later version of the program may have more types.
     if (memory.type >= by_number_.size()) continue;
+    bytes_ += BytesOf(memory);
     by_number_[memory.type] = std::move(memory);
   }
 }
@@ -19,15 +28,9 @@ void StoredSamples::Set(std::vector<storage::SampleMemory> memories) {
 void StoredSamples::Add(const storage::SampleMark& mark) {
   storage::SampleMemory& memory = by_number_[mark.type];
   memory.type = mark.type;
+  bytes_ -= BytesOf(memory);
   storage::Remember(mark, memory);
-}
-
-std::size_t StoredSamples::bytes() const {
-  std::size_t bytes = 0;
-  for (const storage::SampleMemory& memory : by_number_) {
-    bytes += memory.last.size() + memory.digests.size() * sizeof(storage::SampleDigest);
-  }
-  return bytes;
+  bytes_ += BytesOf(memory);
 }
 
 }  // namespace uplink::uncrew

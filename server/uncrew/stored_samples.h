@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -44,14 +45,16 @@ class StoredSamples final {
     return Of(NumberOf(type)).last;
   }
   /// What that holds in memory, about.
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
   [[nodiscard]] const storage::SampleMemory& Of(std::uint32_t number) const {
     return by_number_[number];
   }
 
-  std::array<storage::SampleMemory, storage::kSampleTypesMax + 1> by_number_;
+  /// By SampleType; the first stays empty.
+  std::array<storage::SampleMemory, model::uncrew::kTypeRows.size() + 1> by_number_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace uplink::uncrew
