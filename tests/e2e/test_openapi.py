@@ -152,7 +152,7 @@ class Answers(Served):
                 with self.subTest(path, ruri=ruri):
                     self.assertEqual(self.assert_documented(server, path, ruri).status, 200)
         parts = {"parts": "motion,status,extras,health,usage,consumables,directives,agentInfo,settings,uiCapabilities,"
-                          "rcanState,cyberwave"}
+                          "rcanState,cyberwave,uncrew"}
         for path, parameters in (
             ("/api/v1/robots", parts), ("/api/v1/faults", {"active": "true"}),
             ("/api/v1/shapes", {"includeExpired": "true"}), ("/api/v1/objects", {"includeExpired": "true"}),

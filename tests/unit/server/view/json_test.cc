@@ -1,5 +1,11 @@
 #include "server/view/json.h"
 
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "server/fleet/fleet.h"
+#include "server/view/parts.h"
 #include "server/view/rows_json.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
@@ -311,6 +318,21 @@ TEST(Json, ErrorsAreJsonWhateverBytesTheyRepeat) {
                  R"({"error": {"code": "NOT_FOUND", "message": "m"}})");
   ExpectSameJson(WordsJson("degraded", {"store", "descriptors"}),
                  R"({"degraded": ["store", "descriptors"]})");
+}
+
+// Tests start in the tree's top folder.
+TEST(Parts, TheReferenceOfRequestsHasEachOne) {
+  std::ifstream file("docs/reference/openapi.yaml");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::size_t list = text.find("enum: [", text.find("Which parts each robot carries"));
+  ASSERT_NE(list, std::string::npos);
+  const std::size_t begin = list + std::string_view("enum: [").size();
+  std::string list_text = text.substr(begin, text.find(']', begin) - begin);
+  std::ranges::replace(list_text, ',', ' ');
+  std::istringstream words(list_text);
+  std::size_t found = 0;
+  for (std::string word; words >> word; ++found) EXPECT_TRUE(PartFromText(word)) << word;
+  EXPECT_EQ(found, kParts);
 }
 
 }  // namespace
