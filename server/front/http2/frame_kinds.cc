@@ -41,6 +41,10 @@ bool AsksForAnswer(const nghttp2_frame_hd& header) {
   return IsPingOrSettings(header) && (header.flags & NGHTTP2_FLAG_ACK) == 0;
 }
 
+bool EndsStream(const nghttp2_frame_hd& header) {
+  return (header.flags & NGHTTP2_FLAG_END_STREAM) != 0;
+}
+
 bool IsPaddingAlone(const nghttp2_frame& frame) {
   return frame.hd.type == NGHTTP2_DATA && frame.hd.length > 0 &&
          frame.hd.length == frame.data.padlen && (frame.hd.flags & NGHTTP2_FLAG_END_STREAM) == 0;

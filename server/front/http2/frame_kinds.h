@@ -17,6 +17,8 @@ namespace uplink::front {
 [[nodiscard]] bool IsAnswer(const nghttp2_frame_hd& header);
 /// It is a PING or SETTINGS that must be acknowledged.
 [[nodiscard]] bool AsksForAnswer(const nghttp2_frame_hd& header);
+/// HEADERS or DATA: its sender has no more to say on the stream.
+[[nodiscard]] bool EndsStream(const nghttp2_frame_hd& header);
 /// A whole frame is DATA that has length, and no content, and ends nothing.
 [[nodiscard]] bool IsPaddingAlone(const nghttp2_frame& frame);
 /// Whether we end a stream with this code for what its peer did. One that is refused may be one of

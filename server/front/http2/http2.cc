@@ -36,6 +36,7 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
     }
     return 0;
   }
+  if (http2.IsPastEnd(*header)) http2.End(NGHTTP2_STREAM_CLOSED, "");
   if (AsksForAnswer(*header)) http2.OnQuestion();
   if (const std::optional<FrameKind> kind = KindOf(*header)) http2.peer().OnFrame(*kind);
   return 0;
@@ -78,6 +79,7 @@ int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* 
   if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
   // The library gives the windows back what padding takes of them: they do not bound it.
   if (IsPaddingAlone(*frame)) Self(self).peer().OnFrame(FrameKind::kEmptyData);
+  if (is_reset || EndsStream(frame->hd)) Self(self).NoteEnd(frame->hd.stream_id);
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
   if (stream == nullptr) return 0;
   if (is_reset) {
@@ -87,7 +89,7 @@ int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* 
   if (frame->hd.type == NGHTTP2_HEADERS && frame->headers.cat == NGHTTP2_HCAT_REQUEST) {
     stream->OnHeadersEnd();
   }
-  if ((frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0) stream->OnEnd();
+  if (EndsStream(frame->hd)) stream->OnEnd();
   return 0;
 }
 
@@ -121,11 +123,10 @@ int OnFrameSent(nghttp2_session* session, const nghttp2_frame* frame, void* self
     // The library ends the session by itself for most rules, and Receive does not fail.
     Self(self).peer().OnFault();
   }
-  const bool is_headers = frame->hd.type == NGHTTP2_HEADERS;
-  if (!is_headers && frame->hd.type != NGHTTP2_DATA) return 0;
+  if (frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
   Self(self).peer().OnSent();
-  const bool ends = (frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0;
-  if (ends && nghttp2_session_get_stream_remote_close(session, frame->hd.stream_id) == 0) {
+  if (EndsStream(frame->hd) &&
+      nghttp2_session_get_stream_remote_close(session, frame->hd.stream_id) == 0) {
     // The answer is whole, and the peer still sends: it may stop.
     nghttp2_submit_rst_stream(session, NGHTTP2_FLAG_NONE, frame->hd.stream_id, NGHTTP2_NO_ERROR);
   }
@@ -137,18 +138,12 @@ ssize_t ReadBody(nghttp2_session* /*session*/, std::int32_t /*id*/, std::uint8_t
                  void* /*self*/) {
   auto* stream = static_cast<Http2Stream*>(source->ptr);
   const Http2Stream::Body body = stream->OnBody(reinterpret_cast<char*>(into), size);
-  switch (body.state) {
-    case Http2Stream::Body::State::kWait:
-      if (body.bytes == 0) return NGHTTP2_ERR_DEFERRED;
-      return static_cast<ssize_t>(body.bytes);
-    case Http2Stream::Body::State::kEnd:
-      *flags |= NGHTTP2_DATA_FLAG_EOF | NGHTTP2_DATA_FLAG_NO_END_STREAM;
-      stream->OnBodyEnd();
-      return static_cast<ssize_t>(body.bytes);
-    case Http2Stream::Body::State::kMore:
-      return static_cast<ssize_t>(body.bytes);
+  if (body.state == Http2Stream::Body::State::kWait && body.bytes == 0) return NGHTTP2_ERR_DEFERRED;
+  if (body.state == Http2Stream::Body::State::kEnd) {
+    *flags |= NGHTTP2_DATA_FLAG_EOF | NGHTTP2_DATA_FLAG_NO_END_STREAM;
+    stream->OnBodyEnd();
   }
-  return NGHTTP2_ERR_CALLBACK_FAILURE;
+  return static_cast<ssize_t>(body.bytes);
 }
 
 /// nghttp2 copies name and value, and takes them as bytes that it may change and does not.
@@ -180,8 +175,7 @@ Http2Rules::Http2Rules() {
   nghttp2_session_callbacks_set_on_frame_send_callback(callbacks_, OnFrameSent);
   Done(nghttp2_option_new(&options_));
   nghttp2_option_set_no_auto_window_update(options_, 1);
-  // It would keep a closed stream's place in the tree of priorities, which nothing here asks for:
-  // of a drone, whose calls are a stream each, 64 of them.
+  // Closed streams would stay, as many as may be open: of a drone, whose calls are a stream each.
   nghttp2_option_set_no_closed_streams(options_, 1);
   // Connection counts answers once what it read at once is processed, and sends them first.
   nghttp2_option_set_max_outbound_ack(options_, kAnswersWaitingMax + kAnswersPerRecordMax);
@@ -278,6 +272,11 @@ void Http2::ConsumeStream(std::int32_t stream, std::size_t bytes) {
 void Http2::Ping() {
   ++pings_open_;
   Done(nghttp2_submit_ping(session_, NGHTTP2_FLAG_NONE, nullptr));
+}
+
+bool Http2::IsPastEnd(const nghttp2_frame_hd& header) const {
+  return header.type == NGHTTP2_DATA && header.stream_id == ended_by_peer_ &&
+         nghttp2_session_find_stream(session_, header.stream_id) == nullptr;
 }
 
 bool Http2::TakePong() {

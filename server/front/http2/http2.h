@@ -154,6 +154,10 @@ class Http2 final {
   /// An answer to a PING has come; false if none of ours was open.
   [[nodiscard]] bool TakePong();
   [[nodiscard]] bool waits_for_pong() const { return pings_open_ > 0; }
+  /// The peer ended this stream, or reset it.
+  void NoteEnd(std::int32_t stream) { ended_by_peer_ = stream; }
+  /// A frame begins: it is DATA of the stream that the peer ended last, which is over.
+  [[nodiscard]] bool IsPastEnd(const nghttp2_frame_hd& header) const;
 
  private:
   Http2Peer& peer_;
@@ -164,6 +168,7 @@ class Http2 final {
   std::size_t header_bytes_ = 0;
   /// PINGs that were not answered.
   std::size_t pings_open_ = 0;
+  std::int32_t ended_by_peer_ = -1;
 };
 
 }  // namespace uplink::front
