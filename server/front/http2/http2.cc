@@ -36,7 +36,6 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
     }
     return 0;
   }
-  if (http2.IsPastEnd(*header)) http2.End(NGHTTP2_STREAM_CLOSED, "");
   if (AsksForAnswer(*header)) http2.OnQuestion();
   if (const std::optional<FrameKind> kind = KindOf(*header)) http2.peer().OnFrame(*kind);
   return 0;
@@ -218,7 +217,11 @@ bool Http2::CountHeader(std::size_t bytes) {
 
 bool Http2::Receive(std::string_view bytes) {
   while (!bytes.empty()) {
-    const std::string_view part = goaway_number_.TakePart(bytes);
+    const std::string_view part = frame_heads_.TakePart(bytes);
+    if (frame_heads_.sent_past_end()) {
+      End(NGHTTP2_STREAM_CLOSED, "");
+      return false;
+    }
     const ssize_t taken = nghttp2_session_mem_recv(
         session_, reinterpret_cast<const std::uint8_t*>(part.data()), part.size());
     if (taken >= 0) continue;
@@ -272,11 +275,6 @@ void Http2::ConsumeStream(std::int32_t stream, std::size_t bytes) {
 void Http2::Ping() {
   ++pings_open_;
   Done(nghttp2_submit_ping(session_, NGHTTP2_FLAG_NONE, nullptr));
-}
-
-bool Http2::IsPastEnd(const nghttp2_frame_hd& header) const {
-  return header.type == NGHTTP2_DATA && header.stream_id == ended_by_peer_ &&
-         nghttp2_session_find_stream(session_, header.stream_id) == nullptr;
 }
 
 bool Http2::TakePong() {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/front/http2/frame_heads.h"
 #include "server/front/http2/frame_rates.h"
-#include "server/front/http2/goaway_number.h"
 #include "server/front/http2/http2_memory.h"
 #include "server/front/http2/limits.h"
 
@@ -155,20 +155,17 @@ class Http2 final {
   [[nodiscard]] bool TakePong();
   [[nodiscard]] bool waits_for_pong() const { return pings_open_ > 0; }
   /// The peer ended this stream, or reset it.
-  void NoteEnd(std::int32_t stream) { ended_by_peer_ = stream; }
-  /// A frame begins: it is DATA of the stream that the peer ended last, which is over.
-  [[nodiscard]] bool IsPastEnd(const nghttp2_frame_hd& header) const;
+  void NoteEnd(std::int32_t stream) { frame_heads_.NoteEnd(stream); }
 
  private:
   Http2Peer& peer_;
   nghttp2_session* session_ = nullptr;
-  GoawayNumber goaway_number_;
+  FrameHeads frame_heads_;
   std::size_t answers_waiting_ = 0;
   /// Of the list of headers that arrives.
   std::size_t header_bytes_ = 0;
   /// PINGs that were not answered.
   std::size_t pings_open_ = 0;
-  std::int32_t ended_by_peer_ = -1;
 };
 
 }  // namespace uplink::front
