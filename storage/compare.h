@@ -10,7 +10,7 @@
 #include "storage/presence.h"
 
 // What a process knows from a store, and whether the store has it still: one that was connected to
-// anew may be another, which lacks the last commits (README.md: A store that went back).
+// anew may be another, which lacks the last commits (Store::InDoubt).
 namespace uplink::storage {
 
 /// Robots of one call of Store::Compare: some milliseconds of reading.

@@ -24,7 +24,7 @@
 #include "storage/samples.h"
 #include "storage/store_rules.h"
 
-// What a store decides for the records of a batch (README.md: The contract), once for every store.
+// What a store decides for the records of a batch (Store::Commit), once for every store.
 namespace uplink::storage {
 
 /// A robot that has a row, as the batch at hand has it so far.

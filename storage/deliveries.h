@@ -10,7 +10,9 @@
 
 #include "storage/epoch.h"
 
-// What a store remembers of messages that a broker may deliver again (README.md: Redeliveries).
+// What a store remembers of messages that a broker may deliver again. A row never changes, is found
+// by its number, and goes when the one DeliveriesKept later comes. So commits of several writers
+// under one lease never wait for each other, in whatever order they end.
 namespace uplink::storage {
 
 /// Bytes of a client id. A broker must take 23, and most take this many.

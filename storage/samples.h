@@ -11,8 +11,8 @@
 
 #include "storage/epoch.h"
 
-// What a store remembers of a drone's samples, so that one that is sent again is known (README.md:
-// Claims).
+// What a store remembers of a drone's samples, so that one that is sent again is known. Only a
+// transaction that has locked the robot's row writes them, or the claim (claim.h).
 namespace uplink::storage {
 
 /// Digests of each durable type of samples that are kept of a drone, the oldest go.

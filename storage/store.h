@@ -18,8 +18,18 @@
 
 namespace uplink::storage {
 
-/// The write side of the durable sink that decides acks. README.md holds the contract in prose; the
-/// suite in tests/contract holds it as tests, and every implementation passes it word for word.
+/// The write side of the durable sink that decides acks. The suite in tests/contract holds the
+/// contract as tests, and every implementation passes it word for word.
+///
+/// - A session's cursor is its last committed durable number. It alone decides what is new, and it
+///   never falls. The store keeps all of a batch, or nothing of it.
+/// - A number is written once in the life of its session's row. A session that comes back after its
+///   eviction begins anew; its older rows of quarantine stay for people and decide nothing.
+/// - OpenStreams and ClaimDrones alone make a robot's row. Its rows in `live`, `sessions` and
+///   `presence_latest` may outlive it: the robot goes on with them when it comes back.
+/// - A process numbers its changes of presence itself, in a session under kServerRuri. They move
+///   neither the robot's `last_seen` nor its row.
+/// - Order is that of commits, of presence too: neither a robot's clock nor the arrival decides.
 ///
 /// Errors:  a status means that nothing of the call is known: it may or may not have been written.
 ///          Calling again with the same arguments is always right: the cursor decides.
@@ -34,6 +44,7 @@ class Store {
   /// from then on (but see OpenResult.taken), and they are of their requests' fleets. Creates the
   /// robots' rows; touches the sessions' rows; evicts the least recently used sessions of each
   /// robot over kSessionsPerRobotMax, the requested one included, but none in `sessions_held`.
+  /// Deletes the kept Rejects that the request confirms, and those of evicted sessions.
   [[nodiscard]] virtual absl::StatusOr<std::vector<OpenResult>> OpenStreams(
       std::span<const OpenRequest> requests) = 0;
 
@@ -71,7 +82,9 @@ class Store {
   /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
   /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and
   /// AgentInfo of a robot and the present shapes and objects by id follow commit order, never a
-  /// robot's clock. An upsert of a shape or object that would be one more than the bound is
+  /// robot's clock. An upsert replaces all of its id; a delete of an unknown id, and a clear of a
+  /// fault that is not active, change nothing that is present. A report without a name leaves the
+  /// run's name. An upsert of a shape or object that would be one more than the bound is
   /// refused; deletes always pass. Upserts count and expire by `received_at`. A report that leaves
   /// a robot with more open runs than kOpenRunsPerRobotMax closes those that were reported least
   /// recently, in order of the commits.

@@ -76,7 +76,8 @@ struct TakeRequest {
 [[nodiscard]] bool EndsWith(const TopicLease& lease, const TakeRequest& request);
 
 /// Which process subscribes to which topics at a broker, among those that share a store. A lease is
-/// not renewed: it stands as long as its holder's own lease does (leases.h).
+/// not renewed: it stands as long as its holder's own lease does (leases.h). Every commit that came
+/// under a lease locks its row, so renewals there would make those commits wait.
 ///
 /// Errors: as in Store: a status means that nothing of the call is known. Calling again is right.
 /// Thread: confined to one thread.

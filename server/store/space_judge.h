@@ -34,7 +34,7 @@ struct SpaceFacts {
 };
 
 /// A pure function. Each bound that was passed counts until 1.2 times of it are free again, so that
-/// the state does not change to and fro with every row.
+/// the state does not change back and forth with every row.
 [[nodiscard]] SpaceState JudgeSpace(const SpaceFacts& facts);
 
 /// What is known of the store's disk, and what is done about it. A value.

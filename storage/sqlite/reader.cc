@@ -132,7 +132,7 @@ absl::StatusOr<DiskSpace> SqliteReader::Space() {
   absl::StatusOr<DiskSpace> space = DiskSpaceOf(pool_->path());
   if (!space.ok()) return space;
   const Room& room = LookAtRoom();
-  // What a WAL always has and is moved all the time would only make the figure go to and fro.
+  // What a WAL always has and is moved all the time would only make the figure go up and down.
   const WalState& wal = room.wal;
   const std::uint64_t released = wal.reusable_bytes - std::min(wal.reusable_bytes, kWalLargeBytes);
   const std::uint64_t has = space->free_bytes + room.free_pages_bytes + released;

@@ -40,6 +40,7 @@ OF_DRONES = ("uplinkd_avatar_", "uplinkd_operator_request")
 DRONES = 2
 DASHBOARD = SOURCE / "deploy/grafana/uplinkd.json"
 GUIDE = SOURCE / "docs/operate/metrics.md"
+ALERTS = SOURCE / "docs/operate/alerts.md"
 
 
 def scrape(server, path, **headers):
@@ -256,14 +257,14 @@ class Files(unittest.TestCase):
             self.assertIn(f"alertname: {alert}}}\n", silence)
             self.assertRegex(firing, rf"alertname: {alert}\n +exp_alerts:\n +- exp_labels")
 
-    def test_each_alert_has_its_section_of_the_guide(self):
+    def test_each_alert_has_its_section_of_the_page_of_alerts(self):
         rules = (SOURCE / "deploy/prometheus/alerts.rules.yml").read_text(encoding="utf-8")
         alerts = re.findall(r"alert: (\w+)", rules)
         self.assertGreater(len(alerts), 5)
-        guide = GUIDE.read_text(encoding="utf-8")
+        page = ALERTS.read_text(encoding="utf-8")
         for alert in alerts:
-            self.assertIn(f"\n### {alert}\n", guide)
-            self.assertIn(f"docs/operate/metrics.md#{alert.lower()}\n", rules)
+            self.assertIn(f"\n### {alert}\n", page)
+            self.assertIn(f"docs/operate/alerts.md#{alert.lower()}\n", rules)
 
     def test_the_dashboard_shows_what_is_lost_or_grows_without_an_error(self):
         shown = " ".join(expressions_of_the_dashboard())

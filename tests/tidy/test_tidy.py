@@ -1,13 +1,20 @@
 """Each rule on made-up trees: shown to pass and to fail."""
 
 import pathlib
+import sys
 import tempfile
 import unittest
 
 import includes
+import prose
+import questions
 import text
 import whole
 from tree import Tree
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/dev"))
+
+import reference  # noqa: E402
 
 
 class RuleTest(unittest.TestCase):
@@ -344,6 +351,53 @@ class WordsTest(RuleTest):
         self.assert_clean(text.words, {"tests/fuzz/corpus/a.bin": "FIXME\n"})
 
 
+class ProseTest(RuleTest):
+    PLAIN = (
+        "The writer wakes the stream; otherwise slow strangers would fill it. It does nothing else.",
+        "Is it somebody else? Somewhere else; `nobody` is a quoted name, [here](nobody.md).",
+        "Simple words, shallow waters and thoughts are allowed.",
+    )
+    AVOIDED = (
+        "whoever sends", "for whomever", "Nobody sends.", "send what of it is due", "what is of it that counts",
+        "robots of which two are late", "as far as it goes", "would gather there else.", "it waits else; so",
+        "it is to be sent", "they are to be sent", "lines not told of elsewhere", "for want of room",
+        "is nothing but a file", "in order to send", "it ought to", "it shall", "lest it fall", "thereof",
+        "whilst it runs", "utilizes memory", "Simply send",
+    )  # fmt: skip
+
+    def test_takes_plain_words(self):
+        for path in ("docs/a.md", "server/log/README.md", "CHANGELOG.md"):
+            self.assert_clean(prose.avoided, {path: "\n".join(self.PLAIN) + "\n"})
+
+    def test_refuses_each_word_in_pages(self):
+        for phrase in self.AVOIDED:
+            for path in ("docs/a.md", "server/log/README.md", "CHANGELOG.md"):
+                with self.subTest(phrase):
+                    found = self.find(prose.avoided, {path: f"\n{phrase}\n"})
+                    self.assertEqual(found, [(path, 2, "prose")])
+
+    def test_every_word_has_a_case(self):
+        for pattern, _, _ in prose.PATTERNS:
+            self.assertTrue(any(pattern.search(each) for each in self.AVOIDED), pattern.pattern)
+
+    def test_refuses_in_comments_and_texts_of_code_what_code_is_rid_of(self):
+        self.assert_clean(prose.avoided, {"server/a.cc": "// Nobody sends.\nint whilst;\n"})
+        for source in ("// It waits whilst it runs.", 'Log("whilst");', "/* a\n whilst */"):
+            found = self.find(prose.avoided, {"server/a.cc": f"int a;\n\n{source}\n"})
+            line = 3 + source.count("\n")
+            self.assertEqual(found, [("server/a.cc", line, "prose")])
+        found = self.find(prose.avoided, {"tools/dev/a.sh": "# whilst\n"})
+        self.assertEqual(found, [("tools/dev/a.sh", 1, "prose")])
+
+    def test_leaves_alone_what_is_listed_quoted_or_generated(self):
+        files = {path: "nobody\n" for path in prose.EXEMPT}
+        files["docs/a.md"] = "```\n# whoever\n```\n"
+        files["docs/operate/configuration.md"] = "| `a.b` | characters that nobody sees |\n"
+        self.assert_clean(prose.avoided, files)
+        found = self.find(prose.avoided, {"docs/operate/configuration.md": "Nobody sees them.\n"})
+        self.assertEqual(found, [("docs/operate/configuration.md", 1, "prose")])
+
+
 class BuiltTest(RuleTest):
     GOOD = {
         "CMakeLists.txt": "add_subdirectory(server)\n",
@@ -436,18 +490,19 @@ class DocumentsTest(RuleTest):
     def test_takes_names_of_what_is_there(self):
         page = "`server/a.cc` `server/` `AckTest.Holds` `test_x.py` (`test_it`) `Ack::Next` `ack`\n"
         files = {
-            whole.ARCHITECTURE: page,
             "server/a.cc": "",
             "tests/a_test.cc": "TEST_F(AckTest, Holds) {}\n",
             "tests/e2e/test_x.py": "class X:\n    def test_it(self):\n",
         }
-        self.assert_clean(whole.named, files)
+        for name in whole.NAMING_PAGES:
+            self.assert_clean(whole.named, {**files, name: page})
 
     def test_refuses_names_of_what_is_gone(self):
         page = "`server/b.cc`\n`server/c/`\n`AckTest.Gone`\n`test_y.py`\n`test_gone`\n"
-        files = {whole.ARCHITECTURE: page, "server/a.cc": "", "tests/a_test.cc": "TEST(A, B) {}\n"}
-        found = self.find(whole.named, files)
-        self.assertEqual(found, [(whole.ARCHITECTURE, line, "named") for line in range(1, 6)])
+        files = {"server/a.cc": "", "tests/a_test.cc": "TEST(A, B) {}\n"}
+        for name in whole.NAMING_PAGES:
+            found = self.find(whole.named, {**files, name: page})
+            self.assertEqual(found, [(name, line, "named") for line in range(1, 6)])
 
     def test_asks_each_top_folder_for_its_readme(self):
         self.assert_clean(whole.readmes, {"server/a.cc": "", "server/README.md": ""})
@@ -461,6 +516,180 @@ class DocumentsTest(RuleTest):
         self.assertEqual(
             self.find(whole.readmes, files), [("server/http/README.md", 1, "readme")]
         )
+
+
+class ReferenceTest(RuleTest):
+    PAGES = {page.path.removeprefix(reference.FOLDER): page for page in reference.PAGES}
+    LOG = """void F() {
+  logger_.Warn("store_fails", {{"why", Text("a, b")}, {"n", g(1, 2)}});  // logger_.Warn("no", {});
+  logger_.Write(slow ? log::Level::kInfo : log::Level::kWarn, bad ? "left" : "kept", {});
+}
+"""
+    LOG_ROWS = (
+        "| `kept` | info, warn |  | store | K. |",
+        "| `left` | info, warn |  | store | L. |",
+        "| `store_fails` | warn | `why` `n` | store | S. |",
+    )
+    READINESS = """readiness.refuses.emplace_back("starting");
+constexpr auto kWords = std::to_array<DegradedWord>({
+    {"store", [](const Facts& facts) { return facts.store_failing; }},
+    {"clock", Expires},
+});
+"""
+    DEGRADED_ROWS = (
+        "| `starting` | refuses | A. | B. |",
+        "| `store` | degraded | A. | B. |",
+        "| `clock` | degraded | A. | B. |",
+    )
+    TURNED_AWAY = 'constexpr std::array<std::string_view, 2> kTurnedAwayTexts = {"full",\n"key"};\n'
+
+    def pages(self, name, rows, code):
+        """The findings of one page with these rows, as (line, text)."""
+        page = self.PAGES[name]
+        header = reference.line_of(page.columns)
+        ruler = reference.line_of("---" for _ in page.columns)
+        table = "\n".join(("# A", "", header, ruler, *rows, "", "B"))
+        with tempfile.TemporaryDirectory() as folder:
+            for path, content in {page.path: table + "\n", **code}.items():
+                path = pathlib.Path(folder, path)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(content, encoding="utf-8")
+            return [(each.line, each.text) for each in reference.pages(Tree(folder), (page,))]
+
+    def log(self, rows, text=LOG):
+        return self.pages("log-events.md", rows, {"server/store/a.cc": text})
+
+    def degraded(self, rows):
+        return self.pages("degraded.md", rows, {reference.READINESS: self.READINESS})
+
+    def test_takes_pages_that_say_what_the_code_says(self):
+        self.assertEqual(self.log(self.LOG_ROWS), [])
+        self.assertEqual(self.degraded(self.DEGRADED_ROWS), [])
+
+    def test_refuses_a_word_too_few(self):
+        for rows, find in ((self.LOG_ROWS, self.log), (self.DEGRADED_ROWS, self.degraded)):
+            for left_out in rows:
+                found = find([row for row in rows if row != left_out])
+                self.assertEqual(found[0][0], 3)
+                self.assertIn(reference.cells_of(left_out)[0] + ": write its", found[0][1])
+
+    def test_refuses_a_word_too_many(self):
+        for rows, find in ((self.LOG_ROWS, self.log), (self.DEGRADED_ROWS, self.degraded)):
+            gone = rows[0].replace(reference.cells_of(rows[0])[0], "`gone`")
+            self.assertEqual(find((gone, *rows)), [(5, "`gone` is not in the code any more")])
+
+    def test_refuses_a_row_without_its_sentence(self):
+        rows = (self.LOG_ROWS[0].replace("K.", ""), *self.LOG_ROWS[1:])
+        self.assertEqual(self.log(rows), [(5, "`kept`: write its 'means'")])
+
+    def test_refuses_another_level_key_room_or_order(self):
+        for was, then in ((" warn | `why`", " error | `why`"), (" `n`", ""), ("| store |", "| run |")):
+            rows = [row.replace(was, then) for row in self.LOG_ROWS]
+            self.assertEqual(len(self.log(rows)), 1, then)
+        self.assertEqual(len(self.log(self.LOG_ROWS[::-1])), 1)
+        self.assertEqual(len(self.degraded(self.DEGRADED_ROWS[::-1])), 1)
+
+    def test_refuses_a_log_line_whose_event_it_does_not_know(self):
+        for call in ("logger_.Warn(event, {});", 'logger_->Write(level, "a", {});',
+                     'logger_.Warn("store_fails", {{key, "a"}});'):  # fmt: skip
+            found = self.log(self.LOG_ROWS, self.LOG + f"void G() {{\n  {call}\n}}\n")
+            self.assertEqual([line for line, _ in found], [1], call)
+            self.assertIn("G logs", found[0][1])
+
+    def test_finds_events_behind_a_function(self):
+        code = {
+            "server/front/door/debug_lines.cc":
+                'void DebugLines::TellStream(std::string_view event) const {\n'
+                '  logger_->Debug(event, {{"stream", stream}});\n}\n',
+            "server/front/door/debug_lines.h": '  if (On()) TellStream("stream_opened", stream);\n',
+        }  # fmt: skip
+        row = "| `stream_opened` | debug | `stream` | front | O. |"
+        self.assertEqual(self.pages("log-events.md", (row,), code), [])
+
+    def test_reads_causes_reasons_and_exit_codes(self):
+        rows = ("| `full` | A. | B. |", "| `key` | A. | B. |")
+        code = {reference.TURNED_AWAY: self.TURNED_AWAY}
+        self.assertEqual(self.pages("causes.md", rows, code), [])
+        reasons = {
+            reference.REASONS: "enum class RejectReason {\n  kNotFinite = 9,\n};\n",
+            reference.REASON_TEXTS: 'case RejectReason::kNotFinite:\n  return "not_finite";\n',
+            reference.CONTRACT: "REJECT_REASON_UNSPECIFIED = 0;\nREJECT_REASON_NOT_FINITE = 9;\n",
+        }
+        row = "| `NOT_FINITE` | `not_finite` | 9 | A. |  |"
+        self.assertEqual(self.pages("rejects.md", (row,), reasons), [])
+        reasons[reference.CONTRACT] += "REJECT_REASON_ODD = 10;\n"
+        self.assertEqual(len(self.pages("rejects.md", (row,), reasons)), 1)
+        exits = {path: "constexpr int kExitDone = 0;\n" for _, path in reference.EXITS}
+        rows = [f"| `{program}` | 0 | A. |" for program, _ in reference.EXITS]
+        self.assertEqual(self.pages("exit-codes.md", rows, exits), [])
+
+    def test_refuses_a_missing_page_table_or_source(self):
+        self.assertEqual(self.find(reference.pages, {}), [
+            (page.path, 1, "reference") for page in reference.PAGES
+        ])  # fmt: skip
+        page = self.PAGES["causes.md"]
+        files = {page.path: "# A\n", reference.TURNED_AWAY: self.TURNED_AWAY}
+        found = self.find(reference.pages, files, (page,))
+        self.assertEqual(found, [(page.path, 1, "reference")])
+        self.assertEqual(len(self.pages("causes.md", (), {})), 1)
+        self.assertEqual(len(self.pages("causes.md", (), {reference.TURNED_AWAY: "nothing"})), 1)
+
+
+class QuestionsTest(RuleTest):
+    LEAST = {"operator": 1, "agent": 1}
+    HEAD = "who\tquestion\tpage\tanchor\tquote\n"
+    AGENT = "agent\tWhen?\tdocs/c.md\tits-title\t| now | `go` |\n"
+    GOOD = {
+        "docs/README.md": "[b](b.md)\n",
+        "docs/b.md": "# B\n[c](c.md#x)\n## What is `b`, now?\nIt is b. It is.\n### More\nMore.\n## Next\nIt is next.\n",
+        "docs/c.md": "# Its title\n```\n# no heading\n```\n| now | `go` |\n[d](d.md)\n",
+        "docs/d.md": "# D\nIt is d.\n",
+    }
+
+    def ask(self, page, anchor, quote):
+        row = f"operator\tWhy?\t{page}\t{anchor}\t{quote}\n"
+        files = {**self.GOOD, questions.QUESTIONS: self.HEAD + self.AGENT + row}
+        return self.find(questions.answered, files, self.LEAST)
+
+    def test_takes_a_quote_under_its_anchor(self):
+        for quote in ("It is b.", "More."):
+            self.assertEqual(self.ask("docs/b.md", "what-is-b-now", quote), [])
+        self.assertEqual(self.ask("docs/b.md", "b", "It is next."), [])
+
+    def test_refuses_another_page_anchor_or_quote(self):
+        bad = [(questions.QUESTIONS, 3, "question")]
+        for answer in (
+            ("docs/b.md", "what-is-b-now", "It is next."),
+            ("docs/b.md", "what-is-b-now", "It is B."),
+            ("docs/b.md", "what-is-b-now", ""),
+            ("docs/b.md", "what-is-it", "It is b."),
+            ("docs/c.md", "no-heading", "| now | `go` |"),
+            ("docs/gone.md", "b", "It is b."),
+        ):
+            with self.subTest(answer):
+                self.assertEqual(self.ask(*answer), bad)
+
+    def test_refuses_a_page_three_links_away(self):
+        self.assertEqual(self.ask("docs/d.md", "d", "It is d."), [(questions.QUESTIONS, 3, "question")])
+
+    def test_refuses_a_long_quote(self):
+        for length, found in ((questions.QUOTE_MAX, 0), (questions.QUOTE_MAX + 1, 1)):
+            quote = "x" * length
+            files = {**self.GOOD, "docs/c.md": self.GOOD["docs/c.md"] + quote + "\n"}
+            row = f"operator\tWhy?\tdocs/c.md\tits-title\t{quote}\n"
+            files[questions.QUESTIONS] = self.HEAD + self.AGENT + row
+            self.assertEqual(len(self.find(questions.answered, files, self.LEAST)), found)
+
+    def test_refuses_a_list_of_another_form_or_too_short(self):
+        for text in (
+            "who\tquestion\n" + self.AGENT + self.AGENT.replace("agent", "operator").replace("When", "Why"),
+            self.HEAD + self.AGENT,
+            self.HEAD + self.AGENT + self.AGENT.replace("agent", "operator"),
+            self.HEAD + self.AGENT + self.AGENT.replace("agent", "operator").replace("When", "Why") + "nobody\n",
+        ):
+            found = self.find(questions.answered, {**self.GOOD, questions.QUESTIONS: text}, self.LEAST)
+            self.assertEqual(len(found), 1, text)
+        self.assertEqual(len(self.find(questions.answered, self.GOOD, self.LEAST)), 1)
 
 
 class WholeTest(unittest.TestCase):

@@ -6,12 +6,19 @@ pass. A finding names the file, the line and what to do.
 """
 
 import argparse
+import pathlib
 import sys
 
 import includes
+import prose
+import questions
 import text
 import whole
 from tree import Tree
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/dev"))
+
+import reference  # noqa: E402
 
 RULES = (
     includes.direction,
@@ -23,12 +30,15 @@ RULES = (
     text.length,
     text.banned,
     text.words,
+    prose.avoided,
+    questions.answered,
     whole.built,
     whole.targets,
     whole.settings,
     whole.links,
     whole.named,
     whole.readmes,
+    reference.pages,
 )
 
 

@@ -18,7 +18,12 @@ CMAKE_COMMENT = re.compile(r"#.*")
 CMAKE_SOURCE = re.compile(r"[\w./+-]+\.(?:cc|h)\b")
 TARGET = re.compile(r"\buplink_(?:library|interface)\(\s*(\w+)")
 SUBDIRECTORY = re.compile(r"\badd_subdirectory\(\s*([\w./-]+)")
-ARCHITECTURE = "docs/design/architecture.md"
+# These pages name files and tests, and a developer follows them.
+NAMING_PAGES = (
+    "docs/design/architecture.md",
+    "docs/design/failures.md",
+    "docs/design/adding.md",
+)
 QUOTED = re.compile(r"`([^`]+)`")
 NAMED_PATH = re.compile(r"(?:%s)/[\w./-]*" % "|".join((*README_FOLDERS, "docs")))
 NAMED_TEST = re.compile(r"[A-Z]\w+\.[A-Z]\w+")
@@ -147,21 +152,22 @@ def _tests(tree):
 
 
 def named(tree):
-    """The files and tests that the page of the architecture names are there."""
-    if not tree.has(ARCHITECTURE):
-        return
+    """The files and tests that the pages about the design name are there."""
     folders = {posixpath.dirname(path) for path in tree.files}
     tests = _tests(tree)
-    for number, line in enumerate(tree.lines(ARCHITECTURE), 1):
-        for name in QUOTED.findall(line):
-            path = name.rstrip("/")
-            if NAMED_PATH.fullmatch(name):
-                there = tree.has(path) or any(
-                    each == path or each.startswith(path + "/") for each in folders
-                )
-            elif NAMED_TEST.fullmatch(name) or NAMED_PYTHON.fullmatch(name):
-                there = name in tests
-            else:
-                continue
-            if not there:
-                yield Finding(ARCHITECTURE, number, "named", f"{name} is not there")
+    for page in NAMING_PAGES:
+        if not tree.has(page):
+            continue
+        for number, line in enumerate(tree.lines(page), 1):
+            for name in QUOTED.findall(line):
+                path = name.rstrip("/")
+                if NAMED_PATH.fullmatch(name):
+                    there = tree.has(path) or any(
+                        each == path or each.startswith(path + "/") for each in folders
+                    )
+                elif NAMED_TEST.fullmatch(name) or NAMED_PYTHON.fullmatch(name):
+                    there = name in tests
+                else:
+                    continue
+                if not there:
+                    yield Finding(page, number, "named", f"{name} is not there")

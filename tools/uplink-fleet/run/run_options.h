@@ -10,7 +10,7 @@
 
 namespace uplink::synthetic {
 
-/// Exit codes of the program (tools/README.md).
+/// Exit codes of the program (docs/reference/exit-codes.md).
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitWrongUse = 2;
