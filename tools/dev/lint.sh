@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# lint.sh: format, shellcheck, the tidy test and clang-tidy, each to its end before the verdict.
+# lint.sh: format, shellcheck, spelling, the tidy test and clang-tidy, each to its end before the verdict.
 # clang-tidy skips what it has passed before with the same content (tools/dev/lint/README.md).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -27,6 +27,13 @@ check_shell() {
   shell_files | xargs -0 -r shellcheck --external-sources
 }
 
+# Names in camelCase are no words, nor is what follows the n of an escaped line end.
+check_spelling() {
+  list_files ':!tests/fuzz/corpus' ':!tests/conformance/vectors' ':!tests/fixtures' |
+    xargs -0 -r codespell --quiet-level 3 --ignore-words tools/dev/spelling.txt \
+      --ignore-regex '\\n|\b\w*[a-z][A-Z]\w*\b'
+}
+
 check_clang_tidy() {
   mkdir -p "$build"
   # clang as compiler: the database then holds only flags that clang-tidy knows. Without the
@@ -44,6 +51,7 @@ check_clang_tidy() {
 
 step "format (./dev format repairs it)" check_format
 step "shellcheck" check_shell
+step "spelling (tools/dev/spelling.txt has the exceptions)" check_spelling
 step "tidy" python3 tests/tidy/tidy.py --root .
 step "clang-tidy" check_clang_tidy
 
