@@ -16,7 +16,7 @@ class Database;
 
 /// Ends what is told of damage.
 inline constexpr std::string_view kIfDamaged =
-    ". What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
+    ". What to do: \"The file was overwritten or damaged\" in docs/operate/sqlite.md";
 
 /// What a process found wrong with the content of a store's files, by any of its connections. The
 /// first finding stands until the process ends: what SQLite reads next may look sound, and acks for

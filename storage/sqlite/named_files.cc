@@ -16,8 +16,8 @@ absl::Status IsNotOurs(const std::string& name, const std::string& why) {
       "store " + name + ": the name no longer leads to the file that the server has open (" + why +
       "): nothing is acked until it does. Do nothing before you have read what saves the rows, "
       "which"
-      " this process alone may have: see \"If the SQLite file is moved or removed\" in "
-      "docs/operate/README.md");
+      " this process alone may have: see \"The file was moved or removed\" in "
+      "docs/operate/sqlite.md");
 }
 
 /// Whether this process has the file open. Where nobody can tell (no /proc), the name is believed.

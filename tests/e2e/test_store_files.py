@@ -61,7 +61,7 @@ class StoreFiles(EndToEnd):
         for name in self.names():
             name.unlink()
         self.wait_until_it_fails(self.path)
-        # As docs/operate/README.md has it.
+        # As docs/operate/sqlite.md has it.
         saved = self.folder / "saved"
         saved.mkdir()
         for name, descriptor in self.open_files().items():

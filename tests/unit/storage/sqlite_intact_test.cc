@@ -29,7 +29,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr const char* kSaysWhatToDo =
-    "What to do: \"If the SQLite file is overwritten or damaged\" in docs/operate/README.md";
+    "What to do: \"The file was overwritten or damaged\" in docs/operate/sqlite.md";
 
 std::string BytesOf(const std::string& path) {
   std::ostringstream bytes;
@@ -89,7 +89,7 @@ TEST_F(SqliteIntact, ACopyOverTheFileAcksNothingAndAStopLeavesItAsItIs) {
   store_.reset();
   EXPECT_EQ(BytesOf(path_), BytesOf(aside_)) << "no row of the other file was moved into it";
 
-  // As docs/operate/README.md has it.
+  // As docs/operate/sqlite.md has it.
   fs::remove(Wal());
   fs::remove(path_ + "-shm");
   OpenStore(path_);
