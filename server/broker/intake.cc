@@ -52,7 +52,7 @@ Intake::Processed Intake::ProcessOne(Processing& processing) {
                           .digest = {},
                           .ack = processing.message.ack,
                           .arrived = processing.arrived.steady};
-  return WasBefore(processing) ? Processed::kDone : Judge(processing);
+  return HandleRedelivery(processing) ? Processed::kDone : Judge(processing);
 }
 
 void Intake::DropHeldBack() {
@@ -70,7 +70,7 @@ void Intake::WakeWhenRoom(loop::StreamRef stream) const {
   if (full_ != nullptr) full_->WhenRoom(stream);
 }
 
-bool Intake::WasBefore(Processing& processing) {
+bool Intake::HandleRedelivery(Processing& processing) {
   if (processing.message.again) {
     // This connection delivered it before, and one release is enough.
     Count(processing, metrics::Became::kDuplicate);
@@ -108,7 +108,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
     Settle(processing, metrics::Became::kObserved);
     return Processed::kDone;
   }
-  if (place->stream == nullptr) return WriteNowhere(processing, *place);
+  if (place->stream == nullptr) return HandleUnplaced(processing, *place);
   if (!processing.held_back &&
       limits_.ExceedsUnknownSenderBudget({.judgement = processing.judgement,
                                           .publish = processing.publish(),
@@ -143,7 +143,7 @@ Intake::Processed Intake::RejectLimited(Processing& processing) {
   return Processed::kDone;
 }
 
-Intake::Processed Intake::WriteNowhere(Processing& processing, const TwinStreams::Opened& place) {
+Intake::Processed Intake::HandleUnplaced(Processing& processing, const TwinStreams::Opened& place) {
   full_ = nullptr;
   if (!place.too_many) return Wait(processing);
   if (!processing.held_back) {

@@ -91,9 +91,11 @@ class Intake final {
   struct Processing;
 
   [[nodiscard]] Processed ProcessOne(Processing& processing);
-  [[nodiscard]] bool WasBefore(Processing& processing);
+  /// True if the message came before or is retained; it needs nothing more then.
+  [[nodiscard]] bool HandleRedelivery(Processing& processing);
   [[nodiscard]] Processed Judge(Processing& processing);
-  [[nodiscard]] Processed WriteNowhere(Processing& processing, const TwinStreams::Opened& place);
+  /// No stream could be opened for the twin.
+  [[nodiscard]] Processed HandleUnplaced(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
   /// It is offered to the port.
