@@ -19,10 +19,10 @@ std::string SetIfEmptySql() {
 
 class SqliteClockMarks final : public ClockMarks {
  public:
-  explicit SqliteClockMarks(Beside beside) : beside_(std::move(beside)) {}
+  explicit SqliteClockMarks(SideConnection side) : side_(std::move(side)) {}
 
   [[nodiscard]] absl::Status Prepare() {
-    Preparer prepare(*beside_.database);
+    Preparer prepare(*side_.database);
     prepare.Into(read_, "SELECT at FROM clock_mark WHERE id = 0");
     prepare.Into(set_,
                  "INSERT INTO clock_mark (id, at) VALUES (0, ?)"
@@ -40,7 +40,7 @@ class SqliteClockMarks final : public ClockMarks {
   absl::Status SetIfEmpty(SystemTime mark) override { return set_if_empty_->Run(mark); }
 
  private:
-  Beside beside_;
+  SideConnection side_;
   std::unique_ptr<Statement> read_, set_, set_if_empty_;
 };
 
@@ -48,7 +48,7 @@ class SqliteClockMarks final : public ClockMarks {
 
 absl::StatusOr<std::unique_ptr<ClockMarks>> OpenClockMarks(const std::string& path,
                                                            DamagePtr damage) {
-  return MakeBeside<SqliteClockMarks>(path, std::move(damage));
+  return MakeOnSideConnection<SqliteClockMarks>(path, std::move(damage));
 }
 
 }  // namespace uplink::storage::sqlite

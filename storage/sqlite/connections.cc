@@ -53,7 +53,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenToRead(const std::string& path,
   return database;
 }
 
-absl::StatusOr<Beside> OpenBeside(const std::string& path, DamagePtr damage) {
+absl::StatusOr<SideConnection> OpenSideConnection(const std::string& path, DamagePtr damage) {
   auto joined = FileLock::Join(path);
   if (!joined.ok()) return joined.status();
   // A look that makes no file comes first.
@@ -66,7 +66,7 @@ absl::StatusOr<Beside> OpenBeside(const std::string& path, DamagePtr damage) {
   if (status.ok()) status = ConfigureWriter(**database);
   if (!status.ok()) return status;
   (*database)->ReportDamageTo(std::move(damage));
-  return Beside{*std::move(joined), *std::move(database)};
+  return SideConnection{*std::move(joined), *std::move(database)};
 }
 
 }  // namespace uplink::storage::sqlite

@@ -28,8 +28,8 @@ namespace uplink::storage::sqlite {
 /// How long a call of such a connection waits for another writer of the file.
 inline constexpr milliseconds kBusyTimeout{5'000};
 
-/// A connection that only reads, beside the store's writer. The file must be there and migrated.
-/// What it finds damaged afterwards, `damage` is told.
+/// A connection that only reads, beside the store's writer. The file must exist and be migrated.
+/// Damage that the connection finds later is reported to `damage`.
 ///
 /// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
 ///         version, since a reader cannot migrate.
@@ -38,27 +38,29 @@ inline constexpr milliseconds kBusyTimeout{5'000};
                                                                    DamagePtr damage);
 
 /// A connection for short writes beside the store's writer, which take no lock but SQLite's own.
-/// The file must be there and migrated; nothing is created. Damage: as with OpenToRead.
+/// The file must exist and be migrated; nothing is created. Damage: as with OpenToRead.
 ///
-/// Goes as a whole: the database first.
-struct Beside {
-  /// That the file's server, if there is one, has it by the same name.
+/// `database` is destroyed before `joined`.
+struct SideConnection {
+  /// Shows that the file's server, if one runs, has it open by the same name.
   std::unique_ptr<FileLock> joined;
   std::unique_ptr<Database> database;
 };
 
 /// Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
 ///         version, or another name of it (FileLock::Join).
-[[nodiscard]] absl::StatusOr<Beside> OpenBeside(const std::string& path, DamagePtr damage);
+[[nodiscard]] absl::StatusOr<SideConnection> OpenSideConnection(const std::string& path,
+                                                                DamagePtr damage);
 
-/// A Part over a connection of its own, once its statements are prepared. Errors: as OpenBeside.
+/// A Part over a connection of its own, once its statements are prepared. Errors: as
+/// OpenSideConnection.
 template <typename Part, typename... Args>
-[[nodiscard]] absl::StatusOr<std::unique_ptr<Part>> MakeBeside(const std::string& path,
-                                                               DamagePtr damage,
-                                                               const Args&... args) {
-  auto beside = OpenBeside(path, std::move(damage));
-  if (!beside.ok()) return beside.status();
-  auto part = std::make_unique<Part>(*std::move(beside), args...);
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Part>> MakeOnSideConnection(const std::string& path,
+                                                                         DamagePtr damage,
+                                                                         const Args&... args) {
+  auto side = OpenSideConnection(path, std::move(damage));
+  if (!side.ok()) return side.status();
+  auto part = std::make_unique<Part>(*std::move(side), args...);
   absl::Status prepared = part->Prepare();
   if (!prepared.ok()) return prepared;
   return part;

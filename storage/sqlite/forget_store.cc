@@ -176,18 +176,18 @@ class SqliteRobotRemoval final : public RobotRemoval {
 
 class SqliteForgetStore final : public ForgetStore {
  public:
-  explicit SqliteForgetStore(Beside beside)
-      : beside_(std::move(beside)), removal_(*beside_.database) {}
+  explicit SqliteForgetStore(SideConnection side)
+      : side_(std::move(side)), removal_(*side_.database) {}
 
   [[nodiscard]] absl::Status Prepare() {
     absl::Status status = removal_.Prepare();
-    return status.ok() ? requests_.Prepare(*beside_.database) : status;
+    return status.ok() ? requests_.Prepare(*side_.database) : status;
   }
   RobotRemoval& removal() override { return removal_; }
   ForgetRequests& requests() override { return requests_; }
 
  private:
-  Beside beside_;
+  SideConnection side_;
   SqliteRobotRemoval removal_;
   SqliteForgetRequests requests_;
 };
@@ -196,7 +196,7 @@ class SqliteForgetStore final : public ForgetStore {
 
 absl::StatusOr<std::unique_ptr<ForgetStore>> OpenForgetStore(const std::string& path,
                                                              DamagePtr damage) {
-  return MakeBeside<SqliteForgetStore>(path, std::move(damage));
+  return MakeOnSideConnection<SqliteForgetStore>(path, std::move(damage));
 }
 
 }  // namespace uplink::storage::sqlite

@@ -17,18 +17,18 @@ namespace {
 
 class SqliteTopicLeases final : public TopicLeases {
  public:
-  SqliteTopicLeases(Beside beside, const ProcessId& process)
-      : beside_(std::move(beside)), process_(process) {}
+  SqliteTopicLeases(SideConnection side, const ProcessId& process)
+      : side_(std::move(side)), process_(process) {}
 
   [[nodiscard]] absl::Status Prepare();
 
   absl::StatusOr<std::optional<Epoch>> Take(const TakeRequest& request) override {
     absl::Status bad = CheckRequest(request);
     if (!bad.ok()) return bad;
-    return beside_.database->InTransaction([&] { return TakeInTransaction(request); });
+    return side_.database->InTransaction([&] { return TakeInTransaction(request); });
   }
   absl::Status Release(std::string_view client_id) override {
-    return beside_.database
+    return side_.database
         ->InTransaction([&]() -> absl::StatusOr<bool> {
           const auto held = release_->Select(client_id, process_).Count();
           if (!held.ok()) return held.status();
@@ -47,7 +47,7 @@ class SqliteTopicLeases final : public TopicLeases {
     return leases;
   }
   absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) override {
-    return beside_.database->InTransaction([&] { return ReadMemory(client_id); });
+    return side_.database->InTransaction([&] { return ReadMemory(client_id); });
   }
 
  private:
@@ -58,14 +58,14 @@ class SqliteTopicLeases final : public TopicLeases {
   absl::Status NumberDeliveries(const TakeRequest& request);
   absl::StatusOr<DeliveryMemory> ReadMemory(std::string_view client_id);
 
-  Beside beside_;
+  SideConnection side_;
   const ProcessId process_;
   std::unique_ptr<Statement> read_, draw_epoch_, end_, take_, drop_prefixes_, add_prefix_, release_,
       insert_, drop_through_, drop_clients_, drop_deliveries_, deliveries_;
 };
 
 absl::Status SqliteTopicLeases::Prepare() {
-  Preparer prepare(*beside_.database);
+  Preparer prepare(*side_.database);
   prepare.Into(read_,
                "SELECT c.client_id, c.process, c.epoch, c.released, c.taken_at, p.prefix"
                " FROM topic_clients AS c LEFT JOIN topic_prefixes AS p ON p.client_id = c.client_id"
@@ -175,7 +175,7 @@ absl::StatusOr<DeliveryMemory> SqliteTopicLeases::ReadMemory(std::string_view cl
 absl::StatusOr<std::unique_ptr<TopicLeases>> OpenTopicLeases(const std::string& path,
                                                              const ProcessId& process,
                                                              DamagePtr damage) {
-  return MakeBeside<SqliteTopicLeases>(path, std::move(damage), process);
+  return MakeOnSideConnection<SqliteTopicLeases>(path, std::move(damage), process);
 }
 
 }  // namespace uplink::storage::sqlite
