@@ -31,7 +31,7 @@ enum class Refusal : std::uint8_t {
   kNone,
   /// limits.robots_max.
   kFull,
-  /// The gateway brought in as many robots as one may (BroughtIn).
+  /// The gateway brought in as many robots as one may (GatewayRobots).
   kGatewayFull,
   /// The robot is of another fleet than the gateway, whose certificate does not name it.
   kOtherFleet,

@@ -17,7 +17,7 @@ Fleet::Fleet(const Clock& clock, std::size_t robots_max, const robot::PresenceLi
       twins_(twins),
       started_(clock.Steady()),
       boot_(boot),
-      brought_in_(GatewayRobotsMax(robots_max)) {}
+      gateway_robots_(GatewayRobotsMax(robots_max)) {}
 
 Fleet::Shard& Fleet::ShardOf(std::string_view ruri) {
   return shards_[std::hash<std::string_view>{}(ruri) % kShards];
@@ -40,7 +40,7 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   const auto found = shard.robots.find(id.ruri);
   if (found == shard.robots.end()) return AdmitBy(shard, claim);
   if (claim.grant != Grant::kFleet) {
-    brought_in_.Remove(id.ruri);
+    gateway_robots_.Remove(id.ruri);
   } else if (found->second->id()->fleet != id.fleet) {
     return {.robot = nullptr, .refusal = Refusal::kOtherFleet};
   }
@@ -52,11 +52,11 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
 
 Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {
   const std::string& ruri = claim.robot.ruri;
-  if (claim.grant == Grant::kFleet && !brought_in_.Add(ruri, claim.gateway)) {
+  if (claim.grant == Grant::kFleet && !gateway_robots_.Add(ruri, claim.gateway)) {
     return {.robot = nullptr, .refusal = Refusal::kGatewayFull};
   }
   if (TakePlace() || (MakeRoom() && TakePlace())) return {.robot = Admit(shard, claim.robot)};
-  brought_in_.Remove(ruri);
+  gateway_robots_.Remove(ruri);
   return {.robot = nullptr, .refusal = Refusal::kFull};
 }
 
@@ -160,7 +160,7 @@ bool Fleet::Remove(const RobotPtr& robot) {
   if (!robot->left() || robot.use_count() != kKeptByUs) return false;
   std::erase(admitted_, robot);
   shard.robots.erase(robot->ruri());
-  brought_in_.Remove(robot->ruri());
+  gateway_robots_.Remove(robot->ruri());
   leaving_.fetch_sub(1);
   all_.fetch_sub(1);
   changes_.fetch_add(1);

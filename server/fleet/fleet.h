@@ -17,8 +17,8 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
-#include "server/fleet/brought_in.h"
 #include "server/fleet/claim.h"
+#include "server/fleet/gateway_robots.h"
 #include "server/fleet/odd_fleets.h"
 #include "server/robot/robot.h"
 
@@ -96,11 +96,11 @@ class Fleet final {
   /// and from AdmitNew.
   [[nodiscard]] OddFleets& odd_fleets() { return odd_fleets_; }
 
-  /// Robots in memory by the gateway's word for its fleet alone.
-  [[nodiscard]] std::size_t brought_in(const std::string& gateway) const {
-    return brought_in_.of(gateway);
+  /// Robots in memory that the gateway brought in (GatewayRobots).
+  [[nodiscard]] std::size_t gateway_robots(const std::string& gateway) const {
+    return gateway_robots_.of(gateway);
   }
-  [[nodiscard]] std::size_t brought_in_max() const { return brought_in_.per_gateway_max(); }
+  [[nodiscard]] std::size_t gateway_robots_max() const { return gateway_robots_.per_gateway_max(); }
 
   // --- Leaving memory ---
 
@@ -220,7 +220,7 @@ class Fleet final {
   std::atomic<SteadyTime> store_looked_{SteadyTime::max()};
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;
-  BroughtIn brought_in_;
+  GatewayRobots gateway_robots_;
   OddFleets odd_fleets_;
   /// Places that are taken: admitted robots, and those that are about to be.
   std::atomic<std::size_t> all_{0};

@@ -40,7 +40,7 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
       context_.probe.refused_gateway_total.Add();
       return absl::ResourceExhaustedError(
           fmt::format("gateway {} has brought in {} robots, and may bring in no more",
-                      claim.gateway, context_.fleet.brought_in_max()));
+                      claim.gateway, context_.fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
       context_.probe.refused_identity_total.Add();
       return absl::PermissionDeniedError(

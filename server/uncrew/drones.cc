@@ -19,7 +19,7 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
     case fleet::Refusal::kGatewayFull:
       return absl::ResourceExhaustedError(
           fmt::format("gateway {} has brought in {} robots, and may bring in no more",
-                      claim.gateway, fleet.brought_in_max()));
+                      claim.gateway, fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
       return absl::PermissionDeniedError(
           fmt::format("the certificate of gateway {} may not speak for {}: the robot is of another "

@@ -97,7 +97,7 @@ class Scenario final {
     testing::CertificateSpec spec = testing::RobotSpec(BadRuri());
     if (!misdeed_.by_gateway) return spec;
     spec.units = {"gateway"};
-    spec.uris = GatewayRobots(BadRuri());
+    spec.uris = RobotsOfGateway(BadRuri());
     return spec;
   }
 

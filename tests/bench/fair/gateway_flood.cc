@@ -50,7 +50,7 @@ class GatewayFlood final : public Misbehaviour {
 GatewayFlood::GatewayFlood(BadWorld& world, const std::string& ruri)
     : world_(world), links_(kGatewayLinks) {
   std::size_t number = 0;
-  for (std::string& robot_ruri : GatewayRobots(ruri)) {
+  for (std::string& robot_ruri : RobotsOfGateway(ruri)) {
     Robot& robot = links_[number++ % kGatewayLinks].robots.emplace_back();
     robot.session = NewBadSession();
     robot.session.ruri = std::move(robot_ruri);
@@ -101,7 +101,7 @@ void GatewayFlood::SendEvents(Robot& robot) {
 
 }  // namespace
 
-std::vector<std::string> GatewayRobots(const std::string& ruri) {
+std::vector<std::string> RobotsOfGateway(const std::string& ruri) {
   std::vector<std::string> ruris;
   for (std::size_t i = 0; i < kGatewayStreams; ++i) ruris.push_back(fmt::format("{}-{}", ruri, i));
   return ruris;

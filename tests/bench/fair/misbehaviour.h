@@ -33,7 +33,7 @@ struct Misdeed {
   std::string_view about;
   /// `world` outlives what it makes; `ruri` is the bad robot's own.
   std::unique_ptr<Misbehaviour> (*make)(BadWorld& world, const std::string& ruri) = nullptr;
-  /// Its certificate is a gateway's, of GatewayRobots.
+  /// Its certificate is a gateway's, of RobotsOfGateway.
   bool by_gateway = false;
   /// Robots are scraped meanwhile, or the bad one's page is looked at: there it grows.
   bool robots_scraped = false;
@@ -66,10 +66,10 @@ struct FloodStyle {
 /// Two connections with a session each. Whichever lost the robot takes it back at once.
 [[nodiscard]] std::unique_ptr<Misbehaviour> MakeTakeoverWar(BadWorld& world,
                                                             const std::string& ruri);
-/// A gateway all of whose robots, GatewayRobots(ruri), send events as fast as they are read.
+/// A gateway all of whose robots, RobotsOfGateway(ruri), send events as fast as they are read.
 [[nodiscard]] std::unique_ptr<Misbehaviour> MakeGatewayFlood(BadWorld& world,
                                                              const std::string& ruri);
 /// The robots of the gateway: their names begin with `ruri`.
-[[nodiscard]] std::vector<std::string> GatewayRobots(const std::string& ruri);
+[[nodiscard]] std::vector<std::string> RobotsOfGateway(const std::string& ruri);
 
 }  // namespace uplink::bench

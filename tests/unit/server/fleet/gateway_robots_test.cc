@@ -1,4 +1,4 @@
-#include "server/fleet/brought_in.h"
+#include "server/fleet/gateway_robots.h"
 
 #include <gtest/gtest.h>
 
@@ -8,26 +8,26 @@
 namespace uplink::fleet {
 namespace {
 
-TEST(BroughtIn, IsBoundedPerGateway) {
-  BroughtIn brought_in(2);
-  EXPECT_TRUE(brought_in.Add("rcan://a/1", "g"));
-  EXPECT_TRUE(brought_in.Add("rcan://a/2", "g"));
-  EXPECT_FALSE(brought_in.Add("rcan://a/3", "g"));
-  EXPECT_TRUE(brought_in.Add("rcan://a/3", "another"));
-  EXPECT_EQ(brought_in.of("g"), 2U);
-  EXPECT_EQ(brought_in.of("another"), 1U);
+TEST(GatewayRobots, IsBoundedPerGateway) {
+  GatewayRobots gateway_robots(2);
+  EXPECT_TRUE(gateway_robots.Add("rcan://a/1", "g"));
+  EXPECT_TRUE(gateway_robots.Add("rcan://a/2", "g"));
+  EXPECT_FALSE(gateway_robots.Add("rcan://a/3", "g"));
+  EXPECT_TRUE(gateway_robots.Add("rcan://a/3", "another"));
+  EXPECT_EQ(gateway_robots.of("g"), 2U);
+  EXPECT_EQ(gateway_robots.of("another"), 1U);
 }
 
-TEST(BroughtIn, ARobotThatLeftGivesItsPlaceBack) {
-  BroughtIn brought_in(1);
-  ASSERT_TRUE(brought_in.Add("rcan://a/1", "g"));
-  brought_in.Remove("rcan://a/1");
-  brought_in.Remove("rcan://a/1");
-  EXPECT_EQ(brought_in.of("g"), 0U);
-  EXPECT_TRUE(brought_in.Add("rcan://a/2", "g"));
+TEST(GatewayRobots, ARobotThatLeftGivesItsPlaceBack) {
+  GatewayRobots gateway_robots(1);
+  ASSERT_TRUE(gateway_robots.Add("rcan://a/1", "g"));
+  gateway_robots.Remove("rcan://a/1");
+  gateway_robots.Remove("rcan://a/1");
+  EXPECT_EQ(gateway_robots.of("g"), 0U);
+  EXPECT_TRUE(gateway_robots.Add("rcan://a/2", "g"));
 }
 
-TEST(BroughtIn, OneGatewayLeavesAQuarterToOthers) {
+TEST(GatewayRobots, OneGatewayLeavesAQuarterToOthers) {
   EXPECT_EQ(GatewayRobotsMax(1), 1U);
   EXPECT_EQ(GatewayRobotsMax(4), 3U);
   EXPECT_EQ(GatewayRobotsMax(5'461), 4'095U);
@@ -48,13 +48,13 @@ class FleetClaimTest : public ::testing::Test {
 TEST_F(FleetClaimTest, AWordForTheRobotItselfCountsNoMore) {
   ASSERT_NE(Come("rcan://a/1", Grant::kFleet).robot, nullptr);
   ASSERT_NE(Come("rcan://a/2", Grant::kFleet).robot, nullptr);
-  EXPECT_EQ(fleet_.brought_in("g"), 2U);
+  EXPECT_EQ(fleet_.gateway_robots("g"), 2U);
   EXPECT_NE(Come("rcan://a/1", Grant::kOwn).robot, nullptr);
-  EXPECT_EQ(fleet_.brought_in("g"), 1U);
+  EXPECT_EQ(fleet_.gateway_robots("g"), 1U);
   EXPECT_NE(Come("rcan://a/2", Grant::kNamed).robot, nullptr);
-  EXPECT_EQ(fleet_.brought_in("g"), 0U);
+  EXPECT_EQ(fleet_.gateway_robots("g"), 0U);
   EXPECT_NE(Come("rcan://a/1", Grant::kFleet).robot, nullptr);
-  EXPECT_EQ(fleet_.brought_in("g"), 0U) << "it was here before";
+  EXPECT_EQ(fleet_.gateway_robots("g"), 0U) << "it was here before";
 }
 
 TEST_F(FleetClaimTest, WhatIsRefusedTakesNoPlace) {
@@ -66,7 +66,7 @@ TEST_F(FleetClaimTest, WhatIsRefusedTakesNoPlace) {
   EXPECT_EQ(Come("rcan://b", Grant::kNamed).refusal, Refusal::kFull);
   EXPECT_EQ(Come("rcan://own", Grant::kFleet, "south").refusal, Refusal::kOtherFleet);
   EXPECT_EQ(fleet_.Find("rcan://own")->id()->fleet, "north");
-  EXPECT_EQ(fleet_.brought_in("g"), 3U);
+  EXPECT_EQ(fleet_.gateway_robots("g"), 3U);
   EXPECT_EQ(fleet_.size(), 4U);
 }
 
@@ -75,7 +75,7 @@ TEST_F(FleetClaimTest, ARobotThatLeavesMemoryIsCountedNoMore) {
   ASSERT_TRUE(fleet_.BeginLeaving(*robot));
   robot->OnLeft();
   EXPECT_EQ(fleet_.RemoveLeft().size(), 1U);
-  EXPECT_EQ(fleet_.brought_in("g"), 0U);
+  EXPECT_EQ(fleet_.gateway_robots("g"), 0U);
 }
 
 }  // namespace

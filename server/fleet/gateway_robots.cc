@@ -1,15 +1,15 @@
-#include "server/fleet/brought_in.h"
+#include "server/fleet/gateway_robots.h"
 
 namespace uplink::fleet {
 
-bool BroughtIn::Add(const std::string& ruri, const std::string& gateway) {
+bool GatewayRobots::Add(const std::string& ruri, const std::string& gateway) {
   const std::lock_guard lock(mutex_);
   if (counts_.Of(gateway) >= per_gateway_max_) return false;
   if (gateways_.emplace(ruri, gateway).second) counts_.Add(gateway);
   return true;
 }
 
-void BroughtIn::Remove(const std::string& ruri) {
+void GatewayRobots::Remove(const std::string& ruri) {
   const std::lock_guard lock(mutex_);
   const auto robot = gateways_.find(ruri);
   if (robot == gateways_.end()) return;
@@ -17,7 +17,7 @@ void BroughtIn::Remove(const std::string& ruri) {
   gateways_.erase(robot);
 }
 
-std::size_t BroughtIn::of(const std::string& gateway) const {
+std::size_t GatewayRobots::of(const std::string& gateway) const {
   const std::lock_guard lock(mutex_);
   return counts_.Of(gateway);
 }
