@@ -11,8 +11,8 @@ Forwarding::Forwarding(const Context& context)
       forwards_({kSharedBytesMax, kFleetBytesMax, kRobotBytesMax}, std::mt19937_64(context.seed)),
       rounds_(
           {context.clock, context.logger, context.items, forwards_, probe_, context.clock_trust}),
-      hearing_({context.logger, probe_, context.change_signal, [this] { rounds_.Wake(); },
-                context.seed}) {}
+      listener_({context.logger, probe_, context.change_signal, [this] { rounds_.Wake(); },
+                 context.seed}) {}
 
 void Forwarding::AddSamples(metrics::Exposition& page) const {
   using enum metrics::MetricId;

@@ -3,15 +3,15 @@
 #include <cstdint>
 
 #include "metrics/exposition.h"
+#include "server/forward/change_listener.h"
 #include "server/forward/forwards.h"
-#include "server/forward/hearing.h"
 #include "server/forward/probe.h"
 #include "server/forward/rounds.h"
 
 namespace uplink::forward {
 
 /// All of forwarding in one server: what its robots share, the thread that follows the store, and
-/// the one that hears other servers.
+/// the thread that listens for other servers.
 ///
 /// Thread: Start and Stop by main; source() is for the listener; the rest from any.
 class Forwarding final {
@@ -31,16 +31,16 @@ class Forwarding final {
 
   void Start() {
     rounds_.Start();
-    hearing_.Start();
+    listener_.Start();
   }
   void Stop() {
-    hearing_.Stop();
+    listener_.Stop();
     rounds_.Stop();
   }
-  /// Something was committed that may be shared, by this server.
+  /// This server committed something that may be shared.
   void Wake() {
     rounds_.Wake();
-    hearing_.Tell();
+    listener_.Tell();
   }
   /// Where streams receive from.
   [[nodiscard]] session::ForwardSource& source() { return forwards_; }
@@ -59,7 +59,7 @@ class Forwarding final {
   ForwardProbe probe_;
   Forwards forwards_;
   Rounds rounds_;
-  Hearing hearing_;
+  ChangeListener listener_;
 };
 
 }  // namespace uplink::forward

@@ -15,35 +15,35 @@
 
 namespace uplink::forward {
 
-/// Hears that another server committed, and tells the others of commits of this one.
+/// Listens for the commits of other servers, and tells them of this server's commits.
 ///
-/// It only makes changes come sooner: while it cannot hear, Rounds finds them each kLookEvery. So a
-/// failure is logged and counted, and is no reason to call the server degraded.
+/// Changes only come sooner by it: while it fails, Rounds finds them each kLookEvery. A failure is
+/// therefore logged and shown, and does not make the server degraded.
 ///
-/// Thread: Tell from any; Round by one thread at a time: Start gives it one of its own.
-class Hearing final {
+/// Thread: Tell from any; Round by one thread at a time. Start runs it on a thread of its own.
+class ChangeListener final {
  public:
   /// The references, and the signal, outlive it.
   struct Context {
     const log::Logger& logger;
     ForwardProbe& probe;
-    /// Null where one process has the store: then there is nobody to hear.
+    /// Null if this process has the store alone.
     storage::ChangeSignal* signal = nullptr;
-    /// Called once another server told; any thread.
+    /// Called when another server has told of a commit; any thread.
     std::function<void()> wake;
     /// For the pauses between tries.
     std::uint64_t seed = 0;
   };
-  explicit Hearing(Context context);
-  Hearing(const Hearing&) = delete;
-  Hearing& operator=(const Hearing&) = delete;
+  explicit ChangeListener(Context context);
+  ChangeListener(const ChangeListener&) = delete;
+  ChangeListener& operator=(const ChangeListener&) = delete;
 
   void Start();
-  /// Waits at most for a call to the store that is under way.
+  /// Waits for a call to the store that is under way, for nothing else.
   void Stop() { rounds_.Stop(); }
-  /// Something was committed that may be shared.
+  /// This server committed something that may be shared.
   void Tell();
-  /// Listens for kLookEvery, or until another server tells.
+  /// Listens for kLookEvery, or until another server tells of a commit.
   absl::Status Round();
 
  private:

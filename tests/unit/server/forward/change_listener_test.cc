@@ -1,5 +1,5 @@
 // Another server's commits wake the look here, and ours are told.
-#include "server/forward/hearing.h"
+#include "server/forward/change_listener.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -63,9 +63,9 @@ class ScriptedSignal final : public storage::ChangeSignal {
   std::deque<absl::StatusOr<bool>> answers_;
 };
 
-class HearingTest : public ::testing::Test {
+class ChangeListenerTest : public ::testing::Test {
  protected:
-  Hearing::Context With(storage::ChangeSignal* signal) {
+  ChangeListener::Context With(storage::ChangeSignal* signal) {
     return {logger_, probe_, signal, [this] { ++woken_; }, 1};
   }
 
@@ -77,10 +77,10 @@ class HearingTest : public ::testing::Test {
   std::atomic<int> woken_ = 0;
 };
 
-TEST_F(HearingTest, WhatAnotherTellsWakesAndIsCounted) {
+TEST_F(ChangeListenerTest, WhatAnotherTellsWakesAndIsCounted) {
   ScriptedSignal signal({false, true, false, true});
-  Hearing hearing(With(&signal));
-  for (int i = 0; i < 4; ++i) EXPECT_TRUE(hearing.Round().ok());
+  ChangeListener listener(With(&signal));
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(listener.Round().ok());
   EXPECT_EQ(woken_, 2);
   EXPECT_EQ(probe_.heard.value(), 2);
   EXPECT_EQ(probe_.deaf.value(), 0);
@@ -88,63 +88,63 @@ TEST_F(HearingTest, WhatAnotherTellsWakesAndIsCounted) {
   EXPECT_THAT(lines_, IsEmpty());
 }
 
-TEST_F(HearingTest, OwnCommitsAreTold) {
+TEST_F(ChangeListenerTest, OwnCommitsAreTold) {
   ScriptedSignal signal;
-  Hearing hearing(With(&signal));
-  hearing.Tell();
+  ChangeListener listener(With(&signal));
+  listener.Tell();
   EXPECT_EQ(signal.told, 1);
   EXPECT_EQ(woken_, 0);
 }
 
-TEST_F(HearingTest, AFailureIsLoggedOnceAndSoIsItsEnd) {
+TEST_F(ChangeListenerTest, AFailureIsLoggedOnceAndSoIsItsEnd) {
   const absl::Status away = absl::UnavailableError("away");
   ScriptedSignal signal({false, away, away, false, true, away});
-  Hearing hearing(With(&signal));
-  EXPECT_TRUE(hearing.Round().ok());
-  EXPECT_EQ(hearing.Round(), away);
-  EXPECT_EQ(hearing.Round(), away);
+  ChangeListener listener(With(&signal));
+  EXPECT_TRUE(listener.Round().ok());
+  EXPECT_EQ(listener.Round(), away);
+  EXPECT_EQ(listener.Round(), away);
   EXPECT_EQ(probe_.deaf.value(), 1);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_hears_nobody why=away")));
-  EXPECT_TRUE(hearing.Round().ok());
-  EXPECT_TRUE(hearing.Round().ok());
+  EXPECT_TRUE(listener.Round().ok());
+  EXPECT_TRUE(listener.Round().ok());
   EXPECT_EQ(probe_.deaf.value(), 0);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("forward_hears_again")));
-  EXPECT_EQ(hearing.Round(), away);
+  EXPECT_EQ(listener.Round(), away);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("again"), HasSubstr("nobody")));
 }
 
-TEST_F(HearingTest, ItsThreadTriesAgainUntilItHears) {
+TEST_F(ChangeListenerTest, ItsThreadTriesAgainUntilItHears) {
   ScriptedSignal signal({absl::UnavailableError("away"), absl::UnavailableError("away"), true});
-  Hearing hearing(With(&signal));
-  hearing.Start();
+  ChangeListener listener(With(&signal));
+  listener.Start();
   EXPECT_TRUE(testing::Eventually([&] { return woken_ == 1; }));
   EXPECT_EQ(probe_.heard.value(), 1);
 }
 
-TEST_F(HearingTest, AStopEndsAWaitUnderWay) {
+TEST_F(ChangeListenerTest, AStopEndsAWaitUnderWay) {
   ScriptedSignal signal;
-  Hearing hearing(With(&signal));
-  hearing.Start();
+  ChangeListener listener(With(&signal));
+  listener.Start();
   ASSERT_TRUE(testing::Eventually([&] { return signal.waits == 1; }));
-  hearing.Stop();
+  listener.Stop();
   EXPECT_LE(signal.waits, 2);
-  hearing.Stop();
+  listener.Stop();
 }
 
-TEST_F(HearingTest, AStopEndsAPauseBetweenTries) {
+TEST_F(ChangeListenerTest, AStopEndsAPauseBetweenTries) {
   ScriptedSignal signal(std::deque<absl::StatusOr<bool>>(100, absl::UnavailableError("away")));
-  Hearing hearing(With(&signal));
-  hearing.Start();
+  ChangeListener listener(With(&signal));
+  listener.Start();
   ASSERT_TRUE(testing::Eventually([&] { return signal.waits == 3; }));
-  hearing.Stop();
+  listener.Stop();
   EXPECT_LT(signal.waits, 100) << "each pause is longer than the last one, up to seconds";
 }
 
-TEST_F(HearingTest, WhereOneProcessHasTheStoreThereIsNothingToHear) {
-  Hearing hearing(With(nullptr));
-  hearing.Start();
-  hearing.Tell();
-  hearing.Stop();
+TEST_F(ChangeListenerTest, WhereOneProcessHasTheStoreThereIsNothingToHear) {
+  ChangeListener listener(With(nullptr));
+  listener.Start();
+  listener.Tell();
+  listener.Stop();
   EXPECT_EQ(woken_, 0);
 }
 

@@ -1,4 +1,4 @@
-#include "server/forward/hearing.h"
+#include "server/forward/change_listener.h"
 
 #include <string>
 #include <utility>
@@ -7,28 +7,28 @@
 
 namespace uplink::forward {
 
-Hearing::Hearing(Context context)
+ChangeListener::ChangeListener(Context context)
     : context_(std::move(context)),
       random_(context_.seed),
-      rounds_("forward_hear", [this](const std::stop_token& stop) { return Listen(stop); }) {}
+      rounds_("forward_listen", [this](const std::stop_token& stop) { return Listen(stop); }) {}
 
-void Hearing::Start() {
+void ChangeListener::Start() {
   if (context_.signal != nullptr) rounds_.Start();
 }
 
-void Hearing::Tell() {
+void ChangeListener::Tell() {
   if (context_.signal != nullptr) context_.signal->Tell();
 }
 
-loop::Next Hearing::Listen(const std::stop_token& stop) {
+loop::Next ChangeListener::Listen(const std::stop_token& stop) {
   const std::stop_callback end(stop, [this] { context_.signal->End(); });
   if (!Round().ok()) return {.within = pauses_.Next(random_())};
   pauses_.Reset();
   return {};
 }
 
-absl::Status Hearing::Round() {
-  // No longer, so that it is soon known that it works again.
+absl::Status ChangeListener::Round() {
+  // A longer wait would show later that it works again.
   const absl::StatusOr<bool> heard = context_.signal->Wait(kLookEvery);
   Note(heard.status());
   if (!heard.ok()) return heard.status();
@@ -39,7 +39,7 @@ absl::Status Hearing::Round() {
   return absl::OkStatus();
 }
 
-void Hearing::Note(const absl::Status& status) {
+void ChangeListener::Note(const absl::Status& status) {
   context_.probe.deaf.Set(status.ok() ? 0 : 1);
   if (std::exchange(failing_, !status.ok()) == failing_) return;
   if (failing_) {
