@@ -166,7 +166,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "the first time."},
     {kForwardHeard, "uplinkd_forward_heard_total", kCounter, "times",
      "Times that other servers on the store told of their commits; several at once may be one."},
-    {kForwardDeaf, "uplinkd_forward_deaf", kGauge, "0 or 1",
+    {kForwardListenFailing, "uplinkd_forward_listen_failing", kGauge, "0 or 1",
      "1 while other servers are neither heard nor told: what one commits reaches the others' "
      "robots "
      "within a second or two."},

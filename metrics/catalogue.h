@@ -87,7 +87,7 @@ enum class MetricId : std::uint8_t {
   kForwardFailing,
   kForwardLookAge,
   kForwardHeard,
-  kForwardDeaf,
+  kForwardListenFailing,
   kStreamsRefused,
   kGatewayStreams,
   kHandshakesFailed,

@@ -40,10 +40,10 @@ absl::Status ChangeListener::Round() {
 }
 
 void ChangeListener::Note(const absl::Status& status) {
-  context_.probe.deaf.Set(status.ok() ? 0 : 1);
+  context_.probe.listen_failing.Set(status.ok() ? 0 : 1);
   if (std::exchange(failing_, !status.ok()) == failing_) return;
   if (failing_) {
-    context_.logger.Warn("forward_hears_nobody", {{"why", std::string(status.message())}});
+    context_.logger.Warn("forward_listen_failed", {{"why", std::string(status.message())}});
   } else {
     context_.logger.Info("forward_hears_again", {});
   }

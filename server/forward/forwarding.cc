@@ -43,7 +43,7 @@ void Forwarding::AddSamples(metrics::Exposition& page) const {
   const std::int64_t age = followed_at == 0 ? 0 : SteadyMs(clock_.Steady()) - followed_at;
   page.Add(kForwardLookAge, milliseconds(age));
   page.Add(kForwardHeard, probe_.heard);
-  page.Add(kForwardDeaf, probe_.deaf);
+  page.Add(kForwardListenFailing, probe_.listen_failing);
 }
 
 }  // namespace uplink::forward

@@ -30,10 +30,10 @@ struct ForwardProbe {
   metrics::Cell followed_at_ms;
   /// 1 while the store cannot be asked for changes.
   metrics::Cell failing;
-  /// Times that other servers told of their commits, as far as they were heard apart.
+  /// Times that other servers told of their commits; several at once may count as one.
   metrics::Cell heard;
-  /// 1 while they cannot be heard or told.
-  metrics::Cell deaf;
+  /// 1 while other servers can be neither heard nor told.
+  metrics::Cell listen_failing;
 };
 
 }  // namespace uplink::forward

@@ -88,7 +88,7 @@ TEST_F(TwoServersTest, WhatOneCommitsWakesTheOtherAndNotItself) {
   const auto a = Connect(0, "a");
   const auto c = Connect(1, "c");
   ASSERT_TRUE(c->ReadSnapshot());
-  for (const std::string name : {kHeard, "uplinkd_forward_deaf"}) {
+  for (const std::string name : {kHeard, "uplinkd_forward_listen_failing"}) {
     EXPECT_EQ(Sample(0, name), 0);
     EXPECT_EQ(Sample(1, name), 0);
   }

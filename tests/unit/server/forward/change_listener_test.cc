@@ -83,7 +83,7 @@ TEST_F(ChangeListenerTest, WhatAnotherTellsWakesAndIsCounted) {
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(listener.Round().ok());
   EXPECT_EQ(woken_, 2);
   EXPECT_EQ(probe_.heard.value(), 2);
-  EXPECT_EQ(probe_.deaf.value(), 0);
+  EXPECT_EQ(probe_.listen_failing.value(), 0);
   EXPECT_EQ(signal.longest, kLookEvery);
   EXPECT_THAT(lines_, IsEmpty());
 }
@@ -103,14 +103,14 @@ TEST_F(ChangeListenerTest, AFailureIsLoggedOnceAndSoIsItsEnd) {
   EXPECT_TRUE(listener.Round().ok());
   EXPECT_EQ(listener.Round(), away);
   EXPECT_EQ(listener.Round(), away);
-  EXPECT_EQ(probe_.deaf.value(), 1);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_hears_nobody why=away")));
+  EXPECT_EQ(probe_.listen_failing.value(), 1);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("forward_listen_failed why=away")));
   EXPECT_TRUE(listener.Round().ok());
   EXPECT_TRUE(listener.Round().ok());
-  EXPECT_EQ(probe_.deaf.value(), 0);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("forward_hears_again")));
+  EXPECT_EQ(probe_.listen_failing.value(), 0);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("failed"), HasSubstr("forward_hears_again")));
   EXPECT_EQ(listener.Round(), away);
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("nobody"), HasSubstr("again"), HasSubstr("nobody")));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("failed"), HasSubstr("again"), HasSubstr("failed")));
 }
 
 TEST_F(ChangeListenerTest, ItsThreadTriesAgainUntilItHears) {
