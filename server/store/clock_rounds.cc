@@ -124,12 +124,12 @@ void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {
   }
   if (!reading_) {
     context_.logger.Warn("clock_not_vouched", {{"why", "the store has not been read yet"},
-                                               {"and", "nothing is deleted until it is"}});
+                                               {"effect", "nothing is deleted until then"}});
     return;
   }
   context_.logger.Warn("clock_not_vouched",
                        {{"why", WhyNobodyVouches(facts)},
-                        {"and",
+                        {"effect",
                          "nothing is deleted until it is; if it is right, confirm it: "
                          "uplinkctl store clock --config FILE --confirm"}});
 }
