@@ -90,7 +90,7 @@ class Broker final : private SubscriberEvents {
   // --- Any thread ---
 
   /// Whether what twins say comes to our knowledge.
-  [[nodiscard]] fleet::Fleet::Hearing hearing() const { return heard_.hearing(); }
+  [[nodiscard]] fleet::Fleet::HearingState hearing() const { return heard_.hearing(); }
   [[nodiscard]] bool lease_failing() const { return lease_ != nullptr && lease_->failing(); }
   [[nodiscard]] bool holds_lease() const { return probe_.lease_held.value() != 0; }
   /// Messages whose records wait for their commit.

@@ -78,10 +78,10 @@ bool Heard::live_is_old() const {
   return live_behind_since_ && clock_.Steady() - *live_behind_since_ >= kLiveBehindMax;
 }
 
-fleet::Fleet::Hearing Heard::hearing() const {
+fleet::Fleet::HearingState Heard::hearing() const {
   const SteadyTime heard_at = heard_at_.load();
   const bool hears = heard_at != SteadyTime() && clock_.Steady() - heard_at < kTickLate;
-  return hears ? fleet::Fleet::Hearing::kUpToDate : fleet::Fleet::Hearing::kBehind;
+  return hears ? fleet::Fleet::HearingState::kUpToDate : fleet::Fleet::HearingState::kBehind;
 }
 
 std::optional<SystemTime> Heard::subscribed_since() const {

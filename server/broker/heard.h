@@ -39,7 +39,7 @@ class Heard final {
   /// Each look of kLiveBehindMax found us behind with the live connection: what it brings is too
   /// old to tell who lives. Thread: the broker's.
   [[nodiscard]] bool live_is_old() const;
-  [[nodiscard]] fleet::Fleet::Hearing hearing() const;
+  [[nodiscard]] fleet::Fleet::HearingState hearing() const;
   /// Nothing while we are not subscribed.
   [[nodiscard]] std::optional<SystemTime> subscribed_since() const;
 

@@ -195,22 +195,23 @@ SteadyTime::duration Fleet::StoodStill(SteadyTime now) {
   return since > kSweepLate ? since : SteadyTime::duration(0);
 }
 
-void Fleet::JudgeHearing(robot::Robot& robot, Hearing hearing, SteadyTime now) {
+void Fleet::ApplyHearing(robot::Robot& robot, HearingState hearing, SteadyTime now) {
   switch (hearing) {
-    case Hearing::kUpToDate:
+    case HearingState::kUpToDate:
       return;
-    case Hearing::kHereAlone:
+    case HearingState::kHereAlone:
       if (!robot.HasStream()) break;
       if (robot.state.AskBeforeOffline(now, presence_limits_of(robot)))
         robot.sessions.stream().Wake();
       return;
-    case Hearing::kBehind:
+    case HearingState::kBehind:
       break;
   }
   robot.state.NoteStall(now);
 }
 
-PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing twins_hearing) {
+PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
+                            HearingState twins_hearing) {
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
@@ -226,7 +227,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, Hearing hearing, Hearing 
       robot->state.NoteStall(breaks ? robot::EndOfStallWithGrace(steady, limits) : steady);
       continue;
     }
-    JudgeHearing(*robot, IsTwin(*robot) ? twins_hearing : hearing, steady);
+    ApplyHearing(*robot, IsTwin(*robot) ? twins_hearing : hearing, steady);
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, limits);
     if (presence) {

@@ -136,27 +136,26 @@ class Fleet final {
   static constexpr std::chrono::seconds kStandstillBreaks{15};
   static_assert(kStandstillBreaks > kSweepLate);
 
-  /// Whether what robots send comes to this process's knowledge. Of whom it would not, nobody
-  /// becomes offline: whose silence is too long is unknown, and so for the timeout of its presence
-  /// after.
-  enum class Hearing : std::uint8_t {
+  /// Whether this process learns what robots send. While it does not, and for the timeout of their
+  /// presence after, robots that are silent for too long become unknown, not offline.
+  enum class HearingState : std::uint8_t {
     kUpToDate,
-    /// Robots that left may stream to another process, which cannot reach the store and tell. One
-    /// whose stream is open here may have left too, by a network that cut it off without a word:
-    /// its silence counts once the stream's peer has answered (RobotState::AskBeforeOffline). Of
-    /// twins, which have no stream that could show who left, it says the same as kBehind.
+    /// Robots that left may stream to another process that cannot reach the store, and so cannot
+    /// tell. A robot with an open stream here may have left too, if the network cut it off
+    /// silently: its silence counts once the stream's peer has answered
+    /// (RobotState::AskBeforeOffline). Twins have no stream: for them it means kBehind.
     kHereAlone,
-    /// What robots sent has not been read; of twins also that their broker is not heard.
+    /// What robots sent has not been read. For twins also: their broker is not heard.
     kBehind,
   };
 
-  /// The periodic check: brings the presence of every robot that this process judges up to date,
-  /// forgets sessions that have been idle for `session_idle`, and counts. `hearing` is that of the
-  /// relay, and `twins_hearing` that of the broker through which twins are heard.
-  PresenceCounts Sweep(milliseconds session_idle, Hearing hearing = Hearing::kUpToDate,
-                       Hearing twins_hearing = Hearing::kUpToDate);
-  /// The broker through which twins are heard was not heard until now, for so short a time maybe
-  /// that no sweep was told: the silence of none of them until now counts.
+  /// The periodic check: updates the presence of every robot that this process judges, forgets
+  /// sessions that have been idle for `session_idle`, and counts. `hearing` is the relay's,
+  /// `twins_hearing` the broker's.
+  PresenceCounts Sweep(milliseconds session_idle, HearingState hearing = HearingState::kUpToDate,
+                       HearingState twins_hearing = HearingState::kUpToDate);
+  /// The broker was not heard until now, perhaps for less than a sweep: no twin's silence until now
+  /// counts.
   void NoteTwinsUnheard();
   /// How long after the store was replaced every other process knows that, if it reaches the new
   /// one, and has ended the streams whose holds it lost. One that does not reach it is late by then
@@ -198,7 +197,7 @@ class Fleet final {
   /// False if somebody keeps the robot, or it stays.
   bool Remove(const RobotPtr& robot);
   /// What the robot's silence until now is worth.
-  void JudgeHearing(robot::Robot& robot, Hearing hearing, SteadyTime now);
+  void ApplyHearing(robot::Robot& robot, HearingState hearing, SteadyTime now);
   /// How long the server stood still before this sweep; zero if it did not.
   [[nodiscard]] SteadyTime::duration StoodStill(SteadyTime now);
   [[nodiscard]] Shard& ShardOf(std::string_view ruri);

@@ -8,14 +8,14 @@ static_assert(
     kHandshakeEvery + kBehindAfter < robot::PresenceLimits{}.timeout,
     "a robot that reports often is not offline before the server knows that it is behind");
 
-Fleet::Hearing PresenceWatch::Hears() const {
-  using enum Fleet::Hearing;
+Fleet::HearingState PresenceWatch::Hears() const {
+  using enum Fleet::HearingState;
   if (sources_.liveness.behind()) return kBehind;
   return sources_.others_unseen() ? kHereAlone : kUpToDate;
 }
 
-Fleet::Hearing PresenceWatch::TwinsHear() const {
-  return sources_.twins_hear ? sources_.twins_hear() : Fleet::Hearing::kBehind;
+Fleet::HearingState PresenceWatch::TwinsHear() const {
+  return sources_.twins_hear ? sources_.twins_hear() : Fleet::HearingState::kBehind;
 }
 
 void PresenceWatch::Sweep() {

@@ -25,7 +25,7 @@ class PresenceWatch final {
     /// Whether other processes on the store may hear robots and cannot tell.
     std::function<bool()> others_unseen;
     /// Whether twins are heard through their broker; empty: they are not.
-    std::function<Fleet::Hearing()> twins_hear{};
+    std::function<Fleet::HearingState()> twins_hear{};
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
@@ -41,8 +41,8 @@ class PresenceWatch final {
   void AskRelay(const Ask& ask);
 
  private:
-  [[nodiscard]] Fleet::Hearing Hears() const;
-  [[nodiscard]] Fleet::Hearing TwinsHear() const;
+  [[nodiscard]] Fleet::HearingState Hears() const;
+  [[nodiscard]] Fleet::HearingState TwinsHear() const;
   void LogBehind();
 
   const Sources sources_;

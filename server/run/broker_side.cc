@@ -155,8 +155,8 @@ void BrokerSide::Stop() {
   parts_->loop.Stop();
 }
 
-fleet::Fleet::Hearing BrokerSide::hearing() const {
-  return parts_ == nullptr ? fleet::Fleet::Hearing::kBehind : parts_->broker.hearing();
+fleet::Fleet::HearingState BrokerSide::hearing() const {
+  return parts_ == nullptr ? fleet::Fleet::HearingState::kBehind : parts_->broker.hearing();
 }
 
 std::optional<view::BrokerStatus> BrokerSide::status() const {

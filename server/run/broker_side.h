@@ -67,7 +67,7 @@ class BrokerSide final {
   /// What is heard; empty without a broker.
   [[nodiscard]] const cyberwave::Twins& twins() const { return twins_; }
   [[nodiscard]] cyberwave::Twins& twins() { return twins_; }
-  [[nodiscard]] fleet::Fleet::Hearing hearing() const;
+  [[nodiscard]] fleet::Fleet::HearingState hearing() const;
   /// Nothing without a broker.
   [[nodiscard]] std::optional<view::BrokerStatus> status() const;
   [[nodiscard]] health::BrokerFacts facts() const;

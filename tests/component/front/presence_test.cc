@@ -63,7 +63,7 @@ class FrontPresence : public ::testing::Test {
     return bench_.bench().fleet().Find(fuzz::RuriOf(number))->state.presence();
   }
 
-  Fleet::Hearing hearing_ = Fleet::Hearing::kUpToDate;
+  Fleet::HearingState hearing_ = Fleet::HearingState::kUpToDate;
   ConnectionBench bench_;
 
  private:
@@ -118,7 +118,7 @@ TEST_F(FrontPresence, APeerThatDripsKeepsNobodyOnlineForLongerThanAMinutePerFram
 /// Another server is cut off from the store, and may hear whoever left.
 class FrontDoubt : public FrontPresence {
  protected:
-  FrontDoubt() { hearing_ = Fleet::Hearing::kHereAlone; }
+  FrontDoubt() { hearing_ = Fleet::HearingState::kHereAlone; }
 
   [[nodiscard]] static bool IsPinged(RawHttp2& client, std::size_t pings) {
     return client.ReadUntil([&] { return client.pings() == pings; });
@@ -174,7 +174,7 @@ TEST_F(FrontDoubt, WhoIsHeardAgainIsOnlineAndAskedAnewForItsNextSilence) {
 }
 
 TEST_F(FrontDoubt, WhileNobodyElseMayHearItNobodyIsAsked) {
-  hearing_ = Fleet::Hearing::kUpToDate;
+  hearing_ = Fleet::HearingState::kUpToDate;
   Step(seconds(1), 11);
   EXPECT_EQ(Presence(), robot::Presence::kOffline);
   ASSERT_TRUE(robot().Sync());

@@ -350,7 +350,7 @@ TEST_F(BrokerAcksTest, WithoutAnAckForASecondWeAreBehindThoughWeRead) {
     clock_.Advance(std::chrono::seconds(1));
   }
   EXPECT_TRUE(durable()->reading);
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kBehind);
   EXPECT_EQ(broker_.probe().behind.value(), 1);
 }
 

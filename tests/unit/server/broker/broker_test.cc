@@ -22,7 +22,7 @@ using ::testing::SizeIs;
 class BrokerTest : public BrokerWorld {};
 
 TEST_F(BrokerTest, HearsWhileBothConnectionsAreSubscribed) {
-  using enum fleet::Fleet::Hearing;
+  using enum fleet::Fleet::HearingState;
   EXPECT_EQ(broker_.hearing(), kBehind);
   Begin();
   Up(durable());
@@ -44,7 +44,7 @@ TEST_F(BrokerTest, ShowsAtOnceHowItsConnectionsStand) {
   Up(durable());
   Up(live());
   EXPECT_EQ(broker_.subscribed_since(), clock_.System());
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kUpToDate);
   ASSERT_THAT(broker_.connections(), SizeIs(2));
   for (const ConnectionStatus& connection : broker_.connections()) {
     EXPECT_EQ(connection.client.state, mqtt::ClientState::kSubscribed) << connection.client_id;
@@ -127,7 +127,7 @@ TEST_F(BrokerTest, AConnectionThatWasHeldIsReadAgainUnderTheNextLease) {
     clock_.Advance(std::chrono::seconds(1));
   }
   EXPECT_EQ(broker_.probe().behind.value(), 0);
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kUpToDate);
 }
 
 TEST_F(BrokerTest, AWindowThatWasFullSinceTheLastLookMakesNobodyOffline) {
@@ -139,9 +139,9 @@ TEST_F(BrokerTest, AWindowThatWasFullSinceTheLastLookMakesNobodyOffline) {
   Run();
   clock_.Advance(kTickLate);
   broker_.Tick();
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind) << "more may lie at the broker";
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kBehind) << "more may lie at the broker";
   broker_.Tick();
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kUpToDate);
 }
 
 TEST_F(BrokerTest, WhileNothingIsReadWeAreBehind) {
@@ -153,7 +153,7 @@ TEST_F(BrokerTest, WhileNothingIsReadWeAreBehind) {
     clock_.Advance(std::chrono::seconds(1));
   }
   EXPECT_EQ(broker_.probe().behind.value(), 1);
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kBehind);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kBehind);
 }
 
 TEST_F(BrokerTest, TellsTheStoreWhatIsOverEachSecondAndWhenItEnds) {
@@ -199,8 +199,8 @@ TEST_F(BrokerTest, AConnectionThatIsBackBeforeASweepMakesNobodyOffline) {
     for (milliseconds passed{0}; passed < time; passed += std::chrono::seconds(1)) {
       clock_.Advance(std::chrono::seconds(1));
       broker_.Tick();
-      static_cast<void>(
-          fleet_.Sweep(std::chrono::hours(1), fleet::Fleet::Hearing::kUpToDate, broker_.hearing()));
+      static_cast<void>(fleet_.Sweep(std::chrono::hours(1), fleet::Fleet::HearingState::kUpToDate,
+                                     broker_.hearing()));
     }
   };
   pass(timeout - std::chrono::seconds(2));
@@ -235,13 +235,13 @@ TEST_F(BrokerTest, ALiveConnectionThatIsLongBehindIsMadeAnew) {
             1);
   EXPECT_THAT(broker_.connections()[1].client.last_error,
               ::testing::HasSubstr("at each look of 10 s more than 128 KiB lay unread"));
-  EXPECT_NE(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_NE(broker_.hearing(), fleet::Fleet::HearingState::kUpToDate);
 
   clock_.Advance(std::chrono::seconds(1));
   links_.back()->events()->OnDue();
   Up(links_.back());
   pass(std::chrono::seconds(1));
-  EXPECT_EQ(broker_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(broker_.hearing(), fleet::Fleet::HearingState::kUpToDate);
 }
 
 TEST_F(BrokerTest, WithoutTheLeaseItTakesLeaveAndForgets) {

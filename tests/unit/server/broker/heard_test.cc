@@ -34,22 +34,22 @@ TEST_F(HeardTest, ABrokerThatIsTooSlowIsFoundOutByItsPings) {
     clock_.Advance(std::chrono::seconds(1));
   }
   EXPECT_TRUE(heard_.live_is_old());
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kBehind);
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kBehind);
   standing_.live_ping_waited = milliseconds(1'999);
   heard_.Look(standing_, durable_);
   EXPECT_FALSE(heard_.live_is_old());
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kUpToDate);
 }
 
 TEST_F(HeardTest, WhatWeAreTooSlowForTakesNobodyOffline) {
   standing_.live_unread = kLiveBehindBytes - 1;
   Pass(20);
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kUpToDate);
   standing_.live_unread = kLiveBehindBytes;
   Pass(2);
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kUpToDate) << "it may be one burst";
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kUpToDate) << "it may be one burst";
   Pass(1);
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kBehind);
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kBehind);
   EXPECT_EQ(probe_.behind.value(), 0);
   EXPECT_FALSE(heard_.live_is_old());
   Pass(8);
@@ -58,7 +58,7 @@ TEST_F(HeardTest, WhatWeAreTooSlowForTakesNobodyOffline) {
   standing_.live_unread = 0;
   Pass(1);
   EXPECT_FALSE(heard_.live_is_old());
-  EXPECT_EQ(heard_.hearing(), fleet::Fleet::Hearing::kUpToDate);
+  EXPECT_EQ(heard_.hearing(), fleet::Fleet::HearingState::kUpToDate);
   standing_.subscribed = false;
   Pass(1);
   standing_.subscribed = true;

@@ -243,7 +243,7 @@ TEST_F(LongStandstill, WhoIsHeardAfterItIsOnlineAtOnce) {
 }
 
 TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
-  using enum Fleet::Hearing;
+  using enum Fleet::HearingState;
   Fleet fleet(clock_, 100, {});
   const robot::PresenceLimits& limits = fleet.presence_limits();
   robot::Robot& gone = Admit(fleet, "rcan://gone");
@@ -253,7 +253,7 @@ TEST_F(FleetTest, WhileTheServerIsBehindNobodyBecomesOffline) {
   robot::Robot& waiting = Admit(fleet, "rcan://waiting");
   heard.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
   waiting.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
-  const auto sweep = [&](Fleet::Hearing hearing, milliseconds in) {
+  const auto sweep = [&](Fleet::HearingState hearing, milliseconds in) {
     for (milliseconds left = in; left > milliseconds(0); left -= seconds(1)) {
       clock_.Advance(std::min<milliseconds>(left, seconds(1)));
       fleet.Sweep(kIdle, hearing);
@@ -372,10 +372,10 @@ TEST_F(FleetTest, ATwinIsJudgedByItsOwnTimeout) {
 }
 
 TEST_F(FleetTest, WhatTheRelayHearsSaysNothingOfTwinsNorTheOtherWayRound) {
-  using enum Fleet::Hearing;
+  using enum Fleet::HearingState;
   struct Case {
-    Fleet::Hearing relay;
-    Fleet::Hearing twins;
+    Fleet::HearingState relay;
+    Fleet::HearingState twins;
     robot::Presence of_relay;
     robot::Presence of_twin;
   };

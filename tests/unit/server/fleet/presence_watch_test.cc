@@ -218,7 +218,7 @@ class TwinWatchTest : public PresenceWatchTest {
   }
   void SweepTwins(seconds duration) { Sweep(twins_watch_, clock_, duration); }
 
-  Fleet::Hearing twins_hear_ = Fleet::Hearing::kUpToDate;
+  Fleet::HearingState twins_hear_ = Fleet::HearingState::kUpToDate;
   PresenceWatch twins_watch_{{clock_, fleet_, liveness_, logger_, sweep_seconds_,
                               std::chrono::hours(1), [this] { return others_unseen_; },
                               [this] { return twins_hear_; }}};
@@ -240,7 +240,7 @@ TEST_F(TwinWatchTest, ATwinIsOfflineTwentySecondsAfterItWasHeardAndTheRelaysRobo
 }
 
 TEST_F(TwinWatchTest, WhileTheBrokerIsNotHeardATwinIsUnknownAndSoItsTimeoutAfter) {
-  using enum Fleet::Hearing;
+  using enum Fleet::HearingState;
   Hear(beside_);
   twins_hear_ = kBehind;
   SweepTwins(seconds(20));
