@@ -13,7 +13,7 @@ Broker::Broker(Context context)
       connection_log_(context_.logger, context_.clock, context_.clients.front().url.Text()),
       refused_log_(context_.logger),
       limited_log_(context_.logger),
-      heard_(context_.clock, probe_),
+      health_(context_.clock, probe_),
       statuses_(context_.clients),
       wakes_([this] { context_.post([this] { OnWakes(); }); }),
       subscribers_{Subscriber(Connection::kDurable, *this), Subscriber(Connection::kLive, *this),
@@ -110,7 +110,7 @@ void Broker::StopClient(Connection connection) {
   subscriber.NoteStopped();
   subscriber.SetClient(nullptr);
   if (connection == Connection::kDurable) DropHeldBack();
-  NoteHearing();
+  UpdateHealth();
 }
 
 void Broker::DropHeldBack() {
@@ -170,7 +170,7 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
 
 void Broker::OnSubscribed(Connection connection) {
   connection_log_.Subscribed(connection);
-  NoteHearing();
+  UpdateHealth();
   // Of what twins said until now we heard nothing, however short that was.
   if (connection != Connection::kMedia) context_.fleet.NoteTwinsUnheard();
 }
@@ -211,7 +211,7 @@ void Broker::OnEnded(Connection connection, const mqtt::End& end) {
   connection_log_.Ended(connection, end);
   ask_since_ = context_.clock.Steady();
   if (lease_ != nullptr) lease_->LookSoon();
-  NoteHearing();
+  UpdateHealth();
   if (connection != Connection::kDurable || !held_) return;
   DropHeldBack();
   Of(connection).client()->ReadAgain();
@@ -260,9 +260,9 @@ void Broker::Tick() {
   TryHeldBack();
   AfterWork();
   RememberOver();
-  NoteHearing();
+  UpdateHealth();
   // It starts clean: what the broker has for it, it throws away.
-  if (heard_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());
+  if (health_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());
   probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));
   if (began_ && context_.fleet.changes() != fleet_changes_) {
     fleet_changes_ = context_.fleet.changes();
@@ -275,9 +275,9 @@ void Broker::Tick() {
   streams_.ForgetLeft();
 }
 
-void Broker::NoteHearing() {
+void Broker::UpdateHealth() {
   mqtt::Client* live = Of(Connection::kLive).client();
-  heard_.Look(
+  health_.Update(
       {.subscribed =
            began_ && Of(Connection::kDurable).subscribed() && Of(Connection::kLive).subscribed(),
        .unacked_max = unacked_max(),

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/broker/broker_health.h"
 #include "server/broker/commits.h"
 #include "server/broker/connection_log.h"
 #include "server/broker/connection_statuses.h"
-#include "server/broker/heard.h"
 #include "server/broker/held_back_message.h"
 #include "server/broker/intake.h"
 #include "server/broker/lease_view.h"
@@ -89,8 +89,8 @@ class Broker final : private SubscriberEvents {
 
   // --- Any thread ---
 
-  /// Whether what twins say comes to our knowledge.
-  [[nodiscard]] fleet::Fleet::HearingState hearing() const { return heard_.hearing(); }
+  /// Whether we learn what twins say.
+  [[nodiscard]] fleet::Fleet::HearingState hearing() const { return health_.hearing(); }
   [[nodiscard]] bool lease_failing() const { return lease_ != nullptr && lease_->failing(); }
   [[nodiscard]] bool holds_lease() const { return probe_.lease_held.value() != 0; }
   /// Messages whose records wait for their commit.
@@ -113,7 +113,7 @@ class Broker final : private SubscriberEvents {
     return subscribers_[static_cast<std::size_t>(connection)].probe();
   }
   [[nodiscard]] std::optional<SystemTime> subscribed_since() const {
-    return heard_.subscribed_since();
+    return health_.subscribed_since();
   }
   /// When the broker was last found to have lost our session.
   [[nodiscard]] std::optional<SystemTime> session_lost_at() const {
@@ -154,7 +154,7 @@ class Broker final : private SubscriberEvents {
   void AfterWork();
   /// Tells the store which deliveries that it remembers are over.
   void RememberOver();
-  void NoteHearing();
+  void UpdateHealth();
   /// For connections().
   void NoteStatuses();
 
@@ -164,7 +164,7 @@ class Broker final : private SubscriberEvents {
   ConnectionLog connection_log_;
   log::RateLimited refused_log_;
   LimitedLog limited_log_;
-  Heard heard_;
+  BrokerHealth health_;
   ConnectionStatuses statuses_;
   StreamWakes wakes_;
   mqtt::ConnectionNumbers numbers_;

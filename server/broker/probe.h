@@ -35,7 +35,7 @@ struct BrokerProbe {
   metrics::Cell lease_taken;
   /// Unix time at which the certificate expires that the broker sees (NoteCertificate).
   metrics::Cell certificate_expiry_s;
-  /// 1 while we are behind with what the broker has for us (heard.h).
+  /// 1 while we are behind with what the broker has for us (broker_health.h).
   metrics::Cell behind;
 };
 

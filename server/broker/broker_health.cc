@@ -1,4 +1,4 @@
-#include "server/broker/heard.h"
+#include "server/broker/broker_health.h"
 
 #include <utility>
 
@@ -9,8 +9,9 @@
 namespace uplink::broker {
 namespace {
 
-bool IsLiveBehind(const Heard::Standing& standing) {
-  return standing.live_unread >= kLiveBehindBytes || standing.live_ping_waited >= kLivePingWaitMax;
+bool IsLiveBehind(const BrokerHealth::Connections& connections) {
+  return connections.live_unread >= kLiveBehindBytes ||
+         connections.live_ping_waited >= kLivePingWaitMax;
 }
 
 bool IsStopped(const mqtt::ClientProbe& durable) {
@@ -21,10 +22,10 @@ bool IsStopped(const mqtt::ClientProbe& durable) {
 
 }  // namespace
 
-void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
+void BrokerHealth::Update(const Connections& connections, const mqtt::ClientProbe& durable) {
   const SteadyTime now = clock_.Steady();
-  const bool subscribed = standing.subscribed;
-  const Progress progress = NoteProgress(durable, standing);
+  const bool subscribed = connections.subscribed;
+  const Progress progress = NoteProgress(durable, connections);
   if (!progress.stopped || progress.read) {
     unread_since_.reset();
   } else if (!unread_since_) {
@@ -35,7 +36,7 @@ void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
   } else if (!behind_since_) {
     behind_since_ = now;
   }
-  if (!IsLiveBehind(standing) || !subscribed) {
+  if (!IsLiveBehind(connections) || !subscribed) {
     live_behind_since_.reset();
   } else if (!live_behind_since_) {
     live_behind_since_ = now;
@@ -58,7 +59,8 @@ void Heard::Look(const Standing& standing, const mqtt::ClientProbe& durable) {
   }
 }
 
-Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, const Standing& standing) {
+BrokerHealth::Progress BrokerHealth::NoteProgress(const mqtt::ClientProbe& durable,
+                                                  const Connections& connections) {
   const std::int64_t messages = durable.messages[0].value() + durable.messages[1].value();
   const std::int64_t pubacks = durable.pubacks.value();
   const std::int64_t stops = durable.window_stops.value() + probe_.held_back_total.value();
@@ -68,23 +70,23 @@ Heard::Progress Heard::NoteProgress(const mqtt::ClientProbe& durable, const Stan
   const bool stuck = std::exchange(pubacks_then_, pubacks) == pubacks && unacked > 0;
   const bool stopped = IsStopped(durable) || stuck;
   const bool stopped_since = std::exchange(stops_then_, stops) != stops;
-  const bool full = unacked >= static_cast<std::int64_t>(standing.unacked_max);
+  const bool full = unacked >= static_cast<std::int64_t>(connections.unacked_max);
   return {.read = std::exchange(messages_then_, messages) != messages,
           .stopped = stopped,
-          .behind = stopped || stopped_since || full || IsLiveBehind(standing)};
+          .behind = stopped || stopped_since || full || IsLiveBehind(connections)};
 }
 
-bool Heard::live_is_old() const {
+bool BrokerHealth::live_is_old() const {
   return live_behind_since_ && clock_.Steady() - *live_behind_since_ >= kLiveBehindMax;
 }
 
-fleet::Fleet::HearingState Heard::hearing() const {
+fleet::Fleet::HearingState BrokerHealth::hearing() const {
   const SteadyTime heard_at = heard_at_.load();
   const bool hears = heard_at != SteadyTime() && clock_.Steady() - heard_at < kTickLate;
   return hears ? fleet::Fleet::HearingState::kUpToDate : fleet::Fleet::HearingState::kBehind;
 }
 
-std::optional<SystemTime> Heard::subscribed_since() const {
+std::optional<SystemTime> BrokerHealth::subscribed_since() const {
   const std::lock_guard lock(mutex_);
   return subscribed_since_;
 }
