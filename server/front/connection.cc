@@ -33,7 +33,7 @@ void Connection::Start() {
 void Connection::OnReceived(std::string_view bytes) {
   thread_.clock.Advance();
   const SteadyTime now = thread_.clock.Steady();
-  lifetime_.Heard(now);
+  lifetime_.NoteHeard(now);
   place_.NoteHeard(now);
   if (phase_ == Phase::kLinger && ++linger_reads_ > kLingerReadsMax) return Close();
   if (phase_ == Phase::kLinger || phase_ == Phase::kClosed) return;

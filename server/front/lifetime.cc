@@ -51,7 +51,7 @@ void Lifetime::SetExpiry(SteadyTime now, milliseconds until_expiry) {
   age_at_ = old_at_ ? std::min<SteadyTime>(*old_at_, at) : at;
 }
 
-void Lifetime::Heard(SteadyTime now) {
+void Lifetime::NoteHeard(SteadyTime now) {
   heard_at_ = now;
   answer_by_.reset();
 }

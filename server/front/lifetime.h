@@ -71,7 +71,7 @@ class Lifetime final {
   void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
   /// So much is left of its certificates now. Nothing once its age was told.
   void SetExpiry(SteadyTime now, milliseconds until_expiry);
-  void Heard(SteadyTime now);
+  void NoteHeard(SteadyTime now);
   /// The peer takes what waits for it, though it says nothing: our question waits behind that.
   void StillTakes(SteadyTime now);
   /// A call of it was served: from then on it may be without one for long.

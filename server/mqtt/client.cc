@@ -166,7 +166,7 @@ void Client::OnUp() {
 void Client::OnRead() {
   reading_ = false;
   taken_ = 0;
-  conversation_->Heard();
+  conversation_->NoteHeard();
   Settle();
 }
 

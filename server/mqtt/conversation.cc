@@ -61,9 +61,9 @@ std::string Conversation::ConnectBytes(Beginning& beginning) const {
   return EncodeConnect(connect);
 }
 
-void Conversation::Heard() {
+void Conversation::NoteHeard() {
   heard_at_ = context_.clock.Steady();
-  keepalive_.Heard(heard_at_);
+  keepalive_.NoteHeard(heard_at_);
 }
 
 std::size_t Conversation::Take(std::string_view bytes) {

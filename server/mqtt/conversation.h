@@ -47,7 +47,7 @@ class Conversation final {
   Conversation& operator=(const Conversation&) = delete;
 
   /// New bytes came; Take is to be given them.
-  void Heard();
+  void NoteHeard();
   /// Takes bytes and tells the listener, until they are used up, reading is to stop or the
   /// connection ends. Returns how many it took. It is to be called again when reading() is true
   /// again, even with no bytes.

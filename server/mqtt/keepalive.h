@@ -31,7 +31,7 @@ class Keepalive final {
 
   /// Bytes were given to the connection; bytes came from it.
   void Sent(SteadyTime now) { sent_ = now; }
-  void Heard(SteadyTime now) { heard_ = now; }
+  void NoteHeard(SteadyTime now) { heard_ = now; }
   void Pinged(SteadyTime now) {
     sent_ = now;
     asked_ = now;

@@ -4,17 +4,17 @@
 
 namespace uplink::robot {
 
-FleetWords::Heard FleetWords::Say(const FleetSaid& said, loop::StreamRef stream) {
+FleetWords::Effect FleetWords::Say(const FleetSaid& said, loop::StreamRef stream) {
   using storage::FleetWord;
-  Heard heard{.word = said.word};
+  Effect effect{.word = said.word};
   if (untold_) {
     const bool same = untold_->fleet == said.fleet;
-    heard.disowns = untold_->word == FleetWord::kMatches && !same;
-    if (untold_->word == FleetWord::kMoves && same) heard.word = FleetWord::kMoves;
+    effect.disowns = untold_->word == FleetWord::kMatches && !same;
+    if (untold_->word == FleetWord::kMoves && same) effect.word = FleetWord::kMoves;
   }
-  untold_ = FleetSaid{.fleet = said.fleet, .word = heard.word};
+  untold_ = FleetSaid{.fleet = said.fleet, .word = effect.word};
   stream_ = stream;
-  return heard;
+  return effect;
 }
 
 std::optional<FleetWords::Refused> FleetWords::Refuse() {

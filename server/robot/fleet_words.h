@@ -18,7 +18,7 @@ struct FleetSaid {
 /// its owner's lock.
 class FleetWords final {
  public:
-  struct Heard {
+  struct Effect {
     /// What the store is to be told: a word that moves the robot stands until the store was told.
     storage::FleetWord word = storage::FleetWord::kMoves;
     /// An earlier stream spoke for another fleet by a word that moves nothing, and the store will
@@ -26,7 +26,7 @@ class FleetWords final {
     bool disowns = false;
   };
   /// A stream says this, and the store is about to be asked.
-  [[nodiscard]] Heard Say(const FleetSaid& said, loop::StreamRef stream);
+  [[nodiscard]] Effect Say(const FleetSaid& said, loop::StreamRef stream);
   /// The store has the robot in that fleet, or all that waited is void.
   void Answered() { untold_.reset(); }
 

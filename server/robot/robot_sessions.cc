@@ -41,9 +41,9 @@ loop::StreamRef RobotSessions::Detach(loop::StreamRef stream, SteadyTime now) {
 std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId& session,
                                                          SteadyTime now, const FleetSaid& said) {
   const std::lock_guard lock(mutex_);
-  const FleetWords::Heard heard = fleet_words_.Say(said, takeover_.current());
+  const FleetWords::Effect effect = fleet_words_.Say(said, takeover_.current());
   std::optional<std::size_t> disowned;
-  if (heard.disowns) disowned = Void();
+  if (effect.disowns) disowned = Void();
   SessionMemory* memory = sessions_.FindOrCreate(session);
   if (memory == nullptr) return std::nullopt;
   memory->last_used = now;
@@ -55,7 +55,7 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   resends_.Begin();
   return Begun{.open_id = opening_.Ask(),
                .generation = generation_.load(),
-               .fleet_word = heard.word,
+               .fleet_word = effect.word,
                .disowned = disowned};
 }
 

@@ -21,7 +21,7 @@ ANSWER_SECONDS = 30
 # Reason codes of refusals begin here.
 REFUSED = 0x80
 
-Heard = collections.namedtuple("Heard", "topic payload retain properties")
+Publication = collections.namedtuple("Publication", "topic payload retain properties")
 # How somebody comes to a broker that takes not everybody; `tls` is an ssl.SSLContext.
 Login = collections.namedtuple("Login", "tls username password")
 
@@ -159,4 +159,4 @@ def heard_of(first, body):
     # Behind the packet id, if it has one. Properties of more than 127 bytes are not expected.
     size_at = end + 2 if first & QOS else end
     start = size_at + 1 + body[size_at]
-    return Heard(body[2:end].decode(), body[start:], bool(first & RETAIN), body[size_at + 1 : start])
+    return Publication(body[2:end].decode(), body[start:], bool(first & RETAIN), body[size_at + 1 : start])

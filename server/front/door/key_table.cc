@@ -25,7 +25,7 @@ std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_
   return evicted_id;
 }
 
-void KeyTable::Heard(std::uint64_t connection, SteadyTime now) {
+void KeyTable::NoteHeard(std::uint64_t connection, SteadyTime now) {
   const std::lock_guard lock(mutex_);
   const auto found = connections_.find(connection);
   if (found == connections_.end()) return;

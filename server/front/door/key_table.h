@@ -29,7 +29,7 @@ class KeyTable final {
                                                  std::size_t per_key_max, SteadyTime now);
   /// Something came from its peer. Here and below, an unknown connection is passed over: it may
   /// have been evicted meanwhile.
-  void Heard(std::uint64_t connection, SteadyTime now);
+  void NoteHeard(std::uint64_t connection, SteadyTime now);
   /// How many streams it has; none at first.
   void SetStreams(std::uint64_t connection, std::size_t streams);
   void Remove(std::uint64_t connection);

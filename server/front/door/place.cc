@@ -30,7 +30,7 @@ std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& ori
 void Place::NoteHeard(SteadyTime now) {
   if (!taken_ || now < noted_at_ + kNoteHeardEvery) return;
   noted_at_ = now;
-  book_.keys().Heard(connection_, now);
+  book_.keys().NoteHeard(connection_, now);
 }
 
 void Place::SetStreams(std::size_t streams) {

@@ -23,7 +23,7 @@ class LifetimeTest : public ::testing::Test {
   }
   /// The peer was heard just before.
   Due HeardAndDueAt(milliseconds at) {
-    lifetime_.Heard(kStart + at);
+    lifetime_.NoteHeard(kStart + at);
     return DueAt(at);
   }
   /// Besides looks at the expiry, which find what they found before.
@@ -54,7 +54,7 @@ TEST_F(LifetimeTest, WhoTakesWhatWaitsForItHasLongerToAnswer) {
 TEST_F(LifetimeTest, AnyByteIsAnAnswer) {
   Open(milliseconds(0), kYear);
   EXPECT_EQ(DueAt(kKeepaliveAfter), Due::kPing);
-  lifetime_.Heard(kStart + kKeepaliveAfter + milliseconds(1));
+  lifetime_.NoteHeard(kStart + kKeepaliveAfter + milliseconds(1));
   EXPECT_EQ(DueAt(kKeepaliveAfter + kKeepaliveWait), Due::kNothing);
 }
 
@@ -82,7 +82,7 @@ TEST_F(LifetimeTest, ItEndsTenMinutesBeforeItsCertificate) {
 milliseconds ToldAt(Lifetime& lifetime, milliseconds until_expiry, milliseconds slew) {
   milliseconds left = until_expiry;
   for (milliseconds at{0}; at <= until_expiry; at += kExpiryLook) {
-    lifetime.Heard(kStart + at);
+    lifetime.NoteHeard(kStart + at);
     Due due = lifetime.Take(kStart + at, false);
     if (due == Due::kLookAtExpiry) {
       lifetime.SetExpiry(kStart + at, left);
@@ -124,7 +124,7 @@ TEST_F(LifetimeTest, WithLittleLeftItStaysUntilTheExpiry) {
 
 TEST_F(LifetimeTest, TheExpiryIsLookedAtEveryMinute) {
   Open(milliseconds(0), kYear);
-  lifetime_.Heard(kStart + kExpiryLook);
+  lifetime_.NoteHeard(kStart + kExpiryLook);
   EXPECT_EQ(lifetime_.Take(kStart + kExpiryLook - milliseconds(1), false), Due::kNothing);
   EXPECT_LE(lifetime_.next(kStart), kStart + kExpiryLook);
   EXPECT_EQ(lifetime_.Take(kStart + kExpiryLook, false), Due::kLookAtExpiry);
@@ -155,7 +155,7 @@ TEST_F(LifetimeTest, OnceItsAgeWasToldTheExpirySaysNothing) {
   Open(kHour, kYear);
   EXPECT_EQ(HeardAndDueAt(kHour), Due::kAge);
   lifetime_.SetExpiry(kStart + kHour, milliseconds(0));
-  lifetime_.Heard(kStart + kHour * 2);
+  lifetime_.NoteHeard(kStart + kHour * 2);
   EXPECT_EQ(lifetime_.Take(kStart + kHour * 2, false), Due::kNothing);
 }
 

@@ -14,7 +14,7 @@ constexpr SteadyTime kStart{1h};
 
 TEST(MqttKeepalive, PingsEachIntervalWhateverIsSentAndComes) {
   Keepalive keepalive(60s, 15s, kStart);
-  keepalive.Heard(kStart + 50s);
+  keepalive.NoteHeard(kStart + 50s);
   EXPECT_EQ(keepalive.Next(), kStart + 60s);
   EXPECT_EQ(keepalive.At(kStart + 59s), Due::kNothing);
   EXPECT_EQ(keepalive.At(kStart + 60s), Due::kPing);
@@ -29,7 +29,7 @@ TEST(MqttKeepalive, TellsHowLongAPingWaitsThoughOtherBytesCome) {
   Keepalive keepalive(60s, 15s, kStart);
   EXPECT_EQ(keepalive.Waited(kStart + 60s), 0s);
   keepalive.Pinged(kStart + 60s);
-  keepalive.Heard(kStart + 69s);
+  keepalive.NoteHeard(kStart + 69s);
   keepalive.Pinged(kStart + 120s);
   EXPECT_EQ(keepalive.Waited(kStart + 121s), 61s);
   keepalive.StopReading();
@@ -52,7 +52,7 @@ TEST(MqttKeepalive, NoPingrespIsLateAfterTheWait) {
   EXPECT_EQ(keepalive.Next(), kStart + 75s);
   EXPECT_EQ(keepalive.At(kStart + 74s), Due::kNothing);
   EXPECT_EQ(keepalive.At(kStart + 75s), Due::kLate);
-  keepalive.Heard(kStart + 74s);
+  keepalive.NoteHeard(kStart + 74s);
   keepalive.Ponged();
   EXPECT_EQ(keepalive.At(kStart + 75s), Due::kNothing);
 }
@@ -60,7 +60,7 @@ TEST(MqttKeepalive, NoPingrespIsLateAfterTheWait) {
 TEST(MqttKeepalive, BytesThatComeAreASignOfLife) {
   Keepalive keepalive(60s, 15s, kStart);
   keepalive.Pinged(kStart + 60s);
-  keepalive.Heard(kStart + 74s);
+  keepalive.NoteHeard(kStart + 74s);
   EXPECT_EQ(keepalive.At(kStart + 88s), Due::kNothing);
   EXPECT_EQ(keepalive.At(kStart + 89s), Due::kLate);
 }

@@ -32,7 +32,7 @@ TEST(KeyTable, PastItTheOldestWithoutAStreamGoes) {
   AddStreaming(table, 4);
   table.SetStreams(2, 0);
   table.SetStreams(3, 0);
-  table.Heard(2, kNow + kSecond * 60);
+  table.NoteHeard(2, kNow + kSecond * 60);
   EXPECT_EQ(table.Add(Digest(1), 5, 4, kNow + kSecond * 61), 2U);
   EXPECT_EQ(table.connections(), 4U);
 }
@@ -40,8 +40,8 @@ TEST(KeyTable, PastItTheOldestWithoutAStreamGoes) {
 TEST(KeyTable, PastItTheOneHeardLeastRecentlyGoesIfAllHaveAStream) {
   KeyTable table;
   AddStreaming(table, 3);
-  table.Heard(1, kNow + kSecond * 10);
-  table.Heard(3, kNow + kSecond * 11);
+  table.NoteHeard(1, kNow + kSecond * 10);
+  table.NoteHeard(3, kNow + kSecond * 11);
   EXPECT_EQ(table.Add(Digest(1), 4, 3, kNow + kSecond * 12), 2U);
 }
 
@@ -54,8 +54,8 @@ TEST(KeyTable, WhoWasNeverHeardCountsFromWhenItCame) {
 TEST(KeyTable, AnEarlierTimeOfAnotherThreadTakesNothingBack) {
   KeyTable table;
   AddStreaming(table, 2);
-  table.Heard(1, kNow + kSecond * 10);
-  table.Heard(1, kNow);
+  table.NoteHeard(1, kNow + kSecond * 10);
+  table.NoteHeard(1, kNow);
   EXPECT_EQ(table.Add(Digest(1), 3, 2, kNow + kSecond * 12), 2U);
 }
 
@@ -107,7 +107,7 @@ TEST(KeyTable, PassesOverAnEvictedConnection) {
   KeyTable table;
   AddStreaming(table, 1);
   ASSERT_EQ(table.Add(Digest(1), 2, 1, kNow), 1U);
-  table.Heard(1, kNow);
+  table.NoteHeard(1, kNow);
   table.SetStreams(1, 3);
   table.Remove(1);
   EXPECT_EQ(table.connections(), 1U);
@@ -135,7 +135,7 @@ void UseTable(KeyTable& table, std::uint64_t thread) {
     const auto evicted = table.Add(Digest(i % 2 == 0 ? 1 : 2), id, kPerKeyMax, kNow);
     if (evicted) table.Remove(*evicted);
     table.SetStreams(id, i % 3);
-    table.Heard(id, kNow + milliseconds(i));
+    table.NoteHeard(id, kNow + milliseconds(i));
     if (i % 5 == 0) table.Remove(id);
   }
 }
