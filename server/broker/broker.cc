@@ -121,7 +121,7 @@ void Broker::DropHeldBack() {
 
 void Broker::End() {
   if (!std::exchange(began_, false)) return;
-  RememberOver();
+  StoreExpired();
   probe_.lease_held.Set(0);
   rereading_.End();
   for (std::size_t i = 0; i < context_.clients.size(); ++i) StopClient(static_cast<Connection>(i));
@@ -154,7 +154,7 @@ void Broker::BeginDrain() {
   // It was not acked, and comes again.
   DropHeldBack();
   AfterWork();
-  RememberOver();
+  StoreExpired();
 }
 
 void Broker::OnConnected(Connection connection, const mqtt::Connected& connected) {
@@ -250,16 +250,17 @@ void Broker::AfterWork() {
   Reread();
 }
 
-void Broker::RememberOver() {
-  storage::Deliveries over = commits_.TakeOver();
-  if (!over.rows.empty()) context_.journals.all().front()->Remember(std::move(over));
+void Broker::StoreExpired() {
+  storage::Deliveries expired = commits_.TakeExpired();
+  if (expired.rows.empty()) return;
+  context_.journals.all().front()->Remember(std::move(expired));
 }
 
 void Broker::Tick() {
   const SteadyTime now = context_.clock.Steady();
   TryHeldBack();
   AfterWork();
-  RememberOver();
+  StoreExpired();
   UpdateHealth();
   // It starts clean: what the broker has for it, it throws away.
   if (health_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());

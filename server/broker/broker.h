@@ -152,8 +152,8 @@ class Broker final : private SubscriberEvents {
   void DropHeldBack();
   void TryHeldBack();
   void AfterWork();
-  /// Tells the store which deliveries that it remembers are over.
-  void RememberOver();
+  /// Tells the store which remembered deliveries have expired.
+  void StoreExpired();
   void UpdateHealth();
   /// For connections().
   void NoteStatuses();

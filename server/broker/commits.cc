@@ -83,8 +83,8 @@ void Commits::NoteSettled(TwinStream& stream, std::uint16_t packet_id) {
   settled.push_back(packet_id);
 }
 
-storage::Deliveries Commits::TakeOver() {
-  return {.hold = hold_, .rows = redeliveries_.TakeOver()};
+storage::Deliveries Commits::TakeExpired() {
+  return {.hold = hold_, .rows = redeliveries_.TakeExpired()};
 }
 
 std::vector<storage::Delivery> Commits::DeliveriesWith(TwinStream& stream,

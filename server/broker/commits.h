@@ -63,8 +63,8 @@ class Commits final {
   }
   /// The broker lost the session. Returns what is to be remembered of that.
   [[nodiscard]] storage::Deliveries EndSession();
-  /// What the store is to remember as over since the last call; often nothing.
-  [[nodiscard]] storage::Deliveries TakeOver();
+  /// Deliveries that have expired since the last call, for the store to remember; often none.
+  [[nodiscard]] storage::Deliveries TakeExpired();
   [[nodiscard]] const storage::TopicHoldRef& hold() const { return hold_; }
 
   /// A message as the broker delivered it. A value.

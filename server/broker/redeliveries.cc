@@ -46,7 +46,7 @@ void Redeliveries::AddWaiting(const storage::Delivery& delivery, std::uint64_t s
 
 void Redeliveries::Replace(std::uint16_t packet_id, const Entry& entry) {
   Entry& kept = known_[packet_id];
-  if (kept.number != 0) over_.push_back(packet_id);
+  if (kept.number != 0) expired_.push_back(packet_id);
   kept = entry;
   kept.ordinal = ++last_ordinal_;
 }
@@ -84,9 +84,9 @@ std::vector<storage::Delivery> Redeliveries::Number(std::uint64_t stream,
   return numbered;
 }
 
-std::vector<storage::Delivery> Redeliveries::TakeOver() {
+std::vector<storage::Delivery> Redeliveries::TakeExpired() {
   std::vector<storage::Delivery> ends;
-  for (const std::uint16_t packet_id : std::exchange(over_, {})) {
+  for (const std::uint16_t packet_id : std::exchange(expired_, {})) {
     const auto found = known_.find(packet_id);
     // What has the id by now was remembered itself.
     if (found != known_.end() && found->second.number != 0) continue;
@@ -106,7 +106,7 @@ void Redeliveries::Commit(std::uint16_t packet_id, std::uint64_t number) {
 void Redeliveries::BeginReread() {
   for (auto& [packet_id, entry] : known_) {
     entry.is_fresh = false;
-    // Under its id the store's memory, which may still have an older one, is over nonetheless.
+    // The store may still remember an older one under its id: that has expired all the same.
     if (entry.settled.rests_on && entry.number == 0) entry = {.ordinal = entry.ordinal};
   }
 }
@@ -123,7 +123,7 @@ void Redeliveries::DropSettled(std::uint64_t stream, std::vector<std::uint16_t> 
 
 storage::Delivery Redeliveries::EndSession() {
   known_.clear();
-  over_.clear();
+  expired_.clear();
   return {.number = NextNumber(), .packet_id = 0, .digest = {}};
 }
 

@@ -27,7 +27,7 @@ class Redeliveries final {
 
   /// Begins with what the store knows, under a new lease. What waits here is known better.
   void Begin(const storage::DeliveryMemory& memory) {
-    over_.clear();
+    expired_.clear();
     Load(memory, false);
   }
   /// The store is to be asked what it knows: it may lack what was committed until now. What rests
@@ -73,8 +73,8 @@ class Redeliveries final {
                                                       std::vector<std::uint16_t> packet_ids);
   /// A new message under the id is settled at once, and not remembered.
   void End(std::uint16_t packet_id);
-  /// What the store knows, or will, and is over since the last call: to be remembered.
-  [[nodiscard]] std::vector<storage::Delivery> TakeOver();
+  /// Deliveries that the store knows, or will know, and that expired since the last call.
+  [[nodiscard]] std::vector<storage::Delivery> TakeExpired();
   /// It was committed.
   void Commit(std::uint16_t packet_id, std::uint64_t number);
   /// It was not, and never will be: it is new when it comes again.
@@ -117,8 +117,8 @@ class Redeliveries final {
   /// Of what the store knows only the numbers are known, which are as far apart or less.
   std::uint64_t last_ordinal_;
   std::unordered_map<std::uint16_t, Entry> known_;
-  /// Packet ids under which the store knows what is over; each once until it gets a number.
-  std::vector<std::uint16_t> over_;
+  /// Packet ids under which the store knows an expired delivery; each once until it gets a number.
+  std::vector<std::uint16_t> expired_;
 };
 
 }  // namespace uplink::broker

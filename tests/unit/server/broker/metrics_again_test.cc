@@ -38,8 +38,8 @@ class MetricsAgainTest : public ::testing::Test {
     }
     return faults;
   }
-  /// Another process, after this one was killed.
-  void TakeOver(Bench& next) {
+  /// Another process takes the lease, after this one was killed.
+  void HandOver(Bench& next) {
     broker::FaultsByRobot faults;
     const auto page = bench_.store.FaultsActive({});
     for (const storage::FaultRow& row : page->rows) {
@@ -128,7 +128,7 @@ TEST_F(MetricsAgainTest, AreDuplicatesForTheNextProcessIfWhatFollowedWasCommitte
   Say(bench_, 2, R"(["hot"])");
   bench_.Run();
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   Say(next, 1, "[]", true);
   Say(next, 2, R"(["hot"])", true);
   next.Run();
@@ -142,7 +142,7 @@ TEST_F(MetricsAgainTest, HoweverManyWereWithoutARecordTheNextProcessKnowsThem) {
   Say(bench_, kAll + 1, R"(["hot"])");
   bench_.Run();
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   for (std::uint16_t id = 1; id <= kAll; ++id) Say(next, id, "[]", true);
   Say(next, kAll + 1, R"(["hot"])", true);
   next.Run();
@@ -157,10 +157,10 @@ TEST_F(MetricsAgainTest, EndWhatTheNextProcessKnowsOfTheirIds) {
   bench_.Run();
   // They never leave a record, and have the ids by now.
   Say(bench_, 7, "[]");
-  bench_.Remember(bench_.commits.TakeOver());
+  bench_.Remember(bench_.commits.TakeExpired());
   bench_.Write();
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   EXPECT_EQ(
       next.Publish(Bench::Of("telemetry", kOtherTwin), beat, {.id = 7, .dup = true, .handle = 8}),
       Intake::Processed::kDone);
@@ -190,7 +190,7 @@ TEST_F(MetricsAgainTest, AreNewForTheNextProcessIfNothingThatFollowedWasCommitte
   Say(bench_, 3, R"(["hot"])");
   // It is killed before the commit.
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   Say(next, 2, R"(["old"])", true);
   Say(next, 3, R"(["hot"])", true);
   next.Run();
@@ -204,7 +204,7 @@ TEST_F(MetricsAgainTest, AreKnownToTheNextProcessThoughWhatFollowedCameAtQos0) {
   (void)bench_.Publish(Bench::Of("metrics"), R"({"metrics":{"errors":["hot"]}})");
   bench_.Run();
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   Say(next, 1, "[]", true);
   next.Run();
   EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
@@ -240,7 +240,7 @@ TEST_F(MetricsAgainTest, WhatWasFencedBringsTheSameToTheStoreWhenItComesAgain) {
   EXPECT_THAT(Faults(), ElementsAre(Pair("hot", true)));
   // No PUBACK of these arrived, and this process is killed.
   Bench next(database_, 2);
-  TakeOver(next);
+  HandOver(next);
   Say(next, 1, "[]", true);
   Say(next, 2, R"(["hot"])", true);
   next.Run();

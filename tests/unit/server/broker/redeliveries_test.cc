@@ -215,7 +215,7 @@ TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
     known.Commit(id, number);
   };
   for (std::uint16_t id = 1; id <= 4; ++id) commit(id);
-  EXPECT_THAT(known.TakeOver(), IsEmpty());
+  EXPECT_THAT(known.TakeExpired(), IsEmpty());
   known.AddSettled(1, Digest(2), {.stream = 3});
   known.AddSettled(1, Digest(3), {.stream = 3});
   known.End(2);
@@ -224,10 +224,10 @@ TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
   static_cast<void>(known.Number(3, {3}));
   known.End(4);
   commit(4);
-  EXPECT_THAT(known.TakeOver(),
+  EXPECT_THAT(known.TakeExpired(),
               ElementsAre(storage::Delivery{.number = 7, .packet_id = 1, .digest = {}},
                           storage::Delivery{.number = 8, .packet_id = 2, .digest = {}}));
-  EXPECT_THAT(known.TakeOver(), IsEmpty());
+  EXPECT_THAT(known.TakeExpired(), IsEmpty());
   // The store does not know it yet, and says what it knew.
   known.Reread({.last_number = 6,
                 .known = {{.number = 1, .packet_id = 1, .digest = Digest(1)},
@@ -241,7 +241,7 @@ TEST(Redeliveries, WhatWaitsWhenItsIdIsTakenIsOverToo) {
   Redeliveries known(9);
   known.AddWaiting({.number = known.NextNumber(), .packet_id = 7, .digest = Digest(1)}, 3);
   known.End(7);
-  EXPECT_THAT(known.TakeOver(),
+  EXPECT_THAT(known.TakeExpired(),
               ElementsAre(storage::Delivery{.number = 2, .packet_id = 7, .digest = {}}))
       << "it counts more than what is committed later";
 }
