@@ -12,8 +12,8 @@ namespace {
 
 namespace cw = model::cyberwave;
 
-/// What stands around the body of one message.
-struct Said {
+/// One message, without its body.
+struct Context {
   TopicKind topic;
   const cw::Head& head;
   Stamp stamp;
@@ -27,17 +27,17 @@ struct Said {
 };
 
 /// Whether the message is the latest of its session for the value that these are the times of.
-bool IsLatest(SessionTimes& times, const Said& said) {
-  return times.Take(said.session, said.stamp.timestamp_us);
+bool IsLatest(SessionTimes& times, const Context& context) {
+  return times.Take(context.session, context.stamp.timestamp_us);
 }
 
 template <typename T>
-Outcome Keep(std::optional<Held<T>>& held, T&& value, const Said& said) {
+Outcome Keep(std::optional<Held<T>>& held, T&& value, const Context& context) {
   if (!held) held.emplace();
-  if (!IsLatest(held->times, said)) return Outcome::kSuperseded;
+  if (!IsLatest(held->times, context)) return Outcome::kSuperseded;
   held->value = std::forward<T>(value);
-  held->source = said.head.source;
-  held->stamp = said.stamp;
+  held->source = context.head.source;
+  held->stamp = context.stamp;
   return Outcome::kApplied;
 }
 
@@ -52,13 +52,13 @@ std::size_t ItemBytes(const std::string& key, const Held<T>& held) {
 /// How many keys had to go; nothing if what the table holds is later.
 template <typename Table, typename T>
 std::optional<std::size_t> KeepIn(Table& table, const std::string& key, T&& value,
-                                  const Said& said) {
+                                  const Context& context) {
   Held<std::decay_t<T>> held;
   if (const auto* before = table.Find(key)) held.times = before->times;
-  if (!IsLatest(held.times, said)) return std::nullopt;
+  if (!IsLatest(held.times, context)) return std::nullopt;
   held.value = std::forward<T>(value);
-  held.source = said.head.source;
-  held.stamp = said.stamp;
+  held.source = context.head.source;
+  held.stamp = context.stamp;
   const std::size_t bytes = ItemBytes(key, held);
   return table.Put(key, std::move(held), bytes);
 }
@@ -83,34 +83,36 @@ std::size_t BytesOf(const std::vector<cw::Metric>& metrics) {
 
 }  // namespace
 
-struct TwinState::Taking {
+struct TwinState::Applier {
   TwinState& state;
   TwinParts& parts;
-  const Said& said;
+  const Context& context;
 
   Applied operator()(cw::Position&& value) {
-    return Only(Keep(parts.position, std::move(value), said));
+    return Only(Keep(parts.position, std::move(value), context));
   }
   Applied operator()(cw::Rotation&& value) {
-    return Only(Keep(parts.rotation, std::move(value), said));
+    return Only(Keep(parts.rotation, std::move(value), context));
   }
-  Applied operator()(cw::Scale&& value) { return Only(Keep(parts.scale, std::move(value), said)); }
-  Applied operator()(cw::Gps&& value) { return Only(Keep(parts.gps, std::move(value), said)); }
+  Applied operator()(cw::Scale&& value) {
+    return Only(Keep(parts.scale, std::move(value), context));
+  }
+  Applied operator()(cw::Gps&& value) { return Only(Keep(parts.gps, std::move(value), context)); }
   Applied operator()(cw::BatteryStatus&& value) {
-    return Only(Keep(parts.battery, std::move(value), said));
+    return Only(Keep(parts.battery, std::move(value), context));
   }
 
   Applied operator()(cw::Joints&& joints) {
     parts.observed.CountSetpoints(joints.setpoints);
-    const std::optional<JointGroup> group = JointGroupOf(said.head.source.type);
+    const std::optional<JointGroup> group = JointGroupOf(context.head.source.type);
     if (!group || (joints.joints.empty() && joints.setpoints > 0)) {
-      parts.observed.Count(said.topic);
+      parts.observed.Count(context.topic);
       return Only(Outcome::kObserved);
     }
     JointTable::Taken taken = parts.joints.Take(joints.joints, {.group = *group,
-                                                                .source = said.head.source,
-                                                                .stamp = said.stamp,
-                                                                .session = said.session});
+                                                                .source = context.head.source,
+                                                                .stamp = context.stamp,
+                                                                .session = context.session});
     const bool old = taken.applied == 0 && taken.superseded > 0;
     return {.outcome = old ? Outcome::kSuperseded : Outcome::kApplied,
             .records = {},
@@ -119,14 +121,14 @@ struct TwinState::Taking {
   }
 
   Applied operator()(cw::Metrics&& metrics) {
-    if (!IsLatest(state.metrics_times_, said)) return Only(Outcome::kSuperseded);
+    if (!IsLatest(state.metrics_times_, context)) return Only(Outcome::kSuperseded);
     // No error where there is no list of them.
     const std::vector<std::string> none;
     const auto& errors = metrics.errors ? *metrics.errors : none;
     Applied applied = Only(Outcome::kApplied);
-    for (model::Fault& fault : state.faults_.Take(errors, said.unix_time_ms())) {
+    for (model::Fault& fault : state.faults_.Take(errors, context.unix_time_ms())) {
       applied.outcome = Outcome::kStored;
-      applied.records.push_back(Records::Of(std::move(fault), said.payload_bytes));
+      applied.records.push_back(Records::Of(std::move(fault), context.payload_bytes));
     }
     std::map<std::string, std::vector<cw::Metric>> by_category;
     for (cw::Metric& metric : metrics.metrics) {
@@ -134,7 +136,7 @@ struct TwinState::Taking {
     }
     for (auto& [category, values] : by_category) {
       MetricCategory held{
-          .value = std::move(values), .source = said.head.source, .stamp = said.stamp};
+          .value = std::move(values), .source = context.head.source, .stamp = context.stamp};
       const std::size_t bytes = sizeof(held) + 2 * HeldBytes(category) +
                                 HeldBytes(held.source.text) + BytesOf(held.value);
       state.keys_evicted_ += parts.metrics.Put(category, std::move(held), bytes);
@@ -144,39 +146,39 @@ struct TwinState::Taking {
 
   Applied operator()(cw::EdgeHealth&& health) {
     const std::string edge_id = health.edge_id;
-    return InTable(KeepIn(parts.edges, edge_id, std::move(health), said));
+    return InTable(KeepIn(parts.edges, edge_id, std::move(health), context));
   }
 
   Applied operator()(cw::Report&& report) {
     report.detail.shrink_to_fit();
     switch (report.kind) {
       case cw::ReportKind::kMotorStatus:
-        return Only(Keep(parts.motors, std::move(report), said));
+        return Only(Keep(parts.motors, std::move(report), context));
       case cw::ReportKind::kDriverInfo:
-        return Only(Keep(parts.driver_info, std::move(report), said));
+        return Only(Keep(parts.driver_info, std::move(report), context));
       case cw::ReportKind::kTelemetry:
       case cw::ReportKind::kRobotState:
         break;
     }
     const std::string name = report.name;
-    return InTable(KeepIn(parts.reports, name, std::move(report), said));
+    return InTable(KeepIn(parts.reports, name, std::move(report), context));
   }
 
   Applied operator()(cw::CommandHead&& head) {
-    parts.observed.Take(said.topic, head, said.head.source, said.stamp);
+    parts.observed.Take(context.topic, head, context.head.source, context.stamp);
     return Only(Outcome::kObserved);
   }
   Applied operator()(cw::Commanded&& commanded) {
-    parts.observed.Count(said.topic);
+    parts.observed.Count(context.topic);
     parts.observed.CountSetpoints(commanded.setpoints);
     return Only(Outcome::kObserved);
   }
   Applied operator()(cw::Signalling&& /*secret*/) {
-    parts.observed.Count(said.topic);
+    parts.observed.Count(context.topic);
     return Only(Outcome::kObserved);
   }
   Applied operator()(cw::Media&& media) {
-    parts.observed.CountMedia(said.topic, media.bytes);
+    parts.observed.CountMedia(context.topic, media.bytes);
     return Only(Outcome::kObserved);
   }
 
@@ -214,20 +216,20 @@ Applied TwinState::Apply(Judgement&& judgement, const Arrival& arrival) {
   if (body == nullptr) return Only(Outcome::kRejected);
   if (!IsOfTwin(judgement.topic.kind)) return {};
   const cw::Head& head = judgement.head;
-  const Said said{.topic = judgement.topic.kind,
-                  .head = head,
-                  .stamp = {.timestamp_us = head.timestamp_us, .arrived = arrival},
-                  .session = SessionNumberOf(head.session_id),
-                  .payload_bytes = judgement.payload_bytes};
+  const Context context{.topic = judgement.topic.kind,
+                        .head = head,
+                        .stamp = {.timestamp_us = head.timestamp_us, .arrived = arrival},
+                        .session = SessionNumberOf(head.session_id),
+                        .payload_bytes = judgement.payload_bytes};
   if (const auto* mark = std::get_if<cw::Mark>(body)) {
-    parts_.sessions.Take(*mark, head.session_id, said.stamp);
+    parts_.sessions.Take(*mark, head.session_id, context.stamp);
   } else {
     parts_.sessions.Touch(head.session_id);
   }
   if (std::optional<DurableRecord> record = Records::Take(judgement)) {
     return Stored(*std::move(record));
   }
-  return std::visit(Taking{*this, parts_, said}, std::move(*body));
+  return std::visit(Applier{*this, parts_, context}, std::move(*body));
 }
 
 void TwinState::DropTable(TwinTable table) {

@@ -73,7 +73,7 @@ class TwinState final {
 
  private:
   /// Applies one body: an overload for each kind of it.
-  struct Taking;
+  struct Applier;
 
   TwinParts parts_;
   /// Metrics have one time for all of their categories.

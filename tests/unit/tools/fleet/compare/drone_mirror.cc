@@ -23,7 +23,7 @@ constexpr std::int64_t kSecondUs = 1'000'000;
 }  // namespace
 
 /// One overload per record; the row that the contract has for it.
-struct DroneMirror::Taking {
+struct DroneMirror::Applier {
   StoredDrone& stored;
   std::int64_t at_ms;
 
@@ -125,7 +125,7 @@ void DroneMirror::Take(const AvatarCall& call) {
     known_[at].push_back(call.request);
     last_[at] = uncrew::MemoryOf(*type, call.request);
     for (const auto& record : records) {
-      std::visit(Taking{stored, now_us_ / 1000}, record);
+      std::visit(Applier{stored, now_us_ / 1000}, record);
     }
   } else {
     const bool set = model::uncrew::RowOf(*type).kind == model::uncrew::SampleKind::kDurable;

@@ -25,7 +25,7 @@ class DroneMirror {
   std::vector<AvatarCall> calls;
 
  private:
-  struct Taking;
+  struct Applier;
   void Take(const AvatarCall& call);
   void Reject(const AvatarCall& call, const model::Rejection& rejection);
   void Show();

@@ -29,7 +29,7 @@ model::cyberwave::Uuid UuidOf(const TwinIds& ids) {
 }  // namespace
 
 /// One overload per record; the row that the contract has for it.
-struct TwinMirror::Taking {
+struct TwinMirror::Applier {
   TwinMirror& mirror;
   StoredRobot& robot;
 
@@ -108,16 +108,16 @@ void TwinMirror::Take(const Publication& publication) {
       cw::IsOfTwin(judgement.topic.kind) && cw::RobotOf(judgement) == cw::RobotKind::kSimulated
           ? Side::kSim
           : Side::kReal;
-  Taking taking{*this, Of(side)};
+  Applier applier{*this, Of(side)};
   if (!cw::IsOfTwin(judgement.topic.kind)) {
     const auto record = cw::Records::Take(judgement);
     UPLINK_CHECK(record.has_value(), "what is of no twin is durable");
-    return std::visit(taking, *record);
+    return std::visit(applier, *record);
   }
   const cw::Arrival arrival{.steady = {}, .system = FromUnixMs(now_us_ / 1000)};
   const cw::Applied applied =
       states_.at(static_cast<std::size_t>(side))->Apply(std::move(judgement), arrival);
-  for (const cw::DurableRecord& record : applied.records) std::visit(taking, record);
+  for (const cw::DurableRecord& record : applied.records) std::visit(applier, record);
 }
 
 void TwinMirror::Reject(const Publication& publication, const cw::Judgement& judgement) {

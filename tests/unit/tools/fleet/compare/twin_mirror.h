@@ -32,7 +32,7 @@ class TwinMirror {
   std::uint64_t dropped = 0;
 
  private:
-  struct Taking;
+  struct Applier;
   void Take(const Publication& publication);
   void Reject(const Publication& publication, const cyberwave::Judgement& judgement);
   void Show(Side side);
