@@ -96,7 +96,7 @@ class KnownByRows final : public Known {
 
 /// The answer of a Known that never fails.
 template <typename T>
-T Sure(absl::StatusOr<T> answer) {
+T ValueOrDie(absl::StatusOr<T> answer) {
   UPLINK_CHECK(answer.ok(), "what was read before is known");
   return *std::move(answer);
 }
@@ -115,7 +115,7 @@ class SliceDecision final {
   void GoOn(const CommitRecord& before, const Outcome& outcome) { decider_.GoOn(before, outcome); }
 
   Outcome Decide(const CommitRecord& record, std::int32_t place) {
-    std::optional<Outcome> earlier = Sure(decider_.Look(record));
+    std::optional<Outcome> earlier = ValueOrDie(decider_.Look(record));
     if (earlier) return *std::move(earlier);
     if (const auto* item = std::get_if<QuarantineItem>(&record.content)) {
       Reject(record, item->rejection, place);
@@ -129,7 +129,7 @@ class SliceDecision final {
     if (refusal_) {
       ruling.refusal = refusal_->rejection;
     } else {
-      ruling = Sure(decider_.Judge(record));
+      ruling = ValueOrDie(decider_.Judge(record));
     }
     if (ruling.refusal) {
       Reject(record, *ruling.refusal, place);
@@ -145,14 +145,14 @@ class SliceDecision final {
                   std::vector<Outcome>& outcomes) {
     std::size_t place = batch.records.size();
     for (const GapItem& gap : batch.gaps) {
-      if (Sure(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
+      if (ValueOrDie(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
       ++place;
     }
-    rows_.Remember(Sure(decider_.Remember(batch, of_records)));
+    rows_.Remember(ValueOrDie(decider_.Remember(batch, of_records)));
     if (batch.presence.empty()) return;
     KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];
     for (const PresenceItem& item : batch.presence) {
-      const OutcomeKind outcome = Sure(decider_.Decide(item, session));
+      const OutcomeKind outcome = ValueOrDie(decider_.Decide(item, session));
       outcomes.push_back({outcome, std::nullopt});
       if (outcome == OutcomeKind::kStored) {
         rows_.AddPresence(item, batch.presence_session, static_cast<std::int32_t>(place));
