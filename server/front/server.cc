@@ -202,10 +202,10 @@ void FrontServer::Impl::OpenDoor() {
                                                                     context.clock.Steady());
                                                      }});
   acceptor->Start([this](Accepted accepted) { greeter->Arrive(std::move(accepted)); },
-                  {.tend =
+                  {.tick =
                        [this] {
-                         greeter->Tend();
-                         door->Tend(context.clock.Steady());
+                         greeter->Tick();
+                         door->Tick(context.clock.Steady());
                        },
                    .paused = [this](std::error_code why) { NotePause(why); }});
 }

@@ -98,7 +98,7 @@ void Acceptor::Start(Hand hand, Hooks hooks) {
   hand_ = std::move(hand);
   hooks_ = std::move(hooks);
   Wait();
-  Tend();
+  Tick();
   thread_ = std::jthread([this] {
     ::pthread_setname_np(::pthread_self(), "relay-accept");
     context_.run();
@@ -115,12 +115,12 @@ void Acceptor::Stop() {
 
 void Acceptor::Post(std::function<void()> work) { asio::post(context_, std::move(work)); }
 
-void Acceptor::Tend() {
+void Acceptor::Tick() {
   second_.expires_after(std::chrono::seconds(1));
   second_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
-    hooks_.tend();
-    Tend();
+    hooks_.tick();
+    Tick();
   });
 }
 

@@ -46,7 +46,7 @@ class Acceptor final {
   /// What the acceptor tells besides, on its thread.
   struct Hooks {
     /// A second has passed.
-    std::function<void()> tend;
+    std::function<void()> tick;
     /// Nobody is accepted for a moment, for this reason of the system's.
     std::function<void(std::error_code why)> paused;
   };
@@ -69,7 +69,7 @@ class Acceptor final {
   /// False: accepts no more for now.
   bool AcceptOne();
   void Pause(std::error_code why);
-  void Tend();
+  void Tick();
 
   const std::uint16_t port_;
   Hand hand_;

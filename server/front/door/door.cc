@@ -89,7 +89,7 @@ void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
   Admit(now);
 }
 
-void Door::Tend(SteadyTime now) {
+void Door::Tick(SteadyTime now) {
   // One per place that somebody could use: each that is cut makes room for one who waits.
   for (std::size_t i = 0; i < queue_.waiting(); ++i) {
     const auto longest = queue_.ToGiveWay();

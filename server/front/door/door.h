@@ -68,7 +68,7 @@ class Door final {
   /// The handshake is over, whatever came of it.
   void HandshakeEnded(std::uint64_t id, SteadyTime now);
   /// A second has passed: handshakes that have become long may give way.
-  void Tend(SteadyTime now);
+  void Tick(SteadyTime now);
   [[nodiscard]] std::size_t waiting() const { return queue_.waiting(); }
 
  private:

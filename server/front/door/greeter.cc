@@ -47,7 +47,7 @@ void Greeter::Arrive(Accepted accepted) {
   }
 }
 
-void Greeter::Tend() {
+void Greeter::Tick() {
   const SteadyTime now = clock_.Steady();
   while (!waiting_.empty() && waiting_.begin()->second.by <= now) {
     TurnAway(waiting_.begin()->second);

@@ -53,7 +53,7 @@ class Greeter final {
 
   void Arrive(Accepted accepted);
   /// A second has passed: those that took too long go.
-  void Tend();
+  void Tick();
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:

@@ -43,7 +43,7 @@ TEST(Acceptor, WithoutADescriptorItPausesSaysSoAndGoesOn) {
   std::atomic<int> why{0};
   auto acceptor = Acceptor::Listen({.host = "127.0.0.1", .port = 0});
   ASSERT_TRUE(acceptor.ok()) << acceptor.status();
-  (*acceptor)->Start([&](const Accepted&) { ++accepted; }, {.tend = [] {},
+  (*acceptor)->Start([&](const Accepted&) { ++accepted; }, {.tick = [] {},
                                                             .paused =
                                                                 [&](std::error_code error) {
                                                                   why = error.value();

@@ -109,9 +109,9 @@ TEST_F(DoorTest, AHandshakeThatLastsGivesWayToAnotherSource) {
   Arrive(1);
   Arrive(2);
   BeginAdmitted();
-  door_.Tend(now_ + milliseconds(999));
+  door_.Tick(now_ + milliseconds(999));
   EXPECT_THAT(cut_, IsEmpty()) << "it has only just begun";
-  door_.Tend(now_ + milliseconds(1000));
+  door_.Tick(now_ + milliseconds(1000));
   EXPECT_THAT(cut_, ElementsAre(1));
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 3));
 }
@@ -121,19 +121,19 @@ TEST_F(DoorTest, AHandshakeThatWaitsForOurOwnCpuGivesWayToNobody) {
   Arrive(1);
   Arrive(2);
   now_ += std::chrono::seconds(60);
-  door_.Tend(now_);
+  door_.Tick(now_);
   EXPECT_THAT(cut_, IsEmpty());
   BeginAdmitted();
-  door_.Tend(now_ + milliseconds(999));
+  door_.Tick(now_ + milliseconds(999));
   EXPECT_THAT(cut_, IsEmpty());
-  door_.Tend(now_ + milliseconds(1000));
+  door_.Tick(now_ + milliseconds(1000));
   EXPECT_THAT(cut_, ElementsAre(1));
 }
 
 TEST_F(DoorTest, ASourceThatWaitsForItselfCutsNobody) {
   for (int i = 0; i < 5; ++i) Arrive(1);
   BeginAdmitted();
-  door_.Tend(now_ + std::chrono::seconds(60));
+  door_.Tick(now_ + std::chrono::seconds(60));
   EXPECT_THAT(cut_, IsEmpty());
 }
 
@@ -151,7 +151,7 @@ TEST_F(DoorTest, TheServersOwnHandshakeWaitsForNobodyAndTakesNobodysPlace) {
   Arrive(99);
   EXPECT_THAT(admitted_, ElementsAre(1, 2, 7));
   BeginAdmitted();
-  door_.Tend(now_ + std::chrono::seconds(60));
+  door_.Tick(now_ + std::chrono::seconds(60));
   EXPECT_THAT(cut_, IsEmpty());
   door_.HandshakeEnded(7, now_);
   EXPECT_EQ(probe_.handshakes_under_way.value(), 2);

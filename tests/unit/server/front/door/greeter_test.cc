@@ -135,15 +135,15 @@ TEST_F(GreeterTest, AHeaderThatDoesNotComeInTimeIsTurnedAway) {
   clock_.Advance(milliseconds(1));
   const Peer half = Arrive(kLoadBalancer, "\r\n\r\n");
   clock_.Advance(kProxyHeaderWait - milliseconds(2));
-  greeter_->Tend();
+  greeter_->Tick();
   EXPECT_EQ(waiting(), 2);
   clock_.Advance(milliseconds(1));
-  greeter_->Tend();
+  greeter_->Tick();
   EXPECT_EQ(waiting(), 1);
   EXPECT_TRUE(silent.IsClosed());
   EXPECT_FALSE(half.IsClosed());
   clock_.Advance(milliseconds(1));
-  greeter_->Tend();
+  greeter_->Tick();
   EXPECT_TRUE(half.IsClosed());
   EXPECT_EQ(turned_away(), 2);
   Turn();
@@ -172,7 +172,7 @@ TEST_F(GreeterTest, WhatTheSystemSaidBeforeSomebodyWentIsForgotten) {
   const Peer peer = Arrive(kLoadBalancer);
   peer.Send(ProxyHeaderFor("203.0.113.7"));
   clock_.Advance(kProxyHeaderWait);
-  greeter_->Tend();
+  greeter_->Tick();
   Turn();
   EXPECT_THAT(handed_, IsEmpty());
   EXPECT_EQ(turned_away(), 1);
