@@ -12,7 +12,7 @@ struct SinkFrame {
   std::uint32_t messages = 0;
 };
 
-/// Said after each kMessagesAnAck.
+/// Sent after each kMessagesAnAck messages.
 struct SinkAck {
   std::uint64_t messages = 0;
 };

@@ -57,9 +57,9 @@ class ClaimContract : public StoreContract {
     return records;
   }
   std::vector<storage::CommitRecord> Sample(storage::SampleMark mark) {
-    return Sample(std::move(mark), {Said(Note())});
+    return Sample(std::move(mark), {Durable(Note())});
   }
-  static storage::CommitContent Said(const model::Body& body) { return test::RecordOf(body); }
+  static storage::CommitContent Durable(const model::Body& body) { return test::RecordOf(body); }
 
   static std::vector<storage::CommitRecord> Join(std::vector<storage::CommitRecord> first,
                                                  std::vector<storage::CommitRecord> second) {

@@ -133,7 +133,7 @@ TEST_P(SamplesContract, GivesBackWhatWasSaidWithTheLast) {
 
 TEST_P(SamplesContract, DecidesAllRecordsOfASampleAlike) {
   const auto records = [this] {
-    return Sample(Mark(1), {Said(Fault("f1")), Said(Fault("f2")), Said(Note())});
+    return Sample(Mark(1), {Durable(Fault("f1")), Durable(Fault("f2")), Durable(Note())});
   };
   EXPECT_THAT(Commit(records()), Each(OutcomeKind::kStored));
   EXPECT_THAT(Commit(records()), ElementsAre(OutcomeKind::kDuplicate, OutcomeKind::kDuplicate,
@@ -167,7 +167,8 @@ TEST_P(SamplesContract, StandsBesideOtherRobotsInABatch) {
 }
 
 TEST_P(SamplesContract, HasNoCursor) {
-  EXPECT_THAT(Commit(Sample(Mark(1), {Said(Note()), Said(Note())})), Each(OutcomeKind::kStored));
+  EXPECT_THAT(Commit(Sample(Mark(1), {Durable(Note()), Durable(Note())})),
+              Each(OutcomeKind::kStored));
   number_ = 0;
   EXPECT_EQ(CommitOne(Mark(2)), OutcomeKind::kStored) << "a number that was used";
   storage::OpenRequest request = Request();
@@ -178,8 +179,9 @@ TEST_P(SamplesContract, HasNoCursor) {
 TEST_P(SamplesContract, SetsAsideTheRecordThatTheDatabaseRefusesAlone) {
   store_->RefuseFault("f2");
   const auto records = [this] {
-    return Join(Sample(Mark(1)), Sample(Mark(2), {Said(Fault("f1")), Said(Fault("f2")),
-                                                  Said(Fault("f3")), Said(Note()), Said(Note())}));
+    return Join(Sample(Mark(1)),
+                Sample(Mark(2), {Durable(Fault("f1")), Durable(Fault("f2")), Durable(Fault("f3")),
+                                 Durable(Note()), Durable(Note())}));
   };
   EXPECT_THAT(Commit(records()),
               ElementsAre(OutcomeKind::kStored, OutcomeKind::kStored, OutcomeKind::kRefused,
@@ -200,10 +202,11 @@ TEST_P(SamplesContract, CountAgainstTheBoundsOfARobotThatAnotherProcessHolds) {
   }
   Commit(faults, kOther);
   claim_ = claim;
-  EXPECT_THAT(Commit(Sample(Mark(1), {Said(Fault("g1")), Said(Fault("g2")), Said(Fault("f1")),
-                                      Said(Cleared("f2")), Said(Fault("g3"))})),
-              ElementsAre(OutcomeKind::kStored, OutcomeKind::kRefused, OutcomeKind::kStored,
-                          OutcomeKind::kStored, OutcomeKind::kStored));
+  EXPECT_THAT(
+      Commit(Sample(Mark(1), {Durable(Fault("g1")), Durable(Fault("g2")), Durable(Fault("f1")),
+                              Durable(Cleared("f2")), Durable(Fault("g3"))})),
+      ElementsAre(OutcomeKind::kStored, OutcomeKind::kRefused, OutcomeKind::kStored,
+                  OutcomeKind::kStored, OutcomeKind::kStored));
   ASSERT_THAT(Quarantine(), SizeIs(1));
   EXPECT_EQ(Quarantine()[0].rejection, storage::TooManyActiveFaults());
   EXPECT_THAT(Commit({Good(storage::kActiveFaultsPerRobotMax, Fault("h"))}, kOther),

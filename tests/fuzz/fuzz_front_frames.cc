@@ -35,10 +35,10 @@ const std::string& ContentOf(std::uint8_t which) {
   return contents[which % contents.size()];
 }
 
-/// What a robot has said in one session, over all its streams.
-struct Said {
+/// What a robot has sent in one session, over all its streams.
+struct SentSoFar {
   model::Seq last_seq = 0;
-  /// Bytes were sent of which we do not know what they mean.
+  /// It sent bytes whose meaning we do not know.
   bool unknown = false;
 };
 
@@ -74,14 +74,14 @@ class World final {
   void Do(WorldStep step, Input& input);
   void CheckAcks(const Client& of);
   /// What was said in the stream's session; nothing before its Hello.
-  [[nodiscard]] Said* SaidOn(const Client& client, std::uint32_t stream);
+  [[nodiscard]] SentSoFar* SentOn(const Client& client, std::uint32_t stream);
   void NoteUnknown();
   [[nodiscard]] Client& client() { return clients_[picked_]; }
 
   FrontBench bench_;
   std::vector<Client> clients_;
   std::size_t picked_ = 0;
-  std::map<std::pair<std::uint8_t, std::uint8_t>, Said> said_;
+  std::map<std::pair<std::uint8_t, std::uint8_t>, SentSoFar> said_;
 };
 
 void World::Connect(std::uint8_t robot) {
@@ -117,7 +117,7 @@ void World::Open(OddHeaders odd) {
   Send(http2::Headers(to.stream, FieldsOf(odd), flags));
 }
 
-Said* World::SaidOn(const Client& of, std::uint32_t stream) {
+SentSoFar* World::SentOn(const Client& of, std::uint32_t stream) {
   const auto session = of.sessions.find(stream);
   if (session == of.sessions.end()) return nullptr;
   return &said_[{of.wire->robot(), session->second}];
@@ -139,7 +139,7 @@ void World::Hello(std::uint8_t number) {
 
 void World::Batch(Input& input) {
   Client& to = client();
-  Said* const said = SaidOn(to, to.stream);
+  SentSoFar* const said = SentOn(to, to.stream);
   model::Seq seq = said == nullptr ? 0 : said->last_seq;
   std::vector<testing::Sent> messages;
   for (int left = input.Byte() % 18; left > 0; --left) {
@@ -293,7 +293,7 @@ void World::Check() {
 
 void World::CheckAcks(const Client& of) {
   for (const auto& [stream, session] : of.sessions) {
-    const Said& said = said_[{of.wire->robot(), session}];
+    const SentSoFar& said = said_[{of.wire->robot(), session}];
     UPLINK_CHECK(said.unknown || of.wire->JudgedOn(stream) <= said.last_seq,
                  "nothing is acked that was not sent");
   }

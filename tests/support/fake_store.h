@@ -70,30 +70,31 @@ class FakeStore final : public storage::Store, public FakeReader {
   // Faults; each set of orders is worked off before the next of its kind.
   /// The next `calls` calls of OpenStreams, Adopt, ClaimDrones, Commit or TrimQuarantine fail;
   /// FailAt::kBefore goes first.
-  void FailNext(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNext(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kAny, calls, at, status);
   }
   // The same for one kind of call alone.
-  void FailNextCommits(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextCommits(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kCommits, calls, at, status);
   }
-  void FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextOpens(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kOpens, calls, at, status);
   }
-  void FailNextClaims(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextClaims(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kClaims, calls, at, status);
   }
   /// Sweep and CloseRuns.
-  void FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kSweeps, calls, at, status);
   }
-  void FailNextCheckpoints(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextCheckpoints(std::uint32_t calls, FailAt at,
+                           const absl::Status& status = Injected()) {
     Add(Orders::kCheckpoints, calls, at, status);
   }
-  void FailNextTrims(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextTrims(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kTrims, calls, at, status);
   }
-  void FailNextRetains(std::uint32_t calls, FailAt at, const absl::Status& status = Said()) {
+  void FailNextRetains(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kRetains, calls, at, status);
   }
   /// No ordered failure is left, and nothing blocks.
@@ -168,7 +169,7 @@ class FakeStore final : public storage::Store, public FakeReader {
   }
   void Add(Orders orders, std::uint32_t calls, FailAt at, const absl::Status& status);
   [[nodiscard]] std::uint64_t Calls(Call call) const;
-  static absl::Status Said() { return absl::UnavailableError("the test said so"); }
+  static absl::Status Injected() { return absl::UnavailableError("the test said so"); }
 
   FakeDatabase& database_;
   const storage::ProcessId process_;

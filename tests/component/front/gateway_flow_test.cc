@@ -24,10 +24,10 @@ constexpr std::uint64_t kRate = 1;
 /// A robot says so much more than its window holds.
 constexpr std::size_t kWindowsSaid = 3;
 
-/// What a robot wants to say on its stream, from its first fault on.
-class Said final {
+/// Faults that a robot wants to send on its stream, from the first on.
+class FaultFlood final {
  public:
-  Said() {
+  FaultFlood() {
     for (; bytes_.size() < kWindowsSaid * kWindowBytes; last_ += kBatch) {
       bytes_ += FaultsMessage(last_ + 1, kBatch);
     }
@@ -65,7 +65,7 @@ class GatewayFlow : public ::testing::Test {
   void Say(std::uint32_t robot) {
     const std::uint32_t stream = StreamOf(robot);
     std::size_t& sent = sent_[robot];
-    const std::string_view left = said_.bytes().substr(sent);
+    const std::string_view left = flood_.bytes().substr(sent);
     sent += gateway_.SendData(stream, left.substr(0, gateway_.WindowOf(stream)));
   }
   /// Says for all of them, until each is held back and the connection takes more, and not theirs.
@@ -85,7 +85,7 @@ class GatewayFlow : public ::testing::Test {
     EXPECT_EQ(gateway_.WindowOf(StreamOf(robot)), 0U);
     EXPECT_FALSE(gateway_.At(StreamOf(robot)).over());
     // It gets a message per second, and no test lasts as long as as many again.
-    EXPECT_LE(sent_[robot], kWindowBytes + Said::BytesOf(2 * kBurst));
+    EXPECT_LE(sent_[robot], kWindowBytes + FaultFlood::BytesOf(2 * kBurst));
   }
   [[nodiscard]] model::Seq AckedOn(std::uint32_t robot) const {
     return LastAck(gateway_.At(StreamOf(robot))).through_seq();
@@ -94,7 +94,7 @@ class GatewayFlow : public ::testing::Test {
   static constexpr std::size_t kHelloBytes = 256;
   RelayWorld world_{{.session = {.ack_interval = milliseconds(20)}}};
   RawHttp2 gateway_{ClientOf(world_, GatewayKeys(world_))};
-  const Said said_;
+  const FaultFlood flood_;
   std::map<std::uint32_t, std::size_t> sent_;
 };
 
@@ -119,9 +119,9 @@ TEST_F(GatewayFlow, OneStreamThatIsHeldBackStopsNoneOfNinetyNine) {
   ExpectHeldBack(kHeld);
 
   world_.allowances.Set({});
-  EXPECT_EQ(gateway_.SendData(StreamOf(kHeld), said_.bytes().substr(sent_[kHeld])),
-            said_.bytes().size() - sent_[kHeld]);
-  EXPECT_TRUE(gateway_.ReadUntil([&] { return AckedOn(kHeld) == said_.last(); }))
+  EXPECT_EQ(gateway_.SendData(StreamOf(kHeld), flood_.bytes().substr(sent_[kHeld])),
+            flood_.bytes().size() - sent_[kHeld]);
+  EXPECT_TRUE(gateway_.ReadUntil([&] { return AckedOn(kHeld) == flood_.last(); }))
       << "and nothing of it is lost";
 }
 

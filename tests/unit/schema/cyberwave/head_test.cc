@@ -17,11 +17,11 @@ using test::JudgeOn;
 std::string Position(const std::string& members) {
   return R"({"position":{"x":1,"y":2,"z":3})" + (members.empty() ? "" : "," + members) + "}";
 }
-Judgement Said(const std::string& members) { return JudgeOn("position", Position(members)); }
+Judgement JudgeWith(const std::string& members) { return JudgeOn("position", Position(members)); }
 
 TEST(CyberwaveHead, TakesStateFromTheseSources) {
   for (const std::string word : {"edge", "edge_leader", "edge_follower", "sim"}) {
-    const Judgement judgement = Said(R"("source_type":")" + word + "\"");
+    const Judgement judgement = JudgeWith(R"("source_type":")" + word + "\"");
     EXPECT_EQ(judgement.message_class, MessageClass::kLive) << word;
     EXPECT_EQ(ToText(judgement.head.source.type), word);
     EXPECT_EQ(judgement.head.source.text, word);
@@ -56,22 +56,24 @@ TEST(CyberwaveHead, KeepsOtherTopicsOfTheirClassButNoSignOfLife) {
 }
 
 TEST(CyberwaveHead, TakesAnUnknownSourceAsTheEdgeAndKeepsItsWord) {
-  const Judgement judgement = Said(R"("source_type":"live")");
+  const Judgement judgement = JudgeWith(R"("source_type":"live")");
   EXPECT_EQ(judgement.head.source.type, SourceType::kUnknown);
   EXPECT_EQ(judgement.head.source.text, "live");
   EXPECT_EQ(judgement.message_class, MessageClass::kLive);
   EXPECT_TRUE(judgement.sign_of_life);
-  EXPECT_EQ(Said(R"("source_type":"EDGE")").head.source.type, SourceType::kUnknown);
+  EXPECT_EQ(JudgeWith(R"("source_type":"EDGE")").head.source.type, SourceType::kUnknown);
 }
 
 TEST(CyberwaveHead, GoesByTheSessionWhereNoSourceIsSaid) {
   for (const std::string absent : {"", R"("source_type":null,)", R"("source_type":"",)"}) {
-    EXPECT_EQ(Said(absent + R"("session_id":"nav_sim_5d5d")").head.source.type, SourceType::kSim);
-    EXPECT_EQ(Said(absent + R"("session_id":"nav_live_5d5d")").head.source.type, SourceType::kEdge);
-    EXPECT_EQ(Said(absent + R"("session_id":null)").head.source.type, SourceType::kEdge);
-    EXPECT_EQ(Said(absent + R"("session_id":"nav_sim_5d5d")").head.source.text, "");
+    EXPECT_EQ(JudgeWith(absent + R"("session_id":"nav_sim_5d5d")").head.source.type,
+              SourceType::kSim);
+    EXPECT_EQ(JudgeWith(absent + R"("session_id":"nav_live_5d5d")").head.source.type,
+              SourceType::kEdge);
+    EXPECT_EQ(JudgeWith(absent + R"("session_id":null)").head.source.type, SourceType::kEdge);
+    EXPECT_EQ(JudgeWith(absent + R"("session_id":"nav_sim_5d5d")").head.source.text, "");
   }
-  EXPECT_EQ(Said(R"("source_type":"edge","session_id":"nav_sim_5d5d")").head.source.type,
+  EXPECT_EQ(JudgeWith(R"("source_type":"edge","session_id":"nav_sim_5d5d")").head.source.type,
             SourceType::kEdge);
 }
 
@@ -88,12 +90,12 @@ TEST(CyberwaveHead, TellsSessionsOfASimulation) {
 }
 
 TEST(CyberwaveHead, ReadsTimesAsMicroseconds) {
-  EXPECT_EQ(Said(R"("timestamp":1795362440.281389)").head.timestamp_us, 1'795'362'440'281'389);
-  EXPECT_EQ(Said(R"("ts":1795362440)").head.timestamp_us, 1'795'362'440'000'000);
-  EXPECT_EQ(Said(R"("ts":7,"timestamp":5)").head.timestamp_us, 5'000'000);
-  EXPECT_EQ(Said(R"("ts":7,"timestamp":null)").head.timestamp_us, 7'000'000);
-  EXPECT_EQ(Said(R"("timestamp":4102444799.999)").head.timestamp_us, 4'102'444'799'999'000);
-  const Judgement none = Said("");
+  EXPECT_EQ(JudgeWith(R"("timestamp":1795362440.281389)").head.timestamp_us, 1'795'362'440'281'389);
+  EXPECT_EQ(JudgeWith(R"("ts":1795362440)").head.timestamp_us, 1'795'362'440'000'000);
+  EXPECT_EQ(JudgeWith(R"("ts":7,"timestamp":5)").head.timestamp_us, 5'000'000);
+  EXPECT_EQ(JudgeWith(R"("ts":7,"timestamp":null)").head.timestamp_us, 7'000'000);
+  EXPECT_EQ(JudgeWith(R"("timestamp":4102444799.999)").head.timestamp_us, 4'102'444'799'999'000);
+  const Judgement none = JudgeWith("");
   EXPECT_EQ(none.head.timestamp_us, 0);
   EXPECT_EQ(none.times_unknown, 0U);
 }
@@ -101,7 +103,7 @@ TEST(CyberwaveHead, ReadsTimesAsMicroseconds) {
 TEST(CyberwaveHead, TakesAnAbsurdTimeAsUnknownAndCountsIt) {
   for (const std::string time :
        {"-1", "4102444800", "1795362440281", "1e400", "\"2026-11-25T06:00:00Z\"", "true", "[]"}) {
-    const Judgement judgement = Said("\"timestamp\":" + time);
+    const Judgement judgement = JudgeWith("\"timestamp\":" + time);
     EXPECT_EQ(judgement.rejection(), nullptr) << time;
     EXPECT_TRUE(judgement.dropped.empty()) << time;
     EXPECT_EQ(judgement.head.timestamp_us, 0) << time;

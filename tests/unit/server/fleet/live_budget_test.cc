@@ -175,10 +175,10 @@ TEST_F(LiveBudgetTest, TheTwinThatHoldsMostLosesItsLargestTable) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr(fmt::format("twin={}", kTwin))));
 }
 
-/// What a drone's calls say, of which all goes at once.
-class Said final : public robot::CallsLive {
+/// The live data of a drone's calls, which is dropped all at once.
+class HeldCalls final : public robot::CallsLive {
  public:
-  explicit Said(const std::shared_ptr<robot::LiveTotal>& total) { share_.CountIn(total); }
+  explicit HeldCalls(const std::shared_ptr<robot::LiveTotal>& total) { share_.CountIn(total); }
   void Say(std::size_t bytes) { share_.Set(bytes); }
   [[nodiscard]] std::size_t live_bytes() const override { return share_.bytes(); }
   std::size_t DropLive() override {
@@ -194,7 +194,7 @@ class Said final : public robot::CallsLive {
 TEST_F(LiveBudgetTest, WhatADronesCallsSayCountsForItAndIsDroppedLikeAPart) {
   const RobotPtr drone = Add("rcan://drone");
   const RobotPtr other = Add("rcan://other");
-  Said said(fleet_.live_total());
+  HeldCalls said(fleet_.live_total());
   drone->calls.Begin(&said);
   Read(other, 20);
   said.Say(kBudget);

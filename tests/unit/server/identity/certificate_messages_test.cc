@@ -37,9 +37,9 @@ struct End {
     failed = result != 1 && SSL_get_error(ssl.get(), result) != SSL_ERROR_WANT_READ;
     if (failed) messages.NoteFailure(ERR_peek_error());
     ERR_clear_error();
-    return Said();
+    return TakeOutput();
   }
-  std::string Said() const {
+  std::string TakeOutput() const {
     std::string said(BIO_ctrl_pending(out), '\0');
     if (!said.empty()) BIO_read(out, said.data(), static_cast<int>(said.size()));
     return said;
@@ -157,7 +157,7 @@ TEST_P(LaterMessages13, ACertificateThatComesAfterTheHandshakeIsJudged) {
   EXPECT_EQ(SSL_get0_peer_certificate(server.ssl.get()), nullptr);
   ASSERT_EQ(SSL_verify_client_post_handshake(server.ssl.get()), 1);
   SSL_do_handshake(server.ssl.get());
-  static_cast<void>(server.Hear(client.Step(server.Said())));
+  static_cast<void>(server.Hear(client.Step(server.TakeOutput())));
   EXPECT_TRUE(server.failed);
   EXPECT_EQ(server.messages.flaw(), CertificateFlaw::kMalformed);
   EXPECT_EQ(SSL_get0_peer_certificate(server.ssl.get()), nullptr);

@@ -40,8 +40,8 @@ std::vector<PemKind> Kinds(const std::string& text) {
   return kinds;
 }
 
-/// What is said of the text; empty if it is good.
-std::string Said(const std::string& text) {
+/// The error message for the text; empty if it is good.
+std::string ErrorOf(const std::string& text) {
   const NamedPem pem{"a.pem", text};
   const auto blocks = BlocksOf(pem);
   return std::string((blocks.ok() ? CheckBlocks(pem, *blocks) : blocks.status()).message());
@@ -70,17 +70,17 @@ TEST(PemBlocks, OtherLabelsAreRefusedByNumberLineAndName) {
   for (const char* label : {"OPENSSH PRIVATE KEY", "DSA PRIVATE KEY", "PKCS7", "certificates",
                             "CERTIFICATES", "PGP MESSAGE"}) {
     EXPECT_THAT(
-        Said(first + BlockOf(label)),
+        ErrorOf(first + BlockOf(label)),
         AllOf(HasSubstr("a.pem: PEM block 2, from line 3, cannot be used"), HasSubstr(label)))
         << label;
   }
-  EXPECT_THAT(Said(first + BlockOf("X509 CRL")),
+  EXPECT_THAT(ErrorOf(first + BlockOf("X509 CRL")),
               HasSubstr("block 2, from line 3, cannot be used: lists of revoked certificates"));
 }
 
 TEST(PemBlocks, ALabelIsRepeatedAsFarAsItIsTextAndShort) {
-  EXPECT_THAT(Said(BlockOf("A\x1b[2J\xff")), HasSubstr("holds no A\\x1b[2J\\xff"));
-  EXPECT_LT(Said(BlockOf(std::string(100'000, 'A'))).size(), 200U);
+  EXPECT_THAT(ErrorOf(BlockOf("A\x1b[2J\xff")), HasSubstr("holds no A\\x1b[2J\\xff"));
+  EXPECT_LT(ErrorOf(BlockOf(std::string(100'000, 'A'))).size(), 200U);
 }
 
 TEST(PemBlocks, KnowWhereTheyStand) {
@@ -115,9 +115,9 @@ TEST(PemBlocks, LinesMayEndAsOnWindowsAndInBlanks) {
 
 TEST(PemBlocks, AByteOrderMarkMayBeginATextAndNoOtherLineOfABlock) {
   EXPECT_THAT(Kinds(std::string(kMark) + BlockOf("PRIVATE KEY")), ElementsAre(PemKind::kKey));
-  EXPECT_EQ(Said(std::string(kMark) + "notes\n" + BlockOf("PRIVATE KEY")), "");
+  EXPECT_EQ(ErrorOf(std::string(kMark) + "notes\n" + BlockOf("PRIVATE KEY")), "");
   EXPECT_EQ(
-      Said(BlockOf("CERTIFICATE") + std::string(kMark) + BlockOf("PRIVATE KEY")),
+      ErrorOf(BlockOf("CERTIFICATE") + std::string(kMark) + BlockOf("PRIVATE KEY")),
       "a.pem: PEM block 2, from line 3, is broken: a byte order mark stands before its BEGIN");
 }
 
@@ -131,7 +131,7 @@ TEST(PemBlocks, AKeyWhoseLinesAreDamagedIsNotPassedOver) {
            {"-----BEGIN PRIVATE KEY-----", ""},
            {"", "-----END PRIVATE KEY-----"},
            {"MIIEvQ", ""}}) {
-    EXPECT_THAT(Said(fmt::format("{}{}\nAA\n{}\n", BlockOf("EC PARAMETERS"), first, last)),
+    EXPECT_THAT(ErrorOf(fmt::format("{}{}\nAA\n{}\n", BlockOf("EC PARAMETERS"), first, last)),
                 HasSubstr("PEM block 2, from line"))
         << first << last;
   }
@@ -141,14 +141,14 @@ TEST(PemBlocks, ThereMayBeAsManyAsTheBound) {
   std::string text;
   for (std::size_t i = 0; i < kPemBlocksMax; ++i) text += BlockOf("PUBLIC KEY");
   EXPECT_THAT(Split(text), SizeIs(kPemBlocksMax));
-  EXPECT_EQ(Said(text + BlockOf("PUBLIC KEY")), "a.pem: holds more than 4096 PEM blocks");
+  EXPECT_EQ(ErrorOf(text + BlockOf("PUBLIC KEY")), "a.pem: holds more than 4096 PEM blocks");
 }
 
 TEST(PemBlocks, OneMayHaveAsManyBytesAsTheBound) {
   const std::size_t marks = BlockOf("PUBLIC KEY").size() - 1;  // without the last line's end
   const std::string full(kPemBlockBytesMax - marks - 1, 'A');
   EXPECT_THAT(Split(BlockOf("PUBLIC KEY", full + "\n")), SizeIs(1));
-  EXPECT_THAT(Said(BlockOf("PUBLIC KEY", full + "A\n")),
+  EXPECT_THAT(ErrorOf(BlockOf("PUBLIC KEY", full + "A\n")),
               HasSubstr("block 1, from line 1, cannot be used: it has 65537 bytes, at most 65536"));
 }
 

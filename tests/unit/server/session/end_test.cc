@@ -11,7 +11,7 @@ class EndTest : public SessionTest {
  protected:
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
 };
@@ -22,7 +22,7 @@ TEST_F(EndTest, HalfCloseSettlesThenALastAckThenOk) {
   stream.HalfClose();
   EXPECT_EQ(stream.end(), "");
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 2 judged 2");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 2 judged 2");
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -30,7 +30,7 @@ TEST_F(EndTest, HalfCloseWithNothingWaitingEndsAtOnce) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Motion()}}));
   stream.HalfClose();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 1 judged 1"));
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -39,7 +39,7 @@ TEST_F(EndTest, HalfCloseTellsTheStoresRejectsBeforeTheLastAck) {
   stream.Send(BatchFrame({{1, RefusedFault()}}));
   stream.HalfClose();
   server().Commit();
-  const std::vector<std::string> said = stream.Said();
+  const std::vector<std::string> said = stream.TakeLines();
   EXPECT_EQ(said.front(), "reject 1 store_refused faultId");
   EXPECT_EQ(said.back(), "ack 1 judged 1");
   EXPECT_EQ(stream.end(), "OK");
@@ -53,7 +53,7 @@ TEST_F(EndTest, HalfCloseWaitsForASlowReader) {
   server().Commit();
   EXPECT_EQ(stream.end(), "");
   stream.ReadAgain();
-  EXPECT_EQ(stream.Said().back(), "ack 2 judged 2");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 2 judged 2");
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -75,10 +75,10 @@ TEST_F(EndTest, DrainTellsReadsNoMoreSettlesAndEndsUnavailable) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Fault()}}));
   stream.Drain(milliseconds(5000));
-  EXPECT_THAT(stream.Said(), ElementsAre("drain 5000"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("drain 5000"));
   stream.Send(BatchFrame({{2, Fault()}}));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 1 judged 1");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 1 judged 1");
   EXPECT_EQ(stream.end(), "UNAVAILABLE: the server drains");
   EXPECT_EQ(server().counts().received, 1U);
 }
@@ -86,7 +86,7 @@ TEST_F(EndTest, DrainTellsReadsNoMoreSettlesAndEndsUnavailable) {
 TEST_F(EndTest, DrainWithNothingWaitingEndsAtOnce) {
   BenchStream& stream = Welcomed();
   stream.Drain(milliseconds(5000));
-  EXPECT_THAT(stream.Said(), ElementsAre("drain 5000", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("drain 5000", "ack 0 judged 0"));
   EXPECT_EQ(stream.end(), "UNAVAILABLE: the server drains");
 }
 
@@ -108,7 +108,7 @@ TEST_F(EndTest, DrainLeavesWhatWasNotJudgedToTheAgent) {
   stream.Send(BatchFrame(Messages(1, 5, Fault())));
   stream.Drain(milliseconds(5000));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 2 judged 2");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 2 judged 2");
   EXPECT_EQ(server().counts().received, 2U);
   EXPECT_FALSE(server().robot().state.held_back());
 }
@@ -119,7 +119,7 @@ TEST_F(EndTest, DrainAfterAHalfCloseStillEndsOk) {
   stream.HalfClose();
   stream.Drain(milliseconds(5000));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 1 judged 1");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 1 judged 1");
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -137,7 +137,7 @@ TEST_F(EndTest, DrainBeforeHelloEndsAtOnce) {
   BenchStream& stream = server().Open();
   stream.Drain(milliseconds(5000));
   EXPECT_EQ(stream.end(), "UNAVAILABLE: the server drains");
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
 }
 
 TEST_F(EndTest, DrainWhileTheStoreIsAskedEndsAtOnce) {

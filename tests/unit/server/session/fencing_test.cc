@@ -18,12 +18,13 @@ class FencingTest : public SessionTest {
 
 TEST_F(FencingTest, ARefusedCommitEndsTheStreamAsSuperseded) {
   BenchStream& stream = mine_.Connect(SessionOf(1));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   other_.Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Fault()}, {2, BadFault()}, {3, Motion()}}));
   mine_.Commit();
   EXPECT_EQ(stream.end(), "ABORTED: superseded");
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 2 missing_field faultId")) << "no Ack for them";
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 2 missing_field faultId"))
+      << "no Ack for them";
   EXPECT_EQ(mine_.counts().superseded, 2U);
   EXPECT_EQ(mine_.counts().applied, 1U);
   EXPECT_EQ(mine_.counts().in_flight, 0);
@@ -40,7 +41,7 @@ TEST_F(FencingTest, OnlyTheRobotThatWasTakenIsLetGo) {
   mine_.Commit();
   EXPECT_EQ(processed.end(), "ABORTED: superseded");
   EXPECT_EQ(kept.end(), "");
-  EXPECT_EQ(kept.Said().back(), "ack 1 judged 1");
+  EXPECT_EQ(kept.TakeLines().back(), "ack 1 judged 1");
 }
 
 TEST_F(FencingTest, RecordsBehindTheRefusedOnesAreDroppedUnwritten) {
@@ -79,7 +80,7 @@ TEST_F(FencingTest, AnOpenThatFindsAnotherHolderEndsTheStream) {
   mine_.Commit();
   EXPECT_THAT(Stored(1), IsEmpty()) << "what waited is void";
   BenchStream& third = mine_.Connect(SessionOf(1));
-  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(third.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   third.Send(BatchFrame({{1, Fault()}}));
   mine_.Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1));
@@ -94,10 +95,10 @@ TEST_F(FencingTest, TheRobotCanComeBack) {
   mine_.Commit();
   EXPECT_EQ(stream.end(), "ABORTED: superseded");
   BenchStream& back = mine_.Connect(SessionOf(1), 0, 1);
-  EXPECT_THAT(back.Said(), ElementsAre("welcome 2", "ack 2 judged 2"));
+  EXPECT_THAT(back.TakeLines(), ElementsAre("welcome 2", "ack 2 judged 2"));
   back.Send(BatchFrame({{3, Fault()}}));
   mine_.Commit();
-  EXPECT_EQ(back.Said().back(), "ack 3 judged 3");
+  EXPECT_EQ(back.TakeLines().back(), "ack 3 judged 3");
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3));
 }
 
@@ -105,7 +106,7 @@ TEST_F(FencingTest, ARobotWhoseRowWentComesBackByItselfAndNothingIsLost) {
   BenchStream& stream = mine_.Connect(SessionOf(1));
   stream.Send(BatchFrame({{1, Fault()}}));
   mine_.Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 1 judged 1");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 1 judged 1");
   database_.DeleteRobotRow(kRobot);
   stream.Send(BatchFrame({{2, Fault()}, {5, BadFault()}, {6, Motion()}}));
   mine_.Commit();
@@ -116,10 +117,10 @@ TEST_F(FencingTest, ARobotWhoseRowWentComesBackByItselfAndNothingIsLost) {
   EXPECT_EQ(mine_.counts().in_flight, 0);
   // What was not acked is sent again, as after any end of a stream.
   BenchStream& back = mine_.Connect(SessionOf(1), 1, 1);
-  EXPECT_THAT(back.Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  EXPECT_THAT(back.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 1"));
   back.Send(BatchFrame({{2, Fault()}, {5, BadFault()}}));
   mine_.Commit();
-  EXPECT_THAT(back.Said(), ElementsAre("reject 5 missing_field faultId", "ack 5 judged 5"));
+  EXPECT_THAT(back.TakeLines(), ElementsAre("reject 5 missing_field faultId", "ack 5 judged 5"));
   EXPECT_THAT(Stored(1), ElementsAre(1, 2));
   EXPECT_EQ(mine_.counts().stored, 2U);
 }
@@ -150,7 +151,7 @@ TEST_F(FencingTest, GapsThatBecomeVoidLetTheNextStreamFlow) {
   EXPECT_EQ(mine.Connect(SessionOf(1)).end(), "ABORTED: superseded");
   BenchStream& third = mine.Connect(SessionOf(1));
   mine.Commit();
-  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(third.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_TRUE(third.reading());
   EXPECT_EQ(mine.robot().sessions.in_flight(), 0U);
 }

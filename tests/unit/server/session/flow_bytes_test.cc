@@ -12,7 +12,7 @@ class FlowBytesTest : public SessionTest {
  protected:
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
 };

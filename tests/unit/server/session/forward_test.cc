@@ -38,7 +38,8 @@ TEST_F(ForwardTest, AStreamReceivesFromItsWelcomeOn) {
   EXPECT_THAT(forwards_.joined, ElementsAre("bench rcan://bench/1"));
   forwards_.Offer("rcan://a/1");
   server().DeliverWakes();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0", "forward 2 rcan://a/1"));
+  EXPECT_THAT(stream.TakeLines(),
+              ElementsAre("welcome 0", "ack 0 judged 0", "forward 2 rcan://a/1"));
 }
 
 TEST_F(ForwardTest, WhoDeclinesReceivesNothing) {
@@ -50,7 +51,7 @@ TEST_F(ForwardTest, WhoDeclinesReceivesNothing) {
 
 TEST_F(ForwardTest, AcksAndRejectsGoFirst) {
   BenchStream& stream = server().Connect(SessionOf(1));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.StopReading();
   forwards_.at_once = 1;
   forwards_.Offer("rcan://a/1");
@@ -60,8 +61,9 @@ TEST_F(ForwardTest, AcksAndRejectsGoFirst) {
   server().Commit();
   stream.ReadAgain();
   server().DeliverWakes();
-  EXPECT_THAT(stream.Said(), ElementsAre("forward 2 rcan://a/1", "reject 1 missing_field faultId",
-                                         "ack 2 judged 2", "forward 2 rcan://a/2"));
+  EXPECT_THAT(stream.TakeLines(),
+              ElementsAre("forward 2 rcan://a/1", "reject 1 missing_field faultId",
+                          "ack 2 judged 2", "forward 2 rcan://a/2"));
 }
 
 TEST_F(ForwardTest, APeerThatDoesNotReadIsNotHeldBackForForwards) {
@@ -77,15 +79,15 @@ TEST_F(ForwardTest, APeerThatDoesNotReadIsNotHeldBackForForwards) {
 
 TEST_F(ForwardTest, ALongSnapshotGivesItsThreadToOthersInBetween) {
   BenchStream& stream = server().Connect(SessionOf(1));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   forwards_.at_once = 1;
   for (std::size_t i = 0; i < 3 * kForwardsPerTurn; ++i) forwards_.Offer("rcan://a/1");
   ASSERT_TRUE(server().TakeWake(1));
   stream.Wake();
-  EXPECT_THAT(stream.Said(), SizeIs(kForwardsPerTurn));
+  EXPECT_THAT(stream.TakeLines(), SizeIs(kForwardsPerTurn));
   EXPECT_TRUE(server().TakeWake(1)) << "it asks for its next turn";
   stream.Wake();
-  EXPECT_THAT(stream.Said(), SizeIs(kForwardsPerTurn));
+  EXPECT_THAT(stream.TakeLines(), SizeIs(kForwardsPerTurn));
 }
 
 TEST_F(ForwardTest, AStreamThatEndsReceivesNoMore) {

@@ -15,7 +15,7 @@ class FrameTest : public SessionTest {
  protected:
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
 };
@@ -82,7 +82,7 @@ TEST_F(FrameTest, TooLargeAfterDrainIsNotReadEither) {
   stream.SendTooLarge(1048577);
   EXPECT_EQ(stream.end(), "");
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 1 judged 1");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 1 judged 1");
   EXPECT_EQ(stream.end(), "UNAVAILABLE: the server drains");
 }
 
@@ -104,7 +104,7 @@ TEST_F(FrameTest, AnEmptyBatchIsNoError) {
   stream.Send(BatchFrame({}));
   EXPECT_EQ(stream.end(), "");
   EXPECT_TRUE(stream.reading());
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
 }
 
 TEST_F(FrameTest, NumbersBeginAtOne) {

@@ -50,7 +50,7 @@ TEST_F(GatewayTest, SpeaksForTheRobotsThatItsCertificateNames) {
   const std::vector<std::string> named{"rcan://a/1", "rcan://a/2"};
   for (const std::string& ruri : named) {
     BenchStream& stream = ConnectVia(ruri, named);
-    EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+    EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
     EXPECT_EQ(stream.frames().front().welcome().robot_ruri(), ruri);
     EXPECT_EQ(stream.session().ruri(), ruri);
     EXPECT_EQ(server().robot(ruri).id()->fleet, "bench");
@@ -78,8 +78,8 @@ TEST_F(GatewayTest, SpeaksForNoTwin) {
 }
 
 TEST_F(GatewayTest, WithoutNamesSpeaksForItsWholeFleet) {
-  EXPECT_THAT(ConnectVia("rcan://a/1").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
-  EXPECT_THAT(ConnectVia("rcan://a/2").Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(ConnectVia("rcan://a/1").TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(ConnectVia("rcan://a/2").TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(GatewayTest, ARobotThatItNamesIsARuri) {
@@ -121,15 +121,15 @@ TEST_F(GatewayTest, DoesNotPullARobotOutOfTheFleetThatTheStoreKnows) {
   ASSERT_EQ(server().fleet().size(), 0U) << "it is not in memory";
   BenchStream& refused = ConnectVia("rcan://a/1");
   EXPECT_EQ(refused.end(), kOfAnotherFleet);
-  EXPECT_THAT(refused.Said(), IsEmpty()) << "not even how far its session is";
+  EXPECT_THAT(refused.TakeLines(), IsEmpty()) << "not even how far its session is";
   EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "south");
   EXPECT_FALSE(server().robot("rcan://a/1").HasStream());
   EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
   EXPECT_EQ(ConnectVia("rcan://a/1").end(), kOfAnotherFleet);
   EXPECT_EQ(server().store().opens(), 1U) << "memory knows it now";
-  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").Said(),
+  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").TakeLines(),
               ElementsAre("welcome 1", "ack 1 judged 1"));
-  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).Said(),
+  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).TakeLines(),
               ElementsAre("welcome 1", "ack 1 judged 1"))
       << "by a certificate that names it the robot moves";
   EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "bench");
@@ -156,7 +156,7 @@ TEST_F(GatewayTest, WhatItSentBeforeTheStoreAnsweredIsNotKept) {
   Start().StoreAway();
   BenchStream& stream = ConnectVia("rcan://a/1");
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(stream.Said(), Contains("welcome 0"));
+  EXPECT_THAT(stream.TakeLines(), Contains("welcome 0"));
   stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}, {3, BadFault()}}));
   server().Commit();
   EXPECT_EQ(stream.end(), "") << "nobody knows";
@@ -172,7 +172,7 @@ TEST_F(GatewayTest, WhatItSentBeforeTheStoreAnsweredIsNotKept) {
     EXPECT_EQ(state.presence, model::Presence::kUnknown);
   });
   EXPECT_TRUE(database_.Log("rcan://a/1", SessionOf(1)).stored.empty());
-  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").Said(),
+  EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").TakeLines(),
               ElementsAre("welcome 0", "ack 0 judged 0"))
       << "whoever may speak for the robot sends it again";
 }
@@ -230,7 +230,7 @@ TEST_F(GatewayTest, AStreamThatWaitedIsRefusedIfTheRobotMovedMeanwhile) {
   limits_.session.reconnects.per_minute = 1;
   ConnectVia("rcan://a/1");
   BenchStream& waits = ConnectVia("rcan://a/1");
-  EXPECT_THAT(waits.Said(), IsEmpty());
+  EXPECT_THAT(waits.TakeLines(), IsEmpty());
   server().robot("rcan://a/1").SetFleet("south");
   server().Pass(std::chrono::seconds(5));
   server().Commit();
@@ -239,7 +239,7 @@ TEST_F(GatewayTest, AStreamThatWaitedIsRefusedIfTheRobotMovedMeanwhile) {
 
 TEST_F(GatewayTest, ACertificateThatNamesTheRobotDecidesItsFleet) {
   ConnectOfFleet("rcan://a/1", "south");
-  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).Said(),
+  EXPECT_THAT(ConnectVia("rcan://a/1", {"rcan://a/1"}).TakeLines(),
               ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_EQ(server().robot("rcan://a/1").id()->fleet, "bench");
   ConnectOfFleet("rcan://a/1", "south");
@@ -272,9 +272,9 @@ TEST_F(GatewayTest, ARobotsStreamsWaitForEachOtherHoweverTheyCome) {
   limits_.session.reconnects.per_minute = 2;
   ConnectVia("rcan://a/1");
   server().Connect(SessionOf(1), 0, 0, "rcan://a/1");
-  EXPECT_THAT(ConnectVia("rcan://a/1").Said(), IsEmpty());
+  EXPECT_THAT(ConnectVia("rcan://a/1").TakeLines(), IsEmpty());
   EXPECT_EQ(server().probe().waiting.value(), 1);
-  EXPECT_THAT(ConnectVia("rcan://a/2").Said(), ElementsAre("welcome 0", "ack 0 judged 0"))
+  EXPECT_THAT(ConnectVia("rcan://a/2").TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"))
       << "its neighbours do not";
 }
 

@@ -16,7 +16,7 @@ class HelloTest : public SessionTest {
     BenchStream& stream = server().Open();
     stream.Send(frame);
     server().Commit();
-    EXPECT_TRUE(stream.end().empty() || stream.Said().empty());
+    EXPECT_TRUE(stream.end().empty() || stream.TakeLines().empty());
     return stream.end();
   }
   v1::RelayRequest frame_ = HelloFrame(SessionOf(1));
@@ -25,7 +25,7 @@ class HelloTest : public SessionTest {
 
 TEST_F(HelloTest, IsAnsweredByWelcomeAndAnAck) {
   BenchStream& stream = server().Connect(SessionOf(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_TRUE(stream.reading());
 }
 
@@ -114,7 +114,7 @@ TEST_F(HelloTest, ARobotRuriHasAtMost256Bytes) {
   BenchStream& stream = server().Open(longest);
   stream.Send(frame_);
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(HelloTest, JudgedIsNotBelowSettled) {
@@ -180,7 +180,7 @@ TEST_F(HelloTest, RobotsMaxAdmitsNoMore) {
   EXPECT_EQ(server().probe().refused_full_total.value(), 1);
   EXPECT_EQ(server().probe().protocol_errors_total.value(), 0);
   BenchStream& known = server().Connect(SessionOf(1));
-  EXPECT_THAT(known.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(known.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(HelloTest, ANinthSessionIsRefusedWhileEightWait) {
@@ -193,12 +193,12 @@ TEST_F(HelloTest, ANinthSessionIsRefusedWhileEightWait) {
   }
   BenchStream& ninth = server().Connect(SessionOf(9));
   EXPECT_EQ(ninth.end(), "RESOURCE_EXHAUSTED: all 8 sessions of the robot wait for the store");
-  EXPECT_THAT(ninth.Said(), IsEmpty());
+  EXPECT_THAT(ninth.TakeLines(), IsEmpty());
   server().StoreBack();
   server().Commit();
   EXPECT_EQ(server().counts().stored, 8U);
   BenchStream& later = server().Connect(SessionOf(9));
-  EXPECT_THAT(later.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(later.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(HelloTest, ANinthSessionReplacesTheOneUnusedForLongest) {
@@ -223,9 +223,9 @@ TEST_F(HelloTest, WelcomeWaitsNoLongerThanASecondForTheStore) {
   server().StoreAway();
   BenchStream& stream = server().Connect(SessionOf(1), 3, 4);
   server().Pass(milliseconds(999));
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   server().Pass(milliseconds(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 3", "ack 3 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 3", "ack 3 judged 4"));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ class HoldBackTest : public SessionTest {
  protected:
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
   robot::SessionView Shown() { return server().robot().sessions.View(); }
@@ -96,7 +96,7 @@ TEST_F(HoldBackTest, AFullJournalHoldsBackEveryStreamAtItsNextDurableMessage) {
   EXPECT_FALSE(other.reading());
   EXPECT_EQ(server().robot("rcan://bench/2").sessions.View().held_back, HeldBack::kJournal);
   EXPECT_EQ(server().counts().received, 3U) << "the live ones ahead of it are judged";
-  EXPECT_EQ(other.Said().back(), "ack 0 judged 0");
+  EXPECT_EQ(other.TakeLines().back(), "ack 0 judged 0");
   server().Commit();
   EXPECT_TRUE(stream.reading());
   EXPECT_TRUE(other.reading());
@@ -116,7 +116,7 @@ TEST_F(HoldBackTest, AFullJournalIsNoMatterToARobotThatSendsLiveKindsAlone) {
   }
   EXPECT_FALSE(server().robot("rcan://bench/2").state.held_back());
   EXPECT_EQ(server().counts().applied, 200U);
-  EXPECT_EQ(other.Said().back(), "ack 192 judged 192");
+  EXPECT_EQ(other.TakeLines().back(), "ack 192 judged 192");
 }
 
 TEST_F(HoldBackTest, WhatIsRejectedAndWhatIsSkippedIsDurableToo) {
@@ -125,16 +125,16 @@ TEST_F(HoldBackTest, WhatIsRejectedAndWhatIsSkippedIsDurableToo) {
   BenchStream& bad = server().Connect(SessionOf(2), 0, 0, "rcan://bench/2");
   BenchStream& skips = server().Connect(SessionOf(3), 0, 0, "rcan://bench/3");
   stream.Send(BatchFrame({{1, Fault()}}));
-  static_cast<void>(bad.Said());
+  static_cast<void>(bad.TakeLines());
   bad.Send(BatchFrame({{1, Motion(91)}}));
   EXPECT_FALSE(bad.reading());
-  EXPECT_THAT(bad.Said(), IsEmpty()) << "it is not judged yet";
+  EXPECT_THAT(bad.TakeLines(), IsEmpty()) << "it is not judged yet";
   EXPECT_EQ(server().robot("rcan://bench/2").state.presence(), robot::Presence::kUnknown);
   skips.Send(BatchFrame({{1, Motion()}, {3, Motion()}}));
   EXPECT_FALSE(skips.reading());
   EXPECT_EQ(server().counts().missing, 0U);
   server().Commit();
-  EXPECT_THAT(bad.Said(), ElementsAre("reject 1 out_of_range pose.latDeg", "ack 1 judged 1"));
+  EXPECT_THAT(bad.TakeLines(), ElementsAre("reject 1 out_of_range pose.latDeg", "ack 1 judged 1"));
   EXPECT_EQ(server().counts().missing, 1U) << "counted once";
   EXPECT_TRUE(skips.reading());
   server().Commit();
@@ -158,7 +158,7 @@ TEST_F(HoldBackTest, OneRobotAtItsShareOfTheJournalHoldsBackItselfAlone) {
   for (int commits = 0; commits < 50 && server().counts().stored < 51; ++commits) server().Commit();
   EXPECT_EQ(server().counts().stored, 51U) << "in shares";
   EXPECT_TRUE(stream.reading());
-  EXPECT_EQ(stream.Said().back(), "ack 50 judged 50");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 50 judged 50");
 }
 
 TEST_F(HoldBackTest, ARobotWithNothingInTheJournalAppendsOneRecordOfAnySize) {
@@ -189,8 +189,8 @@ TEST_F(HoldBackTest, AStoreThatIsAwayForTenMinutesStopsTheGreedyRobotAlone) {
   server().StoreBack();
   server().Commit();
   EXPECT_EQ(server().counts().stored, 101U);
-  EXPECT_EQ(greedy.Said().back(), "ack 100 judged 100");
-  EXPECT_EQ(other.Said().back(), "ack 12 judged 12");
+  EXPECT_EQ(greedy.TakeLines().back(), "ack 100 judged 100");
+  EXPECT_EQ(other.TakeLines().back(), "ack 12 judged 12");
 }
 
 TEST_F(HoldBackTest, AFenceFreesTheRobotsShare) {
@@ -443,7 +443,7 @@ TEST_F(HoldBackTest, NothingIsDroppedWhileHeldBack) {
   server().StoreBack();
   server().Commit();
   EXPECT_EQ(server().counts().stored, 50U);
-  EXPECT_EQ(stream.Said().back(), "ack 50 judged 50");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 50 judged 50");
 }
 
 TEST_F(HoldBackTest, PresenceIsUnknownInsteadOfOffline) {
@@ -475,7 +475,8 @@ TEST_F(HoldBackTest, ABreakEndsIt) {
   EXPECT_EQ(server().probe().held_back.value(), 0);
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1)) << "2 was never taken";
-  EXPECT_THAT(server().Connect(SessionOf(1)).Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  EXPECT_THAT(server().Connect(SessionOf(1)).TakeLines(),
+              ElementsAre("welcome 1", "ack 1 judged 1"));
 }
 
 }  // namespace

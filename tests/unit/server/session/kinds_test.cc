@@ -9,7 +9,7 @@ using ::testing::ElementsAre;
 
 class KindsTest : public SessionTest {
  protected:
-  KindsTest() : stream_(server().Connect(SessionOf(1))) { static_cast<void>(stream_.Said()); }
+  KindsTest() : stream_(server().Connect(SessionOf(1))) { static_cast<void>(stream_.TakeLines()); }
   robot::LiveParts Parts() {
     return server().robot().state.Snapshot(robot::RobotState::Parts::kAll).parts;
   }
@@ -75,7 +75,7 @@ TEST_F(KindsTest, AnUpsertThatExpiredOnArrivalIsSuperseded) {
   EXPECT_EQ(server().counts().superseded, 2U);
   EXPECT_EQ(server().counts().in_flight, 0);
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream_.Said(), ElementsAre("ack 2 judged 2"));
+  EXPECT_THAT(stream_.TakeLines(), ElementsAre("ack 2 judged 2"));
 }
 
 TEST_F(KindsTest, AnUpsertThatExpiredOnArrivalIsStoredWhereNobodyVouchesForTheClock) {
@@ -113,7 +113,7 @@ TEST_F(KindsTest, ARejectedMotionIsASignOfLife) {
   server().fleet().Sweep(limits_.session.session_idle);
   EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOffline);
   stream_.Send(BatchFrame({{1, Motion(123)}}));
-  EXPECT_THAT(stream_.Said(), ElementsAre("reject 1 out_of_range pose.latDeg"));
+  EXPECT_THAT(stream_.TakeLines(), ElementsAre("reject 1 out_of_range pose.latDeg"));
   EXPECT_EQ(server().robot().state.presence(), robot::Presence::kOnline);
 }
 

@@ -37,7 +37,7 @@ class RateTest : public SessionTest {
   }
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
   /// Numbers that were told as limited, each once or more.
@@ -65,19 +65,19 @@ class RateTest : public SessionTest {
 TEST_F(RateTest, WhatIsOverTheRateIsRejectedAtOnceAndAckedOnceItsRangeIsStored) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}, {4, Upsert("d")}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 3 rate_limited ", "reject 4 rate_limited "));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 3 rate_limited ", "reject 4 rate_limited "));
   EXPECT_EQ(stream.frames().back().reject().retry_after_ms(), 200);
   EXPECT_EQ(Limited(), 0U) << "they are in flight until the store has them";
   EXPECT_EQ(server().counts().in_flight, 4);
   ExpectBalanced();
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 4 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 4 judged 4"));
   EXPECT_EQ(Limited(), 2U);
   EXPECT_THAT(Stored(1), ElementsAre(1, 2));
   EXPECT_EQ(server().counts().rejected, 2U);
   server().Pass(milliseconds(100));
   stream.Send(BatchFrame({{5, Upsert("c")}, {6, Upsert("d")}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 6 rate_limited "));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 6 rate_limited "));
   server().Pass(milliseconds(100));
   stream.Send(BatchFrame({{7, Upsert("d")}}));
   server().Commit();
@@ -87,10 +87,10 @@ TEST_F(RateTest, WhatIsOverTheRateIsRejectedAtOnceAndAckedOnceItsRangeIsStored) 
 TEST_F(RateTest, ALiveKindIsLimitedTooAndSettledAtOnce) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Health()}, {2, Health()}, {3, Motion()}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 2 rate_limited "));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 2 rate_limited "));
   EXPECT_EQ(Limited(), 1U);
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(server().counts().applied, 2U);
   EXPECT_EQ(server().robot().rates.limited(model::Variant::kSystemHealth), 1U);
 }
@@ -110,16 +110,16 @@ TEST_F(RateTest, NothingIsLimitedBeforeTheStoresCursorIsKnownNorUpToIt) {
   server().StoreAway();
   BenchStream& stream = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame(
       {{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}, {4, Upsert("d")}, {5, Upsert("e")}}));
   EXPECT_EQ(Limited(), 0U) << "it may be what the store has";
   server().StoreBack();
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3, 4, 5));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame({{6, Upsert("f")}, {7, Upsert("g")}, {8, Upsert("h")}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 8 rate_limited "));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 8 rate_limited "));
 }
 
 TEST_F(RateTest, ALimitedLiveMessageNeedNotBeConfirmed) {
@@ -139,13 +139,13 @@ TEST_F(RateTest, ALimitedDurableOneCountsAmongTheUnconfirmedRejects) {
   stream.Send(BatchFrame(Messages(5, 9, Upsert("a"))));
   EXPECT_FALSE(stream.reading());
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
   EXPECT_THAT(stream.end(), ::testing::StartsWith("UNAVAILABLE: 3 Rejects of this session"));
   Start();
   BenchStream& next = server().Connect(SessionOf(1));
   EXPECT_THAT(next.end(), ::testing::StartsWith("UNAVAILABLE: 3 Rejects of this session"));
   BenchStream& confirming = server().Connect(SessionOf(1), 4, 5);
-  EXPECT_THAT(confirming.Said(),
+  EXPECT_THAT(confirming.TakeLines(),
               ElementsAre("welcome 5", "reject 5 rate_limited ", "ack 5 judged 5"));
   EXPECT_TRUE(confirming.reading());
 }
@@ -158,7 +158,7 @@ TEST_F(RateTest, AfterAKillEachOneIsToldAgainAheadOfTheAck) {
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 103));
   Start();
   BenchStream& next = server().Connect(SessionOf(1));
-  const std::vector<std::string> said = next.Said();
+  const std::vector<std::string> said = next.TakeLines();
   ASSERT_EQ(said.size(), 102U);
   EXPECT_EQ(said.front(), "welcome 103");
   for (model::Seq seq = 3; seq <= 102; ++seq) {
@@ -174,10 +174,10 @@ TEST_F(RateTest, AKillBeforeTheCommitLeavesThemToTheAgent) {
   stream.Send(BatchFrame({{1, Upsert("a")}, {2, Upsert("b")}, {3, Upsert("c")}}));
   server().Commit();
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 3 rate_limited ", "ack 0 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 3 rate_limited ", "ack 0 judged 3"));
   Start();
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(RateTest, ACutWithMoreThanMemoryHasTellsThemFromTheStore) {
@@ -191,7 +191,7 @@ TEST_F(RateTest, ACutWithMoreThanMemoryHasTellsThemFromTheStore) {
   BenchStream& next = server().Connect(SessionOf(1));
   server().Commit();
   EXPECT_EQ(RejectedOf(next), kLast - 2);
-  EXPECT_EQ(next.Said().back(),
+  EXPECT_EQ(next.TakeLines().back(),
             "ack " + std::to_string(kLast) + " judged " + std::to_string(kLast));
 }
 
@@ -297,8 +297,8 @@ TEST_F(RateTest, TheNextWelcomeRepeatsItWithItsTime) {
   EXPECT_EQ(Limited(), 8U);
   stream.Break();
   BenchStream& next = server().Connect(SessionOf(1), 8, 8);
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 10", "reject 9 rate_limited ",
-                                       "reject 10 rate_limited ", "ack 10 judged 10"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 10", "reject 9 rate_limited ",
+                                            "reject 10 rate_limited ", "ack 10 judged 10"));
   EXPECT_GT(next.frames()[1].reject().retry_after_ms(), 0);
   EXPECT_EQ(server().robot().rates.limited(model::Variant::kObject), 0U) << "of this stream";
 }

@@ -25,7 +25,7 @@ std::string Joints(const std::string& first, const std::string& second) {
 
 class RcanTest : public SessionTest {
  protected:
-  RcanTest() : stream_(&server().Connect(SessionOf(1))) { static_cast<void>(stream_->Said()); }
+  RcanTest() : stream_(&server().Connect(SessionOf(1))) { static_cast<void>(stream_->TakeLines()); }
 
   void Send(std::initializer_list<std::string> states) {
     v1::RelayRequest frame;
@@ -39,7 +39,7 @@ class RcanTest : public SessionTest {
   void Reconnect() {
     stream_->Break();
     stream_ = &server().Connect(SessionOf(1), seq_, seq_);
-    static_cast<void>(stream_->Said());
+    static_cast<void>(stream_->TakeLines());
   }
   [[nodiscard]] model::RcanState Latest() {
     const auto parts = server().robot().state.Snapshot(robot::RobotState::Parts::kAll).parts;
@@ -79,7 +79,7 @@ TEST_F(RcanTest, AnOlderStateIsRejectedAndAnEqualOneSuperseded) {
   EXPECT_EQ(Latest().battery_v, 1) << "the same sample again";
   EXPECT_EQ(server().counts().superseded, 1U);
   Send({State(999, R"("battery_v":3)")});
-  EXPECT_THAT(stream_->Said(), ElementsAre("reject 3 not_monotonic timestamp_us"));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("reject 3 not_monotonic timestamp_us"));
   EXPECT_EQ(Latest().battery_v, 1);
   Send({State(1001, R"("battery_v":4)")});
   EXPECT_EQ(Latest().battery_v, 4);
@@ -90,7 +90,7 @@ TEST_F(RcanTest, OrderBeginsAnewWithEachHello) {
   Send({State(1000, R"("seq":9,)" + Joints(Joint("a", 50, 1), Joint("b", 50, 1)))});
   Reconnect();
   Send({State(10, R"("seq":1,)" + Joints(Joint("a", 5, 2), Joint("b", 5, 2)))});
-  EXPECT_THAT(stream_->Said(), IsEmpty());
+  EXPECT_THAT(stream_->TakeLines(), IsEmpty());
   EXPECT_EQ(Latest().timestamp_us, 10);
   EXPECT_EQ(Latest().joints[0].position_rad, 2);
   EXPECT_EQ(Latest().seq_missing, 0U);
@@ -142,7 +142,7 @@ TEST_F(RcanTest, TheLastOfAFrameWinsAndTheOthersAreSuperseded) {
 
 TEST_F(RcanTest, AFieldAtFaultIsDroppedWithANotice) {
   Send({State(1, R"("battery_pct":101,"battery_v":5)")});
-  EXPECT_THAT(stream_->Said(), ElementsAre("notice 1 out_of_range battery_pct"));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("notice 1 out_of_range battery_pct"));
   EXPECT_EQ(Latest().battery_v, 5);
   EXPECT_FALSE(Latest().battery_pct.has_value());
 }
@@ -157,7 +157,7 @@ TEST_F(RcanTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   std::string joints = R"("joints":[)";
   for (int i = 0; i < 99; ++i) joints += R"({"joint":""},)";
   Send({State(1, joints + Joint("good", 1, 2) + "]")});
-  EXPECT_THAT(stream_->Said(), ElementsAre("notice 1 missing_field joints[0].joint"));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("notice 1 missing_field joints[0].joint"));
   ASSERT_EQ(Latest().joints.size(), 1U);
   EXPECT_EQ(server().robot().state.Snapshot(robot::RobotState::Parts::kNone).fields_dropped, 99);
   EXPECT_EQ(server().page().dropped[metrics::kRcanKind]
@@ -167,10 +167,10 @@ TEST_F(RcanTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
 
 TEST_F(RcanTest, WhatIsRejectedLiesInQuarantine) {
   Send({R"({"ruri":"rcan://bench/2","timestamp_us":1})", "{"});
-  EXPECT_THAT(stream_->Said(),
+  EXPECT_THAT(stream_->TakeLines(),
               ElementsAre("reject 1 identity_mismatch ruri", "reject 2 malformed "));
   server().Commit();
-  EXPECT_THAT(stream_->Said(), ElementsAre("ack 2 judged 2"));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("ack 2 judged 2"));
   EXPECT_EQ(server().counts().rejected, 2U);
   EXPECT_NE(server().robot().state.presence(), robot::Presence::kOnline);
 }
@@ -180,7 +180,7 @@ TEST_F(RcanTest, ItStandsBesideOtherMessagesOfAFrame) {
   frame.mutable_batch()->mutable_uplinks(1)->set_rcan_robot_state(State(1, R"("battery_v":5)"));
   stream_->Send(frame);
   server().Commit();
-  EXPECT_THAT(stream_->Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(Latest().battery_v, 5);
   EXPECT_EQ(server().counts().applied, 2U);
   EXPECT_EQ(server().counts().stored, 1U);

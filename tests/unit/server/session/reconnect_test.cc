@@ -31,20 +31,20 @@ class ReconnectTest : public SessionTest {
 TEST_F(ReconnectTest, TheTenthOfAMinuteIsAnsweredAtOnceTheEleventhWaits) {
   ComeAndGo(robot::kStreamsPerMinuteMax - 1);
   BenchStream& tenth = Come();
-  EXPECT_THAT(tenth.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(tenth.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   tenth.Break();
   BenchStream& stream = Come();
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   EXPECT_FALSE(stream.reading());
   EXPECT_EQ(Waiting(), 1);
   EXPECT_EQ(server().probe().delayed_total.value(), 1);
   server().Pass(milliseconds(99));
   server().Commit();
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   EXPECT_FALSE(server().robot().sessions.View().connected);
   server().Pass(milliseconds(1));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_TRUE(stream.reading());
   EXPECT_EQ(Waiting(), 0);
 }
@@ -53,22 +53,22 @@ TEST_F(ReconnectTest, OtherRobotsDoNotWait) {
   UseTheMinute();
   Come();
   BenchStream& other = server().Connect(SessionOf(1), 0, 0, "rcan://bench/2");
-  EXPECT_THAT(other.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(other.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(ReconnectTest, TheOlderStreamFlowsWhileTheNewerWaits) {
   ComeAndGo(robot::kStreamsPerMinuteMax - 1);
   BenchStream& older = Come();
-  static_cast<void>(older.Said());
+  static_cast<void>(older.TakeLines());
   BenchStream& newer = Come();
   older.Send(BatchFrame({{1, Fault()}}));
   server().Commit();
-  EXPECT_THAT(older.Said(), ElementsAre("ack 1 judged 1"));
-  EXPECT_THAT(newer.Said(), IsEmpty());
+  EXPECT_THAT(older.TakeLines(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(newer.TakeLines(), IsEmpty());
   server().Pass(milliseconds(100));
   server().Commit();
   EXPECT_EQ(older.end(), "ABORTED: superseded");
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 1"));
 }
 
 TEST_F(ReconnectTest, AWaitingStreamWhosePeerBreaksLeavesAtOnce) {
@@ -99,10 +99,10 @@ TEST_F(ReconnectTest, TheTimeForItsHelloDoesNotEndAWaitingStream) {
   EXPECT_EQ(Waiting(), 1);
   server().Pass(robot::kStreamDelayMax - milliseconds(1));
   EXPECT_EQ(stream.end(), "");
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   server().Pass(milliseconds(1));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(ReconnectTest, FourWaitAndOneMoreIsRefused) {
@@ -121,7 +121,8 @@ TEST_F(ReconnectTest, AStreamThatWaitedDoesNotTakeOverFromOneThatCameLater) {
   EXPECT_EQ(Waiting(), 1) << "for five seconds";
   server().Pass(milliseconds(1));
   BenchStream& newer = Come(2);
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0")) << "the minute is empty";
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"))
+      << "the minute is empty";
   server().Pass(robot::kStreamDelayMax);
   server().Commit();
   EXPECT_EQ(older.end(), "ABORTED: superseded");

@@ -32,50 +32,50 @@ class RejectPagesTest : public SessionTest {
 
 TEST_F(RejectPagesTest, AreToldPageByPageAndAckedSoFar) {
   BenchStream& stream = Welcomed();
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 2"));
   EXPECT_TRUE(stream.reading());
   EXPECT_TRUE(server().ReadRejects());
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(3), Bad(4), "ack 4 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(Bad(3), Bad(4), "ack 4 judged 4"));
   EXPECT_TRUE(server().ReadRejects());
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(5), Bad(6), "ack 6 judged 6"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(Bad(5), Bad(6), "ack 6 judged 6"));
   EXPECT_TRUE(server().ReadRejects());
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(7), "ack 7 judged 7"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(Bad(7), "ack 7 judged 7"));
   EXPECT_FALSE(server().ReadRejects());
   EXPECT_EQ(server().probe().reject_pages_total.value(), 3);
 }
 
 TEST_F(RejectPagesTest, AFullLastPageIsFollowedByAnEmptyOne) {
   BenchStream& stream = Welcomed(1);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(2), Bad(3), "ack 3 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 7", Bad(2), Bad(3), "ack 3 judged 3"));
   server().Commit();
-  EXPECT_THAT(stream.Said(),
+  EXPECT_THAT(stream.TakeLines(),
               ElementsAre(Bad(4), Bad(5), "ack 5 judged 5", Bad(6), Bad(7), "ack 7 judged 7"));
 }
 
 TEST_F(RejectPagesTest, WhatComesWithTheAnswerAloneIsReadByNobody) {
   BenchStream& stream = Welcomed(5);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(6), Bad(7), "ack 7 judged 7"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 7", Bad(6), Bad(7), "ack 7 judged 7"));
   EXPECT_EQ(server().rejects().waiting(), 0U);
 }
 
 TEST_F(RejectPagesTest, NoAckOfOtherMessagesCoversOneThatIsUnread) {
   BenchStream& stream = Welcomed();
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame({{8, Motion()}, {9, Fault()}}));
   while (server().Advance() == journal::Step::kWorked) server().DeliverWakes();
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 2 judged 2"));
   EXPECT_THAT(Stored(1), ElementsAre(9));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 9 judged 9");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 9 judged 9");
 }
 
 TEST_F(RejectPagesTest, AnAgentThatKnowsWhatWasJudgedIsToldThatNewOnesAre) {
   BenchStream& stream = server().Connect(SessionOf(1), 0, 7);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 7"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 7", Bad(1), Bad(2), "ack 2 judged 7"));
   stream.Send(BatchFrame({{8, Motion()}}));
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 8"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 2 judged 8"));
 }
 
 TEST_F(RejectPagesTest, ANewProcessWithoutTheStoreCoversNoneThatAnotherMayHaveRejected) {
@@ -84,23 +84,23 @@ TEST_F(RejectPagesTest, ANewProcessWithoutTheStoreCoversNoneThatAnotherMayHaveRe
   server().Pass(kWelcomeWait);
   stream.Send(BatchFrame({{8, Motion()}}));
   server().Pass(limits_.session.ack_interval);
-  for (const std::string& said : stream.Said()) {
+  for (const std::string& said : stream.TakeLines()) {
     EXPECT_TRUE(!said.starts_with("ack ") || said.starts_with("ack 2 ")) << said;
   }
   server().StoreBack();
   server().Commit();
-  const std::vector<std::string> said = stream.Said();
+  const std::vector<std::string> said = stream.TakeLines();
   for (model::Seq seq = 3; seq <= 7; ++seq) EXPECT_THAT(said, ::testing::Contains(Bad(seq)));
   EXPECT_EQ(said.back(), "ack 8 judged 8");
 }
 
 TEST_F(RejectPagesTest, ANewRejectIsToldAtOnce) {
   BenchStream& stream = Welcomed();
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame({{8, BadFault()}}));
-  EXPECT_THAT(stream.Said(), ElementsAre(Bad(8)));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(Bad(8)));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 8 judged 8");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 8 judged 8");
 }
 
 TEST_F(RejectPagesTest, TheNextPageIsAskedForOnceTheOneBeforeIsWritten) {
@@ -112,12 +112,12 @@ TEST_F(RejectPagesTest, TheNextPageIsAskedForOnceTheOneBeforeIsWritten) {
   EXPECT_EQ(server().rejects().waiting(), 1U);
   stream.ReadAgain();
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 7 judged 7");
 }
 
 TEST_F(RejectPagesTest, AReadThatFailsIsTriedAgainAfterASecond) {
   BenchStream& stream = Welcomed();
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   server().rejects().SetAway(true);
   EXPECT_TRUE(server().ReadRejects());
   EXPECT_EQ(server().rejects().waiting(), 0U);
@@ -126,10 +126,10 @@ TEST_F(RejectPagesTest, AReadThatFailsIsTriedAgainAfterASecond) {
   EXPECT_EQ(server().rejects().waiting(), 0U);
   server().Pass(milliseconds(1));
   EXPECT_EQ(server().rejects().waiting(), 1U);
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   server().rejects().SetAway(false);
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 7 judged 7");
 }
 
 TEST_F(RejectPagesTest, AReadThatIsNotTakenIsTriedAgainAfterASecond) {
@@ -139,7 +139,7 @@ TEST_F(RejectPagesTest, AReadThatIsNotTakenIsTriedAgainAfterASecond) {
   server().rejects().SetFull(false);
   server().Pass(kRejectsReadAgain);
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 7 judged 7");
 }
 
 TEST_F(RejectPagesTest, ATryThatIsDueWaitsForThePeerWithoutATimer) {
@@ -155,7 +155,7 @@ TEST_F(RejectPagesTest, ATryThatIsDueWaitsForThePeerWithoutATimer) {
   server().rejects().SetAway(false);
   stream.ReadAgain();
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 9 judged 9");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 9 judged 9");
 }
 
 TEST_F(RejectPagesTest, ANewerStreamReadsItsOwnPages) {
@@ -163,11 +163,11 @@ TEST_F(RejectPagesTest, ANewerStreamReadsItsOwnPages) {
   EXPECT_EQ(server().rejects().waiting(), 1U);
   BenchStream& newer = Welcomed(2);
   EXPECT_EQ(older.end(), "ABORTED: superseded");
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 7", Bad(3), Bad(4), "ack 4 judged 4"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 7", Bad(3), Bad(4), "ack 4 judged 4"));
   EXPECT_TRUE(server().ReadRejects()) << "the older one's";
-  EXPECT_THAT(newer.Said(), IsEmpty());
+  EXPECT_THAT(newer.TakeLines(), IsEmpty());
   server().Commit();
-  EXPECT_THAT(newer.Said(),
+  EXPECT_THAT(newer.TakeLines(),
               ElementsAre(Bad(5), Bad(6), "ack 6 judged 6", Bad(7), "ack 7 judged 7"));
 }
 
@@ -176,7 +176,7 @@ TEST_F(RejectPagesTest, AStreamThatBreaksMeanwhileLeavesThemToTheNext) {
   EXPECT_TRUE(server().ReadRejects());
   BenchStream& next = Welcomed();
   server().Commit();
-  const std::vector<std::string> said = next.Said();
+  const std::vector<std::string> said = next.TakeLines();
   EXPECT_EQ(said.back(), "ack 7 judged 7");
   for (model::Seq seq = 1; seq <= 7; ++seq) {
     EXPECT_THAT(said, ::testing::Contains(Bad(seq))) << seq;
@@ -188,10 +188,10 @@ TEST_F(RejectPagesTest, TheNextWelcomeWithoutTheStoresAnswerAwaitsThem) {
   server().StoreAway();
   BenchStream& next = Welcomed();
   server().Pass(kWelcomeWait);
-  EXPECT_EQ(next.Said().back(), "ack 0 judged 7");
+  EXPECT_EQ(next.TakeLines().back(), "ack 0 judged 7");
   server().StoreBack();
   server().Commit();
-  EXPECT_EQ(next.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(next.TakeLines().back(), "ack 7 judged 7");
 }
 
 TEST_F(RejectPagesTest, AHalfClosedStreamEndsOnceAllAreTold) {
@@ -199,7 +199,7 @@ TEST_F(RejectPagesTest, AHalfClosedStreamEndsOnceAllAreTold) {
   stream.HalfClose();
   EXPECT_EQ(stream.end(), "");
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 7 judged 7");
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -210,7 +210,7 @@ TEST_F(RejectPagesTest, AnotherProcessThatTakesTheRobotEndsIt) {
   static_cast<void>(other.Connect(SessionOf(1)));
   server().Commit();
   EXPECT_EQ(stream.end(), "ABORTED: superseded");
-  EXPECT_THAT(stream.Said(), ::testing::Not(::testing::Contains("ack 7 judged 7")));
+  EXPECT_THAT(stream.TakeLines(), ::testing::Not(::testing::Contains("ack 7 judged 7")));
 }
 
 }  // namespace

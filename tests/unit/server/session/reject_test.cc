@@ -21,7 +21,7 @@ class RejectTest : public SessionTest {
  protected:
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
   /// The payloads' sizes in quarantine, newest first.
@@ -37,11 +37,11 @@ class RejectTest : public SessionTest {
 TEST_F(RejectTest, IsToldAtOnceAndSettledByItsCommit) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Fault()}, {2, BadFault()}, {3, Fault()}}));
-  EXPECT_THAT(stream.Said(), ElementsAre(BadReject(2)));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(BadReject(2)));
   EXPECT_EQ(server().counts().rejected, 0U) << "in flight until its quarantine row commits";
   EXPECT_EQ(server().counts().in_flight, 3);
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(server().counts().rejected, 1U);
   const auto reason = static_cast<std::size_t>(model::RejectReason::kMissingField);
   EXPECT_EQ(server().counts().rejects[reason], 1U);
@@ -56,7 +56,7 @@ TEST_F(RejectTest, IsWrittenBeforeTheAckThatCoversIt) {
   stream.Send(BatchFrame({{71, BadFault()}, {72, BadFault()}}));
   server().Commit();
   stream.ReadAgain();
-  EXPECT_THAT(stream.Said(),
+  EXPECT_THAT(stream.TakeLines(),
               ElementsAre("ack 70 judged 70", BadReject(71), BadReject(72), "ack 72 judged 72"));
 }
 
@@ -64,7 +64,7 @@ TEST_F(RejectTest, ByTheStoreComesBeforeTheAckThatCoversIt) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, Fault()}, {2, RefusedFault()}, {3, Fault()}}));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 2 store_refused faultId", "ack 3 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 2 store_refused faultId", "ack 3 judged 3"));
   EXPECT_EQ(server().counts().stored, 2U);
   EXPECT_EQ(server().counts().rejected, 1U);
 }
@@ -76,8 +76,8 @@ TEST_F(RejectTest, ByTheStoreBehindASlowReaderComesBeforeTheAck) {
   stream.Send(BatchFrame({{65, RefusedFault()}}));
   server().Commit();
   stream.ReadAgain();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 64 judged 64", "reject 65 store_refused faultId",
-                                         "ack 65 judged 65"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 64 judged 64", "reject 65 store_refused faultId",
+                                              "ack 65 judged 65"));
 }
 
 TEST_F(RejectTest, ByTheStoreWithoutAStreamIsToldAfterWelcome) {
@@ -85,7 +85,7 @@ TEST_F(RejectTest, ByTheStoreWithoutAStreamIsToldAfterWelcome) {
   stream.Send(BatchFrame({{1, RefusedFault()}}));
   stream.Break();
   server().Commit();
-  EXPECT_THAT(server().Connect(SessionOf(1)).Said(),
+  EXPECT_THAT(server().Connect(SessionOf(1)).TakeLines(),
               ElementsAre("welcome 1", "reject 1 store_refused faultId", "ack 1 judged 1"));
 }
 
@@ -96,11 +96,11 @@ TEST_F(RejectTest, OfAnEarlierProcessIsRefusedAgain) {
   Start().StoreAway();
   BenchStream& resumed = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  static_cast<void>(resumed.Said());
+  static_cast<void>(resumed.TakeLines());
   server().StoreBack();
   resumed.Send(BatchFrame({{1, RefusedFault()}}));
   server().Commit();
-  EXPECT_THAT(resumed.Said(), ElementsAre("reject 1 store_refused faultId", "ack 1 judged 1"));
+  EXPECT_THAT(resumed.TakeLines(), ElementsAre("reject 1 store_refused faultId", "ack 1 judged 1"));
   EXPECT_EQ(database_.TimesWritten(kRobot, SessionOf(1), 1), 1U);
 }
 
@@ -112,7 +112,7 @@ TEST_F(RejectTest, FromMemoryIsRepeatedAfterWelcome) {
   stream.Break();
   BenchStream& resumed = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(resumed.Said(),
+  EXPECT_THAT(resumed.TakeLines(),
               ElementsAre("welcome 0", BadReject(1), BadReject(3), "ack 0 judged 3"));
 }
 
@@ -121,7 +121,7 @@ TEST_F(RejectTest, UpToSettledIsNotRepeated) {
   stream.Send(BatchFrame(Messages(1, 3, BadFault())));
   server().Commit();
   stream.Break();
-  EXPECT_THAT(server().Connect(SessionOf(1), 2, 3).Said(),
+  EXPECT_THAT(server().Connect(SessionOf(1), 2, 3).TakeLines(),
               ElementsAre("welcome 3", BadReject(3), "ack 3 judged 3"));
 }
 
@@ -130,9 +130,9 @@ TEST_F(RejectTest, FromQuarantineIsRepeatedAfterARestart) {
   stream.Send(BatchFrame({{1, BadFault()}, {2, Fault()}, {3, BadFault()}}));
   server().Commit();
   Start();
-  EXPECT_THAT(server().Connect(SessionOf(1)).Said(),
+  EXPECT_THAT(server().Connect(SessionOf(1)).TakeLines(),
               ElementsAre("welcome 3", BadReject(1), BadReject(3), "ack 3 judged 3"));
-  EXPECT_THAT(server().Connect(SessionOf(1), 1, 3).Said(),
+  EXPECT_THAT(server().Connect(SessionOf(1), 1, 3).TakeLines(),
               ElementsAre("welcome 3", BadReject(3), "ack 3 judged 3"));
 }
 
@@ -147,7 +147,8 @@ TEST_F(RejectTest, FromQuarantineJoinsMemory) {
   second.Break();
   BenchStream& third = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", BadReject(1), BadReject(2), "ack 0 judged 2"));
+  EXPECT_THAT(third.TakeLines(),
+              ElementsAre("welcome 0", BadReject(1), BadReject(2), "ack 0 judged 2"));
 }
 
 TEST_F(RejectTest, MemoryHoldsTheLast256) {
@@ -159,14 +160,14 @@ TEST_F(RejectTest, MemoryHoldsTheLast256) {
   stream.Break();
   BenchStream& away = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  const std::vector<std::string> said = away.Said();
+  const std::vector<std::string> said = away.TakeLines();
   ASSERT_EQ(said.size(), robot::kRejectsRememberedMax + 2);
   EXPECT_EQ(said[1], BadReject(45));
   EXPECT_EQ(said[256], BadReject(300));
   away.Break();
   server().StoreBack();
   server().Commit();
-  const std::vector<std::string> all = server().Connect(SessionOf(1)).Said();
+  const std::vector<std::string> all = server().Connect(SessionOf(1)).TakeLines();
   ASSERT_EQ(all.size(), 302U) << "quarantine knows those that memory has forgotten";
   EXPECT_EQ(all[1], BadReject(1));
   EXPECT_EQ(all[300], BadReject(300));
@@ -179,9 +180,9 @@ TEST_F(RejectTest, ContentThatIsNotTakenIsUnsupported) {
   stream.Send(frame);
   ASSERT_EQ(stream.frames().size(), 3U);
   EXPECT_EQ(stream.frames()[2].reject().detail(), "the uplink has no content");
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 1 unsupported_content "));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("reject 1 unsupported_content "));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 1 judged 1"));
   EXPECT_EQ(server().counts().rejected, 1U);
 }
 
@@ -219,14 +220,14 @@ std::string ExtrasWithNan(int index) {
 TEST_F(RejectTest, ADroppedFieldIsNoticedOnceASecond) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame(Messages(1, 3, StatusWith(500))));
-  EXPECT_THAT(stream.Said(), ElementsAre("notice 1 out_of_range battery.socPct"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("notice 1 out_of_range battery.socPct"));
   server().Pass(milliseconds(999));
   stream.Send(BatchFrame({{4, StatusWith(500)}}));
-  EXPECT_THAT(stream.Said(), IsEmpty());
+  EXPECT_THAT(stream.TakeLines(), IsEmpty());
   server().Pass(milliseconds(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 4 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 4 judged 4"));
   stream.Send(BatchFrame({{5, StatusWith(500)}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("notice 5 out_of_range battery.socPct"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("notice 5 out_of_range battery.socPct"));
   EXPECT_EQ(server().robot().state.Snapshot(robot::RobotState::Parts::kNone).fields_dropped, 5);
   EXPECT_EQ(server().counts().applied, 3U);
   EXPECT_EQ(server().counts().rejected, 0U);
@@ -235,8 +236,8 @@ TEST_F(RejectTest, ADroppedFieldIsNoticedOnceASecond) {
 TEST_F(RejectTest, NoticesOfOneFieldIgnoreItsIndex) {
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, ExtrasWithNan(1)}, {2, ExtrasWithNan(3)}, {3, StatusWith(500)}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("notice 1 not_finite kv[1].value",
-                                         "notice 3 out_of_range battery.socPct"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("notice 1 not_finite kv[1].value",
+                                              "notice 3 out_of_range battery.socPct"));
 }
 
 std::string ExtrasOfNan(std::size_t readings) {
@@ -254,7 +255,7 @@ TEST_F(RejectTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   static_assert(kFields > schema::kToldFieldsMax);
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, ExtrasOfNan(kFields)}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("notice 1 not_finite kv[0].value"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("notice 1 not_finite kv[0].value"));
   const auto state = server().robot().state.Snapshot(robot::RobotState::Parts::kAll);
   EXPECT_EQ(state.fields_dropped, static_cast<std::int64_t>(kFields));
   EXPECT_EQ(state.parts.extras.items().size(), 1U) << "the good one behind them";
@@ -270,7 +271,7 @@ TEST_F(RejectTest, WhatLiesInQuarantineKeepsItsControlCharacters) {
   const std::string payload = schema::Encode(fault);
   stream.Send(BatchFrame({{1, payload}}));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre(BadReject(1), "ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre(BadReject(1), "ack 1 judged 1"));
   const auto page = testing::FakeReader(database_).Quarantine({.rows = {.page_size = 100}});
   ASSERT_TRUE(page.ok() && page->rows.size() == 1);
   EXPECT_EQ(page->rows[0].payload, payload);
@@ -282,7 +283,7 @@ TEST_F(RejectTest, ANoticeComesBeforeTheAckThatCoversIt) {
   std::vector<Message> messages = Messages(1, 63, Motion());
   messages.push_back({64, StatusWith(500)});
   stream.Send(BatchFrame(messages));
-  EXPECT_THAT(stream.Said(),
+  EXPECT_THAT(stream.TakeLines(),
               ElementsAre("notice 64 out_of_range battery.socPct", "ack 64 judged 64"));
 }
 

@@ -30,26 +30,26 @@ class ResendTest : public SessionTest {
   /// A stream that was welcomed, which is all that it said.
   BenchStream& Welcomed(std::uint8_t session = 1) {
     BenchStream& stream = server().Connect(SessionOf(session));
-    EXPECT_THAT(stream.SaidAll(), Contains(HasSubstr("welcome")));
+    EXPECT_THAT(stream.TakeAllLines(), Contains(HasSubstr("welcome")));
     return stream;
   }
   /// The same while the store is away.
   BenchStream& WelcomedLate() {
     BenchStream& stream = server().Connect(SessionOf(1));
     server().Pass(kWelcomeWait);
-    EXPECT_THAT(stream.SaidAll(), Contains(HasSubstr("welcome")));
+    EXPECT_THAT(stream.TakeAllLines(), Contains(HasSubstr("welcome")));
     return stream;
   }
   BenchStream& Asked() {
     BenchStream& stream = Welcomed();
     server().Pass(kGrace);
-    EXPECT_THAT(stream.SaidAll(), ElementsAre(kAskedForAll));
+    EXPECT_THAT(stream.TakeAllLines(), ElementsAre(kAskedForAll));
     return stream;
   }
   /// What the stream said, after commits, but for Acks and Rejects.
   std::vector<std::string> Requests(BenchStream& stream) {
     server().Commit();
-    std::vector<std::string> requests = stream.SaidAll();
+    std::vector<std::string> requests = stream.TakeAllLines();
     std::erase_if(requests, [](const std::string& line) { return !line.starts_with("resend"); });
     return requests;
   }
@@ -64,10 +64,10 @@ class ResendTest : public SessionTest {
 TEST_F(ResendTest, AFirstConnectIsAskedForAllAfterTheGrace) {
   BenchStream& stream = Welcomed();
   server().Pass(kGrace - kLeast);
-  EXPECT_THAT(stream.SaidAll(), IsEmpty());
+  EXPECT_THAT(stream.TakeAllLines(), IsEmpty());
   EXPECT_EQ(Asks(LatestKind::kSettings), 0);
   server().Pass(kLeast);
-  EXPECT_THAT(stream.SaidAll(), ElementsAre(kAskedForAll));
+  EXPECT_THAT(stream.TakeAllLines(), ElementsAre(kAskedForAll));
   for (const LatestKind kind : storage::kEachLatestKind) {
     EXPECT_EQ(Asks(kind), 1);
     EXPECT_EQ(Unanswered(kind), 1);
@@ -154,7 +154,7 @@ TEST_F(ResendTest, TheNextMessageOfTheKindAnswers) {
 TEST_F(ResendTest, ARejectedMessageAnswersNothing) {
   BenchStream& stream = Asked();
   stream.Send(BatchFrame({{1, BadSettings()}}));
-  EXPECT_THAT(stream.SaidAll(), Contains(HasSubstr("reject 1 duplicate_key")));
+  EXPECT_THAT(stream.TakeAllLines(), Contains(HasSubstr("reject 1 duplicate_key")));
   server().Pass(kEvery);
   EXPECT_THAT(Requests(stream), ElementsAre(kAskedForAll));
 }
@@ -220,7 +220,7 @@ TEST_F(ResendTest, NothingIsAskedForUntilTheStoreAnswers) {
   BenchStream& stream = WelcomedLate();
   server().Pass(kGrace);
   server().Pass(kEvery);
-  EXPECT_THAT(stream.SaidAll(), IsEmpty());
+  EXPECT_THAT(stream.TakeAllLines(), IsEmpty());
   server().StoreBack();
   EXPECT_THAT(Requests(stream), ElementsAre(kAskedForAll)) << "the grace is over";
 }
@@ -261,7 +261,7 @@ TEST_F(ResendTest, ItWaitsBehindWhatAnAgentDoesNotRead) {
   server().Pass(kGrace);
   EXPECT_EQ(Asks(LatestKind::kSettings), 0);
   stream.ReadAgain();
-  EXPECT_THAT(stream.SaidAll(), Not(Contains(kAskedForAll)));
+  EXPECT_THAT(stream.TakeAllLines(), Not(Contains(kAskedForAll)));
   server().Pass(kGrace);
   EXPECT_THAT(Requests(stream), ElementsAre(kAskedForAll));
 }

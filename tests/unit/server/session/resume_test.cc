@@ -34,7 +34,7 @@ TEST_F(ResumeTest, SameProcessKnowsItsOwnThrough) {
   SendAndBreak({{1, Fault()}, {2, Motion()}});
   server().Commit();
   BenchStream& stream = server().Connect(SessionOf(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 2", "ack 2 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 2", "ack 2 judged 2"));
 }
 
 TEST_F(ResumeTest, SameProcessResumesWhileTheStoreIsAway) {
@@ -44,10 +44,10 @@ TEST_F(ResumeTest, SameProcessResumesWhileTheStoreIsAway) {
   BenchStream& stream = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
   // The store may have gone back meanwhile: the agent keeps 1 until the store has said what it has.
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 1"));
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 1 judged 1"));
 }
 
 TEST_F(ResumeTest, WhatWaitsIsNotCommittedYet) {
@@ -58,10 +58,10 @@ TEST_F(ResumeTest, WhatWaitsIsNotCommittedYet) {
   first.Break();
   BenchStream& second = server().Connect(SessionOf(1));
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(second.Said(), ElementsAre("welcome 1", "ack 1 judged 3"));
+  EXPECT_THAT(second.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 3"));
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(second.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(second.TakeLines(), ElementsAre("ack 3 judged 3"));
 }
 
 TEST_F(ResumeTest, AfterARestartTheStoredCursorCounts) {
@@ -69,7 +69,7 @@ TEST_F(ResumeTest, AfterARestartTheStoredCursorCounts) {
   server().Commit();
   Start();
   BenchStream& stream = server().Connect(SessionOf(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 2", "ack 2 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 2", "ack 2 judged 2"));
 }
 
 TEST_F(ResumeTest, AfterARestartJudgedIsNotBelowWhatTheAgentKnows) {
@@ -77,7 +77,7 @@ TEST_F(ResumeTest, AfterARestartJudgedIsNotBelowWhatTheAgentKnows) {
   server().Commit();
   Start();
   BenchStream& stream = server().Connect(SessionOf(1), 1, 2);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 1", "ack 1 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 2"));
 }
 
 TEST_F(ResumeTest, ALateCursorDoesNotCount) {
@@ -86,13 +86,13 @@ TEST_F(ResumeTest, ALateCursorDoesNotCount) {
   Start().StoreAway();
   BenchStream& stream = server().Connect(SessionOf(1), 1, 3);
   server().Pass(kWelcomeWait);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 1", "ack 1 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 3"));
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(stream.Said(), IsEmpty()) << "the cursor came too late for this stream";
+  EXPECT_THAT(stream.TakeLines(), IsEmpty()) << "the cursor came too late for this stream";
   stream.Send(BatchFrame({{2, Fault()}, {3, Fault()}}));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(server().counts().duplicate, 2U) << "the store knew them";
   EXPECT_EQ(server().counts().stored, 0U);
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 3));
@@ -100,7 +100,7 @@ TEST_F(ResumeTest, ALateCursorDoesNotCount) {
 
 TEST_F(ResumeTest, SettledAboveWhatIsKnownIsBelieved) {
   BenchStream& stream = server().Connect(SessionOf(1), 20, 25);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 20", "ack 20 judged 25"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 20", "ack 20 judged 25"));
 }
 
 TEST_F(ResumeTest, NumbersUpToJudgedAreNotMissing) {
@@ -126,10 +126,10 @@ TEST_F(ResumeTest, DurableBetweenCommittedAndJudgedIsNewAfterARestart) {
   lost.Send(BatchFrame({{2, Fault()}, {3, Motion()}, {4, Fault()}}));
   Start();
   BenchStream& stream = server().Connect(SessionOf(1), 1, 4);
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 1", "ack 1 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 4"));
   stream.Send(BatchFrame({{2, Fault()}, {4, Fault()}}));
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 4 judged 4"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 4 judged 4"));
   EXPECT_THAT(Stored(1), ElementsAre(1, 2, 4));
   EXPECT_EQ(server().counts().stored, 2U);
   EXPECT_EQ(server().counts().missing, 0U) << "3 was judged before";
@@ -160,35 +160,36 @@ class LateResumeTest : public ResumeTest {
 
 TEST_F(LateResumeTest, NoAckCoversARejectThatMemoryLetGo) {
   BenchStream& stream = WelcomedLate();
-  const std::vector<std::string> said = stream.Said();
+  const std::vector<std::string> said = stream.TakeLines();
   ASSERT_EQ(said.size(), robot::kRejectsRememberedMax + 2);
   EXPECT_EQ(said.front(), "welcome 0");
   EXPECT_EQ(said[1], "reject 4 missing_field faultId");
   EXPECT_EQ(said.back(), "ack 0 judged 259");
   stream.Send(BatchFrame({{kRejects + 1, Motion()}}));
   server().Pass(limits_.session.ack_interval);
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 0 judged 260"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 0 judged 260"));
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(stream.Said(),
+  EXPECT_THAT(stream.TakeLines(),
               ElementsAre("reject 1 missing_field faultId", "reject 2 missing_field faultId",
                           "reject 3 missing_field faultId", "ack 260 judged 260"));
 }
 
 TEST_F(LateResumeTest, WhatTheAgentConfirmedNeedNotBeTold) {
   BenchStream& stream = WelcomedLate(3);
-  EXPECT_EQ(stream.Said().back(), "ack 3 judged 259");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 3 judged 259");
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 259 judged 259"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 259 judged 259"));
 }
 
 TEST_F(LateResumeTest, OneThatTheAgentDidNotConfirmHoldsAcksBack) {
   BenchStream& stream = WelcomedLate(2);
-  EXPECT_EQ(stream.Said().back(), "ack 2 judged 259");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 2 judged 259");
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("reject 3 missing_field faultId", "ack 259 judged 259"));
+  EXPECT_THAT(stream.TakeLines(),
+              ElementsAre("reject 3 missing_field faultId", "ack 259 judged 259"));
 }
 
 TEST_F(LateResumeTest, AHalfClosedStreamEndsOnceTheyAreTold) {
@@ -197,7 +198,7 @@ TEST_F(LateResumeTest, AHalfClosedStreamEndsOnceTheyAreTold) {
   EXPECT_EQ(stream.end(), "");
   server().StoreBack();
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 259 judged 259");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 259 judged 259");
   EXPECT_EQ(stream.end(), "OK");
 }
 
@@ -206,19 +207,20 @@ TEST_F(LateResumeTest, AHalfClosedStreamIsNotToldThatAllIsSettledWhileTheStoreIs
   stream.HalfClose();
   server().Pass(limits_.session.drain_timeout);
   EXPECT_EQ(stream.end(), "UNAVAILABLE: not all was settled within drain.timeout");
-  EXPECT_EQ(stream.Said().back(), "ack 0 judged 259");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 0 judged 259");
 }
 
 TEST_F(LateResumeTest, ANewerStreamIsToldThemInsteadOfTheOlder) {
   BenchStream& older = WelcomedLate();
-  static_cast<void>(older.Said());
+  static_cast<void>(older.TakeLines());
   BenchStream& newer = WelcomedLate(1);
-  EXPECT_EQ(newer.Said().back(), "ack 1 judged 259");
+  EXPECT_EQ(newer.TakeLines().back(), "ack 1 judged 259");
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(newer.Said(), ElementsAre("reject 2 missing_field faultId",
-                                        "reject 3 missing_field faultId", "ack 259 judged 259"));
-  EXPECT_THAT(older.Said(), IsEmpty());
+  EXPECT_THAT(newer.TakeLines(),
+              ElementsAre("reject 2 missing_field faultId", "reject 3 missing_field faultId",
+                          "ack 259 judged 259"));
+  EXPECT_THAT(older.TakeLines(), IsEmpty());
 }
 
 TEST_F(ResumeTest, AJumpIsListedWholeAndCountedUpToItsBound) {
@@ -252,12 +254,12 @@ TEST_F(ResumeTest, ADuplicateThatWaitsIsAnsweredByItsCopysAck) {
   first.Send(BatchFrame({{1, Fault()}}));
   first.Break();
   BenchStream& second = server().Connect(SessionOf(1));
-  EXPECT_THAT(second.Said(), ElementsAre("welcome 0", "ack 0 judged 1"));
+  EXPECT_THAT(second.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 1"));
   second.Send(BatchFrame({{1, Fault()}}));
   EXPECT_EQ(server().counts().duplicate, 1U) << "counted at once";
-  EXPECT_THAT(second.Said(), IsEmpty());
+  EXPECT_THAT(second.TakeLines(), IsEmpty());
   server().Commit();
-  EXPECT_THAT(second.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(second.TakeLines(), ElementsAre("ack 1 judged 1"));
   EXPECT_EQ(server().counts().stored, 1U);
 }
 
@@ -265,9 +267,9 @@ TEST_F(ResumeTest, ASettledDuplicateIsAnsweredByAnAckAtOnce) {
   SendAndBreak({{1, Fault()}});
   server().Commit();
   BenchStream& stream = server().Connect(SessionOf(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 1", "ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 1", "ack 1 judged 1"));
   stream.Send(BatchFrame({{1, Fault()}}));
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 1 judged 1"));
   EXPECT_EQ(server().counts().duplicate, 1U);
 }
 
@@ -285,23 +287,23 @@ TEST_F(ResumeTest, AnOlderSessionCommitsToItsOwnCursor) {
   older.Send(BatchFrame(Messages(1, 3, Fault())));
   older.Break();
   BenchStream& newer = server().Connect(SessionOf(2));
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   newer.Send(BatchFrame({{1, Fault()}}));
   server().Commit();
-  EXPECT_THAT(newer.Said(), ElementsAre("ack 1 judged 1"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("ack 1 judged 1"));
   EXPECT_EQ(database_.Cursor(kRobot, SessionOf(1)), 3U);
   EXPECT_EQ(database_.Cursor(kRobot, SessionOf(2)), 1U);
 }
 
 TEST_F(ResumeTest, ALostCommitAnswerStoresNothingTwice) {
   BenchStream& stream = server().Connect(SessionOf(1));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame(Messages(1, 2, Fault())));
   server().store().FailNextCommits(1, testing::FailAt::kAfter);
   server().Commit();
-  EXPECT_THAT(stream.Said(), IsEmpty()) << "nobody knows yet that it is durable";
+  EXPECT_THAT(stream.TakeLines(), IsEmpty()) << "nobody knows yet that it is durable";
   server().Commit();
-  EXPECT_THAT(stream.Said(), ElementsAre("ack 2 judged 2"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 2 judged 2"));
   EXPECT_THAT(Stored(1), ElementsAre(1, 2));
 }
 
@@ -315,7 +317,7 @@ TEST_F(ResumeTest, AnIdleSessionIsForgotten) {
   EXPECT_THAT(server().robot().sessions.Held(), IsEmpty());
   server().Commit();  // a sweep of the store is due first
   BenchStream& stream = server().Connect(SessionOf(1));
-  EXPECT_THAT(stream.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(stream.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 }  // namespace

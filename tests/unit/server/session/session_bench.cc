@@ -187,13 +187,13 @@ void BenchStream::Pump() {
   while (agent_reads_ && writing_ && !session_.done()) ReadOne();
 }
 
-std::vector<std::string> BenchStream::Said() {
-  std::vector<std::string> lines = SaidAll();
+std::vector<std::string> BenchStream::TakeLines() {
+  std::vector<std::string> lines = TakeAllLines();
   std::erase_if(lines, [](const std::string& line) { return line.starts_with("resend "); });
   return lines;
 }
 
-std::vector<std::string> BenchStream::SaidAll() {
+std::vector<std::string> BenchStream::TakeAllLines() {
   std::vector<std::string> lines;
   for (; told_ < frames_.size(); ++told_) lines.push_back(ToLine(frames_[told_]));
   return lines;

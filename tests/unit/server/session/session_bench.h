@@ -89,11 +89,11 @@ class BenchStream final : public FrameSource, public FrameSink {
   /// Runs `job` within the next Write.
   void AtNextWrite(std::function<void()> job) { at_next_write_ = std::move(job); }
 
-  // What came of it.
-  /// The lines of all frames since the last call, but for requests to send again.
-  [[nodiscard]] std::vector<std::string> Said();
-  /// Those too.
-  [[nodiscard]] std::vector<std::string> SaidAll();
+  // The result.
+  /// A line for each frame since the last call, without requests to send again.
+  [[nodiscard]] std::vector<std::string> TakeLines();
+  /// With those.
+  [[nodiscard]] std::vector<std::string> TakeAllLines();
   [[nodiscard]] const std::vector<v1::RelayResponse>& frames() const { return frames_; }
   /// The server wants a frame.
   [[nodiscard]] bool reading() const { return reading_; }

@@ -19,19 +19,19 @@ TEST_F(TakeoverTest, TheNewerStreamWaitsUntilTheOlderHasConfirmed) {
   newer.Send(HelloFrame(SessionOf(1)));
   server().Advance();
   EXPECT_EQ(older.end(), "") << "its own queue has not run yet";
-  EXPECT_THAT(newer.Said(), IsEmpty());
+  EXPECT_THAT(newer.TakeLines(), IsEmpty());
   server().DeliverWakes();
   EXPECT_EQ(older.end(), "ABORTED: superseded");
-  EXPECT_THAT(newer.Said(), IsEmpty());
+  EXPECT_THAT(newer.TakeLines(), IsEmpty());
   server().Commit();
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_EQ(server().probe().takeovers_total.value(), 1);
   EXPECT_EQ(server().probe().superseded_total.value(), 1);
 }
 
 TEST_F(TakeoverTest, AStreamThatAnOperatorEndsLeavesWhatItTookToCommit) {
   BenchStream& stream = server().Connect(SessionOf(1));
-  static_cast<void>(stream.Said());
+  static_cast<void>(stream.TakeLines());
   stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
   server().robot().sessions.EndStream().Wake();
   server().DeliverWakes();
@@ -40,7 +40,7 @@ TEST_F(TakeoverTest, AStreamThatAnOperatorEndsLeavesWhatItTookToCommit) {
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1));
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 2", "ack 2 judged 2"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 2", "ack 2 judged 2"));
 }
 
 TEST_F(TakeoverTest, TheSameSessionGoesOnInTheSameWindow) {
@@ -48,10 +48,10 @@ TEST_F(TakeoverTest, TheSameSessionGoesOnInTheSameWindow) {
   older.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
   BenchStream& newer = server().Connect(SessionOf(1));
   EXPECT_EQ(older.end(), "ABORTED: superseded");
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 2"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 2"));
   newer.Send(BatchFrame({{1, Fault()}, {3, Fault()}}));
   server().Commit();
-  EXPECT_THAT(newer.Said(), ElementsAre("ack 3 judged 3"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("ack 3 judged 3"));
   EXPECT_EQ(server().counts().duplicate, 1U);
   EXPECT_THAT(Stored(1), ElementsAre(1, 3));
 }
@@ -60,11 +60,11 @@ TEST_F(TakeoverTest, AnotherSessionLeavesTheOldersRecordsToCommit) {
   BenchStream& older = server().Connect(SessionOf(1));
   older.Send(BatchFrame({{1, Fault()}}));
   BenchStream& newer = server().Connect(SessionOf(2));
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(1));
   EXPECT_EQ(server().counts().superseded, 0U);
-  EXPECT_THAT(newer.Said(), IsEmpty()) << "the commit was of another session";
+  EXPECT_THAT(newer.TakeLines(), IsEmpty()) << "the commit was of another session";
 }
 
 TEST_F(TakeoverTest, OfThreeStreamsTheLastStays) {
@@ -77,7 +77,7 @@ TEST_F(TakeoverTest, OfThreeStreamsTheLastStays) {
   EXPECT_EQ(first.end(), "ABORTED: superseded");
   EXPECT_EQ(second.end(), "ABORTED: superseded");
   EXPECT_THAT(second.frames(), IsEmpty());
-  EXPECT_THAT(third.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(third.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
   EXPECT_EQ(server().probe().takeovers_total.value(), 2);
 }
 
@@ -89,7 +89,8 @@ TEST_F(TakeoverTest, AWaitingStreamThatBreaksLeavesNoOneWaiting) {
   server().Commit();
   EXPECT_EQ(first.end(), "ABORTED: superseded") << "it was told before the newer one broke";
   EXPECT_FALSE(server().robot().sessions.View().connected);
-  EXPECT_THAT(server().Connect(SessionOf(1)).Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(server().Connect(SessionOf(1)).TakeLines(),
+              ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(TakeoverTest, AStreamThatWaitsForTheStoreIsSupersededToo) {
@@ -99,7 +100,7 @@ TEST_F(TakeoverTest, AStreamThatWaitsForTheStoreIsSupersededToo) {
   EXPECT_EQ(older.end(), "ABORTED: superseded");
   server().StoreBack();
   server().Commit();
-  EXPECT_THAT(newer.Said(), ElementsAre("welcome 0", "ack 0 judged 0"));
+  EXPECT_THAT(newer.TakeLines(), ElementsAre("welcome 0", "ack 0 judged 0"));
 }
 
 TEST_F(TakeoverTest, PresenceDoesNotChange) {

@@ -42,7 +42,7 @@ class TelemetryRateTest : public SessionTest {
   TelemetryRateTest() {
     limits_.allowance.telemetry = {.rate = 10, .burst = kBurst};
     stream_ = &server().Connect(SessionOf(1));
-    static_cast<void>(stream_->Said());
+    static_cast<void>(stream_->TakeLines());
   }
   /// Latitudes 1 to `count` in one frame.
   void SendMotions(std::size_t count) {
@@ -97,7 +97,7 @@ TEST_F(TelemetryRateTest, PastItTheyAreSupersededUndecodedAndTheLatestWins) {
   EXPECT_EQ(counts.in_flight, 0);
   EXPECT_EQ(server().robot().rates.limited(model::Variant::kMotionTelemetry), 129U);
   server().Pass(limits_.session.ack_interval);
-  EXPECT_EQ(stream_->Said().back(), "ack 140 judged 140");
+  EXPECT_EQ(stream_->TakeLines().back(), "ack 140 judged 140");
 }
 
 TEST_F(TelemetryRateTest, AFloodDecodesNoMoreThanTheRate) {
@@ -120,7 +120,7 @@ TEST_F(TelemetryRateTest, AFaultBehindThemIsNotDelayed) {
   EXPECT_TRUE(stream_->reading());
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(201));
-  EXPECT_EQ(stream_->Said().back(), "ack 201 judged 201");
+  EXPECT_EQ(stream_->TakeLines().back(), "ack 201 judged 201");
 }
 
 TEST_F(TelemetryRateTest, EachKindHasItsLatest) {
@@ -185,20 +185,20 @@ TEST_F(TelemetryRateTest, WhatIsRejectedForItsSizeLeavesNoDebt) {
 
 TEST_F(TelemetryRateTest, OneThatIsNotGoodIsSupersededToo) {
   SendMotions(kBurst);
-  static_cast<void>(stream_->Said());
+  static_cast<void>(stream_->TakeLines());
   Send(Motion(123));
   server().Pass(kPerMessage);
   EXPECT_EQ(Latitude(), kLastOfBurst);
   EXPECT_EQ(server().counts().superseded, kBurst) << "of the frame all but the last, and this one";
   EXPECT_EQ(server().counts().rejected, 0U);
-  EXPECT_THAT(stream_->Said(), IsEmpty());
+  EXPECT_THAT(stream_->TakeLines(), IsEmpty());
 }
 
 TEST_F(TelemetryRateTest, WhatCannotBeReadIsRejected) {
   SendMotions(kBurst);
-  static_cast<void>(stream_->Said());
+  static_cast<void>(stream_->TakeLines());
   Send("x");
-  EXPECT_THAT(stream_->Said(), ElementsAre("reject 11 malformed "));
+  EXPECT_THAT(stream_->TakeLines(), ElementsAre("reject 11 malformed "));
 }
 
 TEST_F(TelemetryRateTest, NumbersBeforeOneThatAreMissingAreCounted) {

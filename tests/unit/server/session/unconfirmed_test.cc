@@ -19,7 +19,7 @@ class UnconfirmedTest : public SessionTest {
 
   BenchStream& Welcomed() {
     BenchStream& stream = server().Connect(SessionOf(1));
-    static_cast<void>(stream.Said());
+    static_cast<void>(stream.TakeLines());
     return stream;
   }
   /// A stream that ended at the bound, with all of it committed and acked.
@@ -27,7 +27,7 @@ class UnconfirmedTest : public SessionTest {
     BenchStream& stream = Welcomed();
     stream.Send(BatchFrame(Messages(1, 5, BadFault())));
     server().Commit();
-    EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+    EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
     EXPECT_EQ(stream.end(), EndAt(5));
   }
   [[nodiscard]] std::string EndAt(std::size_t rejects) const {
@@ -54,13 +54,13 @@ TEST_F(UnconfirmedTest, AtTheBoundWhatWasJudgedIsSettledAndAckedAndTheStreamEnds
   messages.push_back({8, Fault()});
   messages.push_back({9, Motion()});
   stream.Send(BatchFrame(messages));
-  EXPECT_THAT(stream.Said(),
+  EXPECT_THAT(stream.TakeLines(),
               ElementsAre(BadReject(3), BadReject(4), BadReject(5), BadReject(6), BadReject(7)));
   EXPECT_EQ(stream.end(), "");
   EXPECT_FALSE(stream.reading());
   EXPECT_TRUE(server().robot().state.held_back()) << "it is we who do not listen";
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 7 judged 7");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 7 judged 7");
   EXPECT_EQ(stream.end(), EndAt(5));
   EXPECT_FALSE(server().robot().state.held_back());
   EXPECT_EQ(server().counts().received, 7U) << "what was not judged was not taken";
@@ -73,14 +73,14 @@ TEST_F(UnconfirmedTest, RefusalsOfTheStoreCountToo) {
   stream.Send(BatchFrame(Messages(1, 5, RefusedFault())));
   EXPECT_TRUE(stream.reading());
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
   EXPECT_EQ(stream.end(), EndAt(5));
 }
 
 TEST_F(UnconfirmedTest, AHelloThatConfirmsThemGoesOn) {
   FillTheBound();
   BenchStream& next = server().Connect(SessionOf(1), 5, 5);
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 5", "ack 5 judged 5"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 5", "ack 5 judged 5"));
   next.Send(BatchFrame(Messages(6, 9, BadFault())));
   server().Commit();
   EXPECT_TRUE(next.reading());
@@ -93,7 +93,7 @@ TEST_F(UnconfirmedTest, AHelloThatConfirmsThemGoesOn) {
 TEST_F(UnconfirmedTest, AHelloThatConfirmsSomeHasRoomForAsMany) {
   FillTheBound();
   BenchStream& next = server().Connect(SessionOf(1), 2, 2);
-  EXPECT_THAT(next.Said(),
+  EXPECT_THAT(next.TakeLines(),
               ElementsAre("welcome 5", BadReject(3), BadReject(4), BadReject(5), "ack 5 judged 5"));
   next.Send(BatchFrame({{6, BadFault()}}));
   EXPECT_TRUE(next.reading());
@@ -104,8 +104,8 @@ TEST_F(UnconfirmedTest, AHelloThatConfirmsSomeHasRoomForAsMany) {
 TEST_F(UnconfirmedTest, AHelloThatConfirmsTooLittleIsToldAllAgainAndEnds) {
   FillTheBound();
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 5", BadReject(1), BadReject(2), BadReject(3),
-                                       BadReject(4), BadReject(5), "ack 5 judged 5"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 5", BadReject(1), BadReject(2), BadReject(3),
+                                            BadReject(4), BadReject(5), "ack 5 judged 5"));
   EXPECT_EQ(next.end(), EndAt(5));
   EXPECT_EQ(server().probe().unconfirmed_total.value(), 2);
 }
@@ -114,7 +114,7 @@ TEST_F(UnconfirmedTest, AnotherProcessKnowsThemFromTheStore) {
   FillTheBound();
   Start();
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_EQ(next.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(next.TakeLines().back(), "ack 5 judged 5");
   EXPECT_EQ(next.end(), EndAt(5));
   BenchStream& confirming = server().Connect(SessionOf(1), 5, 5);
   EXPECT_TRUE(confirming.reading());
@@ -126,12 +126,13 @@ TEST_F(UnconfirmedTest, ThoseThatAreYetToBeReadCountToo) {
   limits_.session.reject_page_max = 2;
   Start();
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 5", BadReject(1), BadReject(2), "ack 2 judged 2"));
+  EXPECT_THAT(next.TakeLines(),
+              ElementsAre("welcome 5", BadReject(1), BadReject(2), "ack 2 judged 2"));
   EXPECT_FALSE(next.reading());
   EXPECT_EQ(next.end(), "") << "it is told them first";
   server().Commit();
-  EXPECT_THAT(next.Said(), ElementsAre(BadReject(3), BadReject(4), "ack 4 judged 4", BadReject(5),
-                                       "ack 5 judged 5"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre(BadReject(3), BadReject(4), "ack 4 judged 4",
+                                            BadReject(5), "ack 5 judged 5"));
   EXPECT_EQ(next.end(), EndAt(5));
 }
 
@@ -154,7 +155,7 @@ TEST_F(UnconfirmedTest, WhileTheStoreIsAwayItEndsInTimeAndNothingIsLost) {
   server().Commit();
   EXPECT_EQ(server().counts().rejected, 5U);
   BenchStream& next = server().Connect(SessionOf(1));
-  EXPECT_EQ(next.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(next.TakeLines().back(), "ack 5 judged 5");
 }
 
 TEST_F(UnconfirmedTest, AnAgentThatTakesThemSlowlyIsGivenTheTime) {
@@ -168,7 +169,7 @@ TEST_F(UnconfirmedTest, AnAgentThatTakesThemSlowlyIsGivenTheTime) {
     stream.ReadOne();
   }
   stream.ReadAgain();
-  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
   EXPECT_EQ(stream.end(), EndAt(5));
 }
 
@@ -188,7 +189,7 @@ TEST_F(UnconfirmedTest, AStreamThatIsHeldBackAtTheBoundEndsOnceItGoesOn) {
   EXPECT_EQ(server().counts().received, 3U);
   server().Commit();
   EXPECT_EQ(server().counts().received, 5U);
-  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
   EXPECT_EQ(stream.end(), EndAt(5));
 }
 
@@ -197,7 +198,7 @@ TEST_F(UnconfirmedTest, ADrainThatComesMeanwhileEndsItToo) {
   stream.Send(BatchFrame(Messages(1, 5, BadFault())));
   stream.Drain(milliseconds(1000));
   server().Commit();
-  EXPECT_EQ(stream.Said().back(), "ack 5 judged 5");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 5 judged 5");
   EXPECT_EQ(stream.end(), EndAt(5));
 }
 
@@ -216,12 +217,12 @@ TEST_F(UnconfirmedByDefaultTest, TenThousandEndAStreamAndTheNextOneGoesOn) {
     stream.Send(BatchFrame(Messages(first, first + 249, BadFault())));
     server().Commit();
   }
-  EXPECT_EQ(stream.Said().back(), "ack 10000 judged 10000");
+  EXPECT_EQ(stream.TakeLines().back(), "ack 10000 judged 10000");
   EXPECT_THAT(stream.end(), ::testing::StartsWith("UNAVAILABLE: 10000 Rejects"));
   server().Pass(std::chrono::seconds(1));
   server().Commit();
   BenchStream& next = server().Connect(SessionOf(1), kMax, kMax);
-  EXPECT_THAT(next.Said(), ElementsAre("welcome 10000", "ack 10000 judged 10000"));
+  EXPECT_THAT(next.TakeLines(), ElementsAre("welcome 10000", "ack 10000 judged 10000"));
   next.Send(BatchFrame({{kMax + 1, BadFault()}, {kMax + 2, Fault()}}));
   server().Commit();
   EXPECT_THAT(Stored(1), ElementsAre(kMax + 2));

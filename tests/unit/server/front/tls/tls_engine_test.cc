@@ -82,10 +82,10 @@ class TlsEngineTest : public ::testing::Test {
   TlsBuffers buffers_{};
 };
 
-/// A robot's side of a handshake, as a peer says it that answers in pieces of so many bytes.
+/// A robot's side of a handshake whose peer answers in pieces of so many bytes.
 class TlsEnginePieces : public TlsEngineTest {
  protected:
-  struct Said {
+  struct Result {
     TlsEngine::Step step = TlsEngine::Step::kMore;
     std::size_t reads = 0;
     /// Of the client's bytes, those that came and those that were read.
@@ -94,67 +94,67 @@ class TlsEnginePieces : public TlsEngineTest {
     Failure failure = Failure::kNone;
     std::string detail;
   };
-  Said SayIn(std::size_t piece, std::size_t padded_bytes = 0) {
+  Result HandshakeIn(std::size_t piece, std::size_t padded_bytes = 0) {
     auto context = TlsContext::Make(texts_, rules_);
     EXPECT_TRUE(context.ok()) << context.status();
     TlsEngine engine(*context, method_, buffers_);
     robot_.padded_bytes = padded_bytes;
     MemoryTls client(robot_);
-    Said said;
-    while (said.step == TlsEngine::Step::kMore) {
+    Result result;
+    while (result.step == TlsEngine::Step::kMore) {
       const std::string heard = client.Step(buffers_.out);
       buffers_.out.clear();
       if (heard.empty()) break;
-      for (std::size_t at = 0; at < heard.size() && said.step == TlsEngine::Step::kMore;
+      for (std::size_t at = 0; at < heard.size() && result.step == TlsEngine::Step::kMore;
            at += piece) {
         buffers_.in = std::string_view(heard).substr(at, piece);
-        said.came += buffers_.in.size();
-        said.read += buffers_.in.size();
-        ++said.reads;
-        said.step = engine.Handshake();
-        said.read -= buffers_.in.size();
+        result.came += buffers_.in.size();
+        result.read += buffers_.in.size();
+        ++result.reads;
+        result.step = engine.Handshake();
+        result.read -= buffers_.in.size();
       }
     }
     buffers_.out.clear();
     buffers_.in = {};
-    said.failure = engine.failure();
-    said.detail = engine.detail();
-    return said;
+    result.failure = engine.failure();
+    result.detail = engine.detail();
+    return result;
   }
 
   MemoryTls::Options robot_ = Robot();
 };
 
 TEST_F(TlsEnginePieces, SmallSegmentsAreTaken) {
-  const Said said = SayIn(64);
-  EXPECT_EQ(said.step, TlsEngine::Step::kDone);
-  EXPECT_LE(said.reads, kHandshakeReadsMax);
+  const Result result = HandshakeIn(64);
+  EXPECT_EQ(result.step, TlsEngine::Step::kDone);
+  EXPECT_LE(result.reads, kHandshakeReadsMax);
 }
 
 TEST_F(TlsEnginePieces, OneByteAtATimeEndsTheHandshake) {
-  const Said said = SayIn(1);
-  EXPECT_EQ(said.step, TlsEngine::Step::kFailed);
-  EXPECT_EQ(said.reads, kHandshakeReadsMax + 1);
-  EXPECT_EQ(said.detail, "a handshake in over 128 pieces");
+  const Result result = HandshakeIn(1);
+  EXPECT_EQ(result.step, TlsEngine::Step::kFailed);
+  EXPECT_EQ(result.reads, kHandshakeReadsMax + 1);
+  EXPECT_EQ(result.detail, "a handshake in over 128 pieces");
 }
 
 TEST_F(TlsEnginePieces, ARecordIsTakenWholeAndThreeThatArePaddedToTheirMostAreNot) {
-  EXPECT_EQ(SayIn(kRecordBytes).step, TlsEngine::Step::kDone);
+  EXPECT_EQ(HandshakeIn(kRecordBytes).step, TlsEngine::Step::kDone);
   // Certificate, signature and Finished have a record each.
-  EXPECT_EQ(SayIn(kRecordBytes, kRecordBytes).detail, "a handshake of over 48 KiB");
+  EXPECT_EQ(HandshakeIn(kRecordBytes, kRecordBytes).detail, "a handshake of over 48 KiB");
 }
 
 /// Certificate, signature and Finished come at once, in a record each, whose sizes grow by a byte.
 TEST_F(TlsEnginePieces, NoByteIsReadPastTheBound) {
   constexpr std::size_t kPadded = 10'000;
   constexpr std::size_t kAtOnce = 2 * kHandshakeBytesMax;
-  const Said some = SayIn(kAtOnce, kPadded);
+  const Result some = HandshakeIn(kAtOnce, kPadded);
   ASSERT_EQ(some.step, TlsEngine::Step::kDone);
   const std::size_t most = kPadded + (kHandshakeBytesMax - some.came) / 3;
-  const Said taken = SayIn(kAtOnce, most);
+  const Result taken = HandshakeIn(kAtOnce, most);
   EXPECT_EQ(taken.step, TlsEngine::Step::kDone) << taken.detail;
   EXPECT_EQ(taken.read, taken.came);
-  const Said refused = SayIn(kAtOnce, most + 1);
+  const Result refused = HandshakeIn(kAtOnce, most + 1);
   EXPECT_EQ(refused.step, TlsEngine::Step::kFailed);
   EXPECT_EQ(refused.detail, "a handshake of over 48 KiB");
   EXPECT_GT(refused.came, kHandshakeBytesMax);
@@ -162,20 +162,20 @@ TEST_F(TlsEnginePieces, NoByteIsReadPastTheBound) {
   EXPECT_EQ(refused.read, kHandshakeBytesMax);
 }
 
-/// What is said is what it failed for, whatever else is true of it.
+/// It names what it failed for, whatever else is true of it.
 TEST_F(TlsEnginePieces, AHandshakeThatFailsHasOneCause) {
   constexpr std::size_t kAtOnce = 2 * kHandshakeBytesMax;
   const testing::TestAuthority other("another authority");
   robot_.identity = other.Issue(RobotSpec(kRuri));
-  const Said stranger = SayIn(kAtOnce);
+  const Result stranger = HandshakeIn(kAtOnce);
   EXPECT_EQ(stranger.failure, Failure::kUntrusted);
   EXPECT_EQ(stranger.detail, "unable to get local issuer certificate");
-  const Said large_stranger = SayIn(kAtOnce, kRecordBytes);
+  const Result large_stranger = HandshakeIn(kAtOnce, kRecordBytes);
   EXPECT_GT(large_stranger.came, kHandshakeBytesMax);
   EXPECT_EQ(large_stranger.failure, Failure::kUntrusted);
   EXPECT_EQ(large_stranger.detail, stranger.detail);
   robot_.behind = Behind(1, odd::CertificateWith(odd::ExplicitCurveKey()));
-  const Said odd_one = SayIn(kAtOnce, kRecordBytes);
+  const Result odd_one = HandshakeIn(kAtOnce, kRecordBytes);
   EXPECT_EQ(odd_one.failure, Failure::kCertificate);
   EXPECT_EQ(odd_one.detail, identity::TextOf(CertificateFlaw::kKeyKind));
 }
@@ -313,8 +313,8 @@ class TlsEngineLater : public TlsEngineTest {
     buffers_.out.clear();
   }
   /// Each piece that the engine reads of that.
-  std::vector<std::string> PiecesOf(std::string said) {
-    said_ = std::move(said);
+  std::vector<std::string> PiecesOf(std::string result) {
+    said_ = std::move(result);
     buffers_.in = said_;
     std::vector<std::string> pieces;
     while (const auto piece = engine_->Read()) pieces.emplace_back(*piece);
@@ -328,11 +328,11 @@ class TlsEngineLater : public TlsEngineTest {
 
 TEST_F(TlsEngineLater, EachRenewalOfKeysIsToldBeforeWhatFollowsIsRead) {
   ASSERT_NO_FATAL_FAILURE(Meet(TLS1_3_VERSION));
-  std::string said = client_->Say("one");
-  said += client_->RenewKeys();
-  said += client_->RenewKeys();
-  said += client_->Say("two");
-  EXPECT_EQ(PiecesOf(said), (std::vector<std::string>{"one", "", "", "two"}));
+  std::string result = client_->Say("one");
+  result += client_->RenewKeys();
+  result += client_->RenewKeys();
+  result += client_->Say("two");
+  EXPECT_EQ(PiecesOf(result), (std::vector<std::string>{"one", "", "", "two"}));
   EXPECT_TRUE(buffers_.in.empty());
   EXPECT_FALSE(engine_->over());
 }

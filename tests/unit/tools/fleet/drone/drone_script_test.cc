@@ -16,7 +16,7 @@ namespace {
 
 const DroneOptions kDrone{.seed = 7, .index = 1, .run = "run1"};
 
-std::vector<std::string> Said(const DroneOptions& options, int seconds) {
+std::vector<std::string> Lines(const DroneOptions& options, int seconds) {
   DroneScript drone(options);
   std::vector<std::string> said;
   ScenarioOptions scenario;
@@ -32,17 +32,17 @@ std::vector<std::string> Said(const DroneOptions& options, int seconds) {
 }
 
 TEST(DroneScript, TheSameSeedSaysTheSame) {
-  EXPECT_EQ(Said(kDrone, 30), Said(kDrone, 30));
+  EXPECT_EQ(Lines(kDrone, 30), Lines(kDrone, 30));
   DroneOptions other = kDrone;
   other.seed = 8;
-  EXPECT_NE(Said(kDrone, 30), Said(other, 30));
+  EXPECT_NE(Lines(kDrone, 30), Lines(other, 30));
   other = kDrone;
   other.index = 3;
-  EXPECT_NE(Said(kDrone, 30), Said(other, 30));
+  EXPECT_NE(Lines(kDrone, 30), Lines(other, 30));
 }
 
 TEST(DroneScript, EachTypeComesAndSamplesRepeat) {
-  const std::vector<std::string> said = Said(kDrone, 120);
+  const std::vector<std::string> said = Lines(kDrone, 120);
   std::set<std::string> methods;
   for (const std::string& each : said) methods.insert(each.substr(0, each.find(' ')));
   for (const model::uncrew::TypeRow& row : model::uncrew::kTypeRows) {

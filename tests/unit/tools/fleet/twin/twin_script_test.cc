@@ -20,7 +20,7 @@ using ::testing::Not;
 
 const TwinOptions kTwin{.seed = 7, .index = 1, .run = "run1", .prefix = ""};
 
-std::vector<std::string> Said(const TwinOptions& options, int messages) {
+std::vector<std::string> Lines(const TwinOptions& options, int messages) {
   TwinScript twin(options);
   std::vector<std::string> said;
   std::int64_t now_us = kTwinStartUs;
@@ -32,13 +32,13 @@ std::vector<std::string> Said(const TwinOptions& options, int messages) {
 }
 
 TEST(TwinScript, TheSameSeedSaysTheSame) {
-  EXPECT_EQ(Said(kTwin, 500), Said(kTwin, 500));
+  EXPECT_EQ(Lines(kTwin, 500), Lines(kTwin, 500));
   TwinOptions other = kTwin;
   other.seed = 8;
-  EXPECT_NE(Said(kTwin, 500), Said(other, 500));
+  EXPECT_NE(Lines(kTwin, 500), Lines(other, 500));
   other = kTwin;
   other.index = 2;
-  EXPECT_NE(Said(kTwin, 500), Said(other, 500));
+  EXPECT_NE(Lines(kTwin, 500), Lines(other, 500));
 }
 
 /// The topic's end, below the twin's id if it has one.
@@ -111,7 +111,7 @@ TEST(TwinScript, PrefixesAreInTopicsAndNames) {
   const TwinScript twin(options);
   EXPECT_TRUE(twin.ids().ruri.starts_with("rcan://local.rcan/cyberwave/twin.a%2Fb%20/"));
   EXPECT_TRUE(twin.ids().sim_ruri.starts_with("rcan://local.rcan/cyberwave/sim.a%2Fb%20/"));
-  EXPECT_TRUE(Said(options, 1).front().starts_with("a/b cyberwave/"));
+  EXPECT_TRUE(Lines(options, 1).front().starts_with("a/b cyberwave/"));
 }
 
 TEST(TwinMark, IsFoundForItsTwinAndRunAlone) {
