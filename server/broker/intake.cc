@@ -190,22 +190,22 @@ Intake::Processed Intake::Offer(Processing& processing, TwinStream& stream) {
                                  .stream = stream,
                                  .is_one_too_many = processing.is_one_too_many});
   const ingest::Port::Offered offered = port_.Offer(stream.line(), message);
-  if (!offered.hold.none()) Tell(stream, offered);
+  if (!offered.block.none()) Tell(stream, offered);
   if (offered.answer != ingest::Port::Answer::kWaits) return Processed::kDone;
-  full_ = offered.hold.by == robot::HeldBack::kJournal ? stream.journal : nullptr;
+  full_ = offered.block.by == robot::HeldBack::kJournal ? stream.journal : nullptr;
   return Processed::kHeldBack;
 }
 
 void Intake::Tell(TwinStream& stream, const ingest::Port::Offered& offered) {
   const SteadyTime now = context_.clock.Steady();
-  if (offered.hold.is_excess) {
-    const bool by_disk = offered.hold.by == robot::HeldBack::kDisk;
+  if (offered.block.is_excess) {
+    const bool by_disk = offered.block.by == robot::HeldBack::kDisk;
     context_.limited_log.Tell(
         stream,
         by_disk ? "more than it may store while the store's disk is short (store.free_min)"
                 : "more than is stored of one robot (limits.durable_*)",
         now);
-  } else if (offered.hold.by == robot::HeldBack::kJournalShare) {
+  } else if (offered.block.by == robot::HeldBack::kJournalShare) {
     context_.limited_log.Tell(stream, "its share of the journal is full (journal.robot_share)",
                               now);
   }

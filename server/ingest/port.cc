@@ -9,8 +9,8 @@ Port::Offered Port::Offer(const Line& line, Message& message) {
   FollowReload();
   // It needs room for what it may bring. Without, it waits, or costs its own sender alone.
   if (const std::optional<RecordCost> cost = message.Cost()) {
-    const Hold hold = HoldOf(line, message.arrival().waits, *cost);
-    if (!hold.none()) return HandleNoRoom(message, hold);
+    const Block block = FindBlock(line, message.arrival().waits, *cost);
+    if (!block.none()) return HandleNoRoom(message, block);
   }
   message.Begin();
   // Its sender may send so many a second.
@@ -27,17 +27,17 @@ Port::Offered Port::Offer(const Line& line, Message& message) {
   return {};
 }
 
-Port::Offered Port::HandleNoRoom(Message& message, const Hold& hold) {
-  if (hold.is_excess) {
+Port::Offered Port::HandleNoRoom(Message& message, const Block& block) {
+  if (block.is_excess) {
     message.Begin();
     RejectLimited(message,
                   {.reason = model::RejectReason::kRateLimited, .field = {}, .detail = {}});
-    return {.answer = Answer::kLimited, .hold = hold};
+    return {.answer = Answer::kLimited, .block = block};
   }
-  if (message.arrival().waits != Waits::kNobody) return {.answer = Answer::kWaits, .hold = hold};
+  if (message.arrival().waits != Waits::kNobody) return {.answer = Answer::kWaits, .block = block};
   Count(message.arrival(), metrics::Became::kRefused);
   message.Settle(metrics::Became::kRefused);
-  return {.answer = Answer::kRefused, .hold = hold};
+  return {.answer = Answer::kRefused, .block = block};
 }
 
 void Port::RejectLimited(Message& message, const model::Rejection& rejection) {
@@ -120,8 +120,8 @@ void Port::NoteLife(const Line& line, SteadyTime steady, SystemTime system) {
   line.robot.state.SignOfLife(steady, system, context_.fleet.presence_limits_of(line.robot));
 }
 
-Hold Port::HoldOf(const Line& line, Waits waits, const RecordCost& cost) {
-  return ingest::HoldOf(
+Block Port::FindBlock(const Line& line, Waits waits, const RecordCost& cost) {
+  return ingest::FindBlock(
       line, waits, cost,
       {.clock = context_.clock,
        .flow = allowance().flow,

@@ -51,7 +51,7 @@ class Port final {
     /// It is held, or waits for its commit: by its records, or by its row of quarantine if it was
     /// rejected by itself.
     kTaken,
-    /// Nothing was done: its source offers it again once Offered::hold is over.
+    /// Nothing was done: its source offers it again once Offered::block ends.
     kWaits,
     /// It had no room, and cannot wait.
     kRefused,
@@ -61,15 +61,15 @@ class Port final {
   struct Offered {
     Answer answer = Answer::kTaken;
     /// Why it waits or was refused, or exceeds its robot's flow.
-    Hold hold{};
+    Block block{};
   };
   /// Decides a message's fate, by the calls that Message lists.
   [[nodiscard]] Offered Offer(const Line& line, Message& message);
 
   /// A message that arrived then is a sign of life of its robot.
   void NoteLife(const Line& line, SteadyTime steady, SystemTime system);
-  /// What keeps records of that cost now.
-  [[nodiscard]] Hold HoldOf(const Line& line, Waits waits, const RecordCost& cost);
+  /// What blocks records of that cost now.
+  [[nodiscard]] Block FindBlock(const Line& line, Waits waits, const RecordCost& cost);
   /// Appends records whose numbers wait, all of one message.
   void Append(const Line& line, std::vector<storage::CommitRecord> records, SteadyTime arrived);
   /// So many bytes of one more record are stored; nothing: the flow does not count it.
@@ -90,7 +90,7 @@ class Port final {
   void FollowReload();
 
  private:
-  [[nodiscard]] Offered HandleNoRoom(Message& message, const Hold& hold);
+  [[nodiscard]] Offered HandleNoRoom(Message& message, const Block& block);
   void RejectLimited(Message& message, const model::Rejection& rejection);
   void Reject(const Line& line, Message& message, const model::Rejection& rejection);
   void Store(const Line& line, Message& message, Brought brought,

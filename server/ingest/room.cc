@@ -7,7 +7,7 @@
 namespace uplink::ingest {
 namespace {
 
-Hold HoldOfStream(const Line& line, const RecordCost& cost, const RoomTerms& terms) {
+Block FindBlockOfStream(const Line& line, const RecordCost& cost, const RoomTerms& terms) {
   const robot::JournalUse use = line.robot.journal_use();
   if (use.records >= terms.in_flight_max) return {.by = HeldBack::kInFlight};
   switch (line.journal.RoomFor(use, cost.journal_bytes, line.by.gateway.get())) {
@@ -26,11 +26,11 @@ Hold HoldOfStream(const Line& line, const RecordCost& cost, const RoomTerms& ter
   return {.by = flow.by, .until = flow.again};
 }
 
-/// Whether the robot alone asks for too much: by what it is held back, or kNone.
+/// Why the robot alone asks for too much; kNone if it does not.
 HeldBack ExcessOf(const Line& line, Waits waits, const RecordCost& cost, const RoomTerms& terms) {
   const robot::DurableFlow& flow = line.robot.flow;
   const SteadyTime now = terms.clock.Steady();
-  // Where nothing may be stored at all, it is no matter of this robot.
+  // If nothing may be stored at all, this robot is not the reason.
   if (!cost.flow_bytes || flow.LookAtDisk(now).by != HeldBack::kNone) return HeldBack::kNone;
   const bool is_short = flow.disk_limits() || terms.journal_over_half;
   if (waits == Waits::kBroker && !is_short) return HeldBack::kNone;
@@ -43,8 +43,8 @@ std::size_t FlowBytes(std::size_t payload_bytes, const model::Record& record) {
   return std::max(payload_bytes, model::HeldBytes(record));
 }
 
-Hold HoldOf(const Line& line, Waits waits, const RecordCost& cost, const RoomTerms& terms) {
-  if (waits == Waits::kStream) return HoldOfStream(line, cost, terms);
+Block FindBlock(const Line& line, Waits waits, const RecordCost& cost, const RoomTerms& terms) {
+  if (waits == Waits::kStream) return FindBlockOfStream(line, cost, terms);
   if (const HeldBack by = ExcessOf(line, waits, cost, terms); by != HeldBack::kNone) {
     return {.by = by, .is_excess = true};
   }

@@ -6,10 +6,10 @@
 
 namespace uplink::session {
 
-using ingest::Hold;
+using ingest::Block;
 using robot::HeldBack;
 
-Hold HoldOfAll(const robot::Robot& robot, std::size_t outgoing, SteadyTime now) {
+Block FindBlockOfAll(const robot::Robot& robot, std::size_t outgoing, SteadyTime now) {
   if (outgoing >= kOutgoingFramesMax) return {.by = HeldBack::kUnread};
   const std::optional<SteadyTime> throttled = robot.throttle.end();
   if (throttled && now < *throttled) return {.by = HeldBack::kMalformed, .until = throttled};
@@ -54,12 +54,12 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
   live_.Begin(arrived, received_at);
 }
 
-Hold Intake::HoldNow(std::size_t outgoing) {
+Block Intake::FindBlock(std::size_t outgoing) {
   // Also while a message waits: a reload may be what lets it go on.
   port_.FollowReload();
-  const Hold hold = HoldOfAll(robot_, outgoing, context_.clock.Steady());
-  return hold.none() && front_cost_ ? port_.HoldOf(line_, ingest::Waits::kStream, *front_cost_)
-                                    : hold;
+  const Block block = FindBlockOfAll(robot_, outgoing, context_.clock.Steady());
+  return block.none() && front_cost_ ? port_.FindBlock(line_, ingest::Waits::kStream, *front_cost_)
+                                     : block;
 }
 
 bool Intake::MayDecodeSurplus() const {
@@ -73,7 +73,7 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
   costly_ = 0;
   if (MayDecodeSurplus()) live_.Decode(port_.allowance().telemetry, processed);
   while (pending() && !processed.is_void && !rejects_full() && !yields() &&
-         HoldNow(outgoing + processed.frames.size()).none()) {
+         FindBlock(outgoing + processed.frames.size()).none()) {
     if (!ProcessUplink(batch_.front(), processed)) break;
     costly_ = processed.costly;
     front_cost_.reset();
@@ -136,7 +136,7 @@ bool Intake::AddUndecoded(std::size_t kind, const UplinkView& uplink, const robo
 }
 
 bool Intake::HasRoom(const ingest::RecordCost& cost) {
-  if (cost.journal_bytes == 0 || port_.HoldOf(line_, ingest::Waits::kStream, cost).none()) {
+  if (cost.journal_bytes == 0 || port_.FindBlock(line_, ingest::Waits::kStream, cost).none()) {
     return true;
   }
   WaitFor(cost);

@@ -21,10 +21,10 @@
 
 namespace uplink::session {
 
-/// What keeps every message of a robot's stream, before one is looked at: the peer does not read
+/// What blocks every message of a robot's stream, whatever it is: the peer does not read
 /// (`outgoing` frames wait for it), or sends too much that is malformed or over its rate.
-[[nodiscard]] ingest::Hold HoldOfAll(const robot::Robot& robot, std::size_t outgoing,
-                                     SteadyTime now);
+[[nodiscard]] ingest::Block FindBlockOfAll(const robot::Robot& robot, std::size_t outgoing,
+                                           SteadyTime now);
 
 /// Processes the messages of a stream one by one: a duplicate, or new with what is missing before
 /// it; a new one is judged and offered to the port. It stops in the middle of a batch where the
@@ -72,9 +72,9 @@ class Intake final {
   /// Processing has stopped so that other streams of the thread have their turn: call it again
   /// soon.
   [[nodiscard]] bool yields() const { return costly_ >= kCostlyPerTurn; }
-  /// What keeps the next message from being processed: of one that is not here yet, what keeps any;
-  /// of one at which processing stopped, also what keeps a record like it.
-  [[nodiscard]] ingest::Hold HoldNow(std::size_t outgoing);
+  /// Why the next message must wait; includes the limits of a record if one is pending. `outgoing`
+  /// as Process.
+  [[nodiscard]] ingest::Block FindBlock(std::size_t outgoing);
 
  private:
   [[nodiscard]] bool MayDecodeSurplus() const;

@@ -7,12 +7,12 @@ void ReadGate::Request() {
   sources_.source.RequestRead();
 }
 
-void ReadGate::RequestUnless(const ingest::Hold& hold) {
-  SetReading(hold.none() ? Reading::kFlowing : Reading::kHeldBack);
-  Tell(hold.by);
+void ReadGate::RequestUnless(const ingest::Block& block) {
+  SetReading(block.none() ? Reading::kFlowing : Reading::kHeldBack);
+  Tell(block.by);
   sources_.timers.Clear(Timer::kReadAgain);
-  if (hold.until) sources_.timers.Set(Timer::kReadAgain, *hold.until);
-  switch (hold.by) {
+  if (block.until) sources_.timers.Set(Timer::kReadAgain, *block.until);
+  switch (block.by) {
     case robot::HeldBack::kNone:
       return Request();
     case robot::HeldBack::kJournal:

@@ -32,9 +32,9 @@ class ReadGate final {
   /// The transport has answered the request.
   void OnAnswer() { under_way_ = false; }
   [[nodiscard]] bool under_way() const { return under_way_; }
-  /// Asks for the next frame, or waits for the end of what `hold` names, which the robot's views
-  /// show meanwhile.
-  void RequestUnless(const ingest::Hold& hold);
+  /// Asks for the next frame if `block` is none. Otherwise waits until the block ends, and the
+  /// robot's views show it meanwhile.
+  void RequestUnless(const ingest::Block& block);
 
   /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);

@@ -171,15 +171,15 @@ void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
   // The last look decides: what keeps the stream back is what it then waits for.
-  ingest::Hold hold = intake_->HoldNow(outgoing_.size());
-  while (intake_->pending() && hold.none()) {
+  ingest::Block block = intake_->FindBlock(outgoing_.size());
+  while (intake_->pending() && block.none()) {
     if (intake_->yields()) return robot_.self().Wake();
     ProcessAndWrite(News::kNone);
     if (EndForRejects()) return EndWhenSettled();
-    hold = intake_->HoldNow(outgoing_.size());
+    block = intake_->FindBlock(outgoing_.size());
   }
   reading_.WatchPeer(outgoing_.size());
-  reading_.RequestUnless(hold);
+  reading_.RequestUnless(block);
 }
 
 // --- Writes, wakes, timers ---

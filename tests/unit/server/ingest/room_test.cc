@@ -14,19 +14,19 @@ using session::SessionOf;
 class HoldTest : public ::testing::Test {
  protected:
   HoldTest() { static_cast<void>(robot_.sessions.Begin(SessionOf(1), clock_.Steady())); }
-  Hold Of(Waits waits, const RecordCost& cost, const journal::GatewayRef& gateway = nullptr) {
-    return HoldOf({.robot = robot_,
-                   .id = robot_.id(),
-                   .journal = server_.journal(),
-                   .session = SessionOf(1),
-                   .by = {0, gateway}},
-                  waits, cost,
-                  {.clock = clock_,
-                   .flow = flow_,
-                   .in_flight_max = in_flight_max_,
-                   .journal_over_half = over_half_});
+  Block Of(Waits waits, const RecordCost& cost, const journal::GatewayRef& gateway = nullptr) {
+    return FindBlock({.robot = robot_,
+                      .id = robot_.id(),
+                      .journal = server_.journal(),
+                      .session = SessionOf(1),
+                      .by = {0, gateway}},
+                     waits, cost,
+                     {.clock = clock_,
+                      .flow = flow_,
+                      .in_flight_max = in_flight_max_,
+                      .journal_over_half = over_half_});
   }
-  Hold OfRecord(const RecordCost& cost) { return Of(Waits::kStream, cost); }
+  Block OfRecord(const RecordCost& cost) { return Of(Waits::kStream, cost); }
   /// One more message of the robot waits for its commit.
   void AddWaiting(std::size_t bytes) {
     EXPECT_EQ(robot_.sessions.AddWaiting(SessionOf(1), ++seq_, bytes), 1);
@@ -87,9 +87,9 @@ TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
     EXPECT_TRUE(OfRecord({.journal_bytes = 1, .flow_bytes = 1}).none());
     robot_.flow.Take(1, flow_, clock_.Steady());
   }
-  const Hold hold = OfRecord({.journal_bytes = 1, .flow_bytes = 1});
-  EXPECT_EQ(hold.by, HeldBack::kFlow);
-  EXPECT_EQ(hold.until, clock_.Steady() + std::chrono::seconds(1));
+  const Block block = OfRecord({.journal_bytes = 1, .flow_bytes = 1});
+  EXPECT_EQ(block.by, HeldBack::kFlow);
+  EXPECT_EQ(block.until, clock_.Steady() + std::chrono::seconds(1));
   EXPECT_TRUE(OfRecord({.journal_bytes = 1}).none()) << "quarantine costs nothing";
   EXPECT_FALSE(OfRecord({.journal_bytes = 1, .flow_bytes = 0}).none()) << "a gap is a row";
 }
@@ -97,9 +97,9 @@ TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
 TEST_F(HoldTest, PastItsFlowAMessageThatNobodyWaitsForIsExcess) {
   const RecordCost cost{.journal_bytes = 1, .flow_bytes = 1};
   for (int i = 0; i < 2; ++i) robot_.flow.Take(1, flow_, clock_.Steady());
-  const Hold hold = Of(Waits::kNobody, cost);
-  EXPECT_EQ(hold.by, HeldBack::kFlow);
-  EXPECT_TRUE(hold.is_excess);
+  const Block block = Of(Waits::kNobody, cost);
+  EXPECT_EQ(block.by, HeldBack::kFlow);
+  EXPECT_TRUE(block.is_excess);
   EXPECT_TRUE(Of(Waits::kBroker, cost).none()) << "a backlog is honest";
   over_half_ = true;
   EXPECT_TRUE(Of(Waits::kBroker, cost).is_excess) << "it would hold back all others";
@@ -110,9 +110,9 @@ TEST_F(HoldTest, PastItsFlowAMessageThatNobodyWaitsForIsExcess) {
 TEST_F(HoldTest, WhereNothingMayBeStoredEveryMessageWaits) {
   robot_.flow.LimitForDisk(0);
   for (const Waits waits : {Waits::kStream, Waits::kBroker, Waits::kNobody}) {
-    const Hold hold = Of(waits, {.journal_bytes = 1, .flow_bytes = 1});
-    EXPECT_EQ(hold.by, HeldBack::kDisk);
-    EXPECT_FALSE(hold.is_excess) << "it is no matter of this robot";
+    const Block block = Of(waits, {.journal_bytes = 1, .flow_bytes = 1});
+    EXPECT_EQ(block.by, HeldBack::kDisk);
+    EXPECT_FALSE(block.is_excess) << "it is no matter of this robot";
   }
 }
 

@@ -10,9 +10,11 @@ namespace uplink::session {
 namespace {
 
 /// A robot, and what keeps all of its messages.
-class HoldOfAllTest : public ::testing::Test {
+class FindBlockOfAllTest : public ::testing::Test {
  protected:
-  HeldBack Of(std::size_t outgoing = 0) { return HoldOfAll(robot_, outgoing, clock_.Steady()).by; }
+  HeldBack Of(std::size_t outgoing = 0) {
+    return FindBlockOfAll(robot_, outgoing, clock_.Steady()).by;
+  }
 
   testing::ManualClock clock_;
   const robot::PresenceChanged changed_;
@@ -20,12 +22,12 @@ class HoldOfAllTest : public ::testing::Test {
                       clock_.Steady(), clock_, changed_};
 };
 
-TEST_F(HoldOfAllTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
+TEST_F(FindBlockOfAllTest, AStreamWhosePeerDoesNotReadIsHeldBack) {
   EXPECT_EQ(Of(kOutgoingFramesMax - 1), HeldBack::kNone);
   EXPECT_EQ(Of(kOutgoingFramesMax), HeldBack::kUnread);
 }
 
-TEST_F(HoldOfAllTest, AThrottledStreamIsHeldBackUntilItsEnd) {
+TEST_F(FindBlockOfAllTest, AThrottledStreamIsHeldBackUntilItsEnd) {
   for (std::uint32_t i = 0; i <= robot::kRejectsPerSecondMax; ++i) {
     robot_.throttle.Add(clock_.Steady());
   }
