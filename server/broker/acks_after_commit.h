@@ -12,30 +12,30 @@
 
 namespace uplink::broker {
 
-/// Acks that rest on what this process remembers of the store: of messages that came again after
-/// they were settled, and of metrics that change no fault. What it remembers is no proof: the store
-/// may have been replaced by an older copy since, and this process has not noticed yet. So each ack
-/// waits for a commit of a shard's journal that began after the message came. That commit fails
-/// while the store is away or replaced; and if the store was connected to anew, the journal tells
-/// of that first, and Clear comes before Answered.
+/// Acks that rely on what this process remembers of the store: those of messages that came again
+/// after they were settled, and of metrics that change no fault. The memory proves nothing, since
+/// the store may have been replaced by an older copy without our notice. So each ack waits for a
+/// commit of a shard's journal that began after the message came. That commit fails while the store
+/// is away or replaced. After a new connection to the store, the journal reports that first, so
+/// Clear comes before Answered.
 ///
-/// Limits:  an ack per packet id of one connection to the broker (Clear); one request to each
-///          journal at a time, which covers all that came before it.
+/// Limits:  one ack per packet id of one connection to the broker (Clear); one request to each
+///          journal at a time, which covers all acks that were added before it.
 /// Thread:  confined to its owner's.
 class AcksAfterCommit final {
  public:
-  /// `answered` runs on the thread of a journal's writer, and must call Answered with that shard on
-  /// the owner's thread, after everything that the journal told before. The journals and all
+  /// `answered` runs on the thread of a journal's writer. It must call Answered with that shard on
+  /// the owner's thread, after everything that the journal reported before. The journals and all
   /// threads that use them end before this.
   AcksAfterCommit(const journal::Shards& journals, std::function<void(std::size_t shard)> answered);
 
-  /// Which of the journals it is.
+  /// The number of the journal's shard.
   [[nodiscard]] std::size_t ShardOf(const journal::Journal& journal) const;
 
   void Add(std::size_t shard, const mqtt::AckHandle& ack);
   /// The shard's journal answered. Returns the acks that may go out.
   [[nodiscard]] std::vector<mqtt::AckHandle> Answered(std::size_t shard);
-  /// None of them may go out: their connection is gone, or the store may have gone back.
+  /// Drops all acks: their connection is gone, or the store may be an older copy.
   void Clear();
 
  private:
@@ -43,7 +43,7 @@ class AcksAfterCommit final {
    public:
     explicit Inbox(std::function<void(std::size_t shard)> answered)
         : answered_(std::move(answered)) {}
-    /// Posts a job of its own: one that is posted already could run before the journal's news.
+    /// Posts a new job each time: one that is posted already could run before the journal's news.
     void Wake(std::uint64_t shard) override { answered_(shard); }
 
    private:
@@ -52,7 +52,7 @@ class AcksAfterCommit final {
   struct Asked {
     /// The journal was asked, and has not answered.
     bool waits = false;
-    /// Those that its answer covers; those that came later.
+    /// Acks that its answer covers, and acks that were added later.
     std::vector<mqtt::AckHandle> covered;
     std::vector<mqtt::AckHandle> next;
   };

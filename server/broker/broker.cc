@@ -65,7 +65,7 @@ void Broker::Begin(Grant grant) {
   probe_.lease_taken.Add();
   commits_.Begin(std::move(grant.hold), grant.memory);
   streams_.SetFaults(std::move(grant.faults));
-  // Whoever reads a twin's topics holds its robots.
+  // The reader of a twin's topics holds the twin's robots.
   streams_.OpenKnown(context_.terms.prefixes, TwinStreams::Which::kAll);
   fleet_changes_ = context_.fleet.changes();
   for (std::size_t i = 0; i < context_.clients.size(); ++i) {
@@ -93,10 +93,10 @@ void Broker::Start(Connection connection, bool expect_session) {
   subscriber.client()->Start();
 }
 
-void Broker::TakeBack(std::string_view topic) {
+void Broker::UnsubscribeStray(std::string_view topic) {
   if (!strays_.Add(topic)) return;
   context_.logger.Info("mqtt_prefix_gone", {{"prefix", strays_.prefixes().back()}});
-  // They make good filters, as prefixes that may be configured.
+  // They are valid filters, as configured prefixes are.
   static_cast<void>(Of(Connection::kDurable)
                         .client()
                         ->SetFilters(FiltersOf(Connection::kDurable, context_.terms.prefixes),
@@ -138,7 +138,7 @@ void Broker::Reread() {
   if (lease_ != nullptr) lease_->RereadSoon(request);
 }
 
-void Broker::GoOn(Remembered remembered) {
+void Broker::Resume(Remembered remembered) {
   if (!rereading_.EndsWith(remembered.asked) || !began_ || draining_) return;
   StopClient(Connection::kDurable);
   commits_.Reread(remembered.memory);
@@ -164,24 +164,24 @@ void Broker::OnConnected(Connection connection, const mqtt::Connected& connected
   commits_.BeginConnection();
   strays_.Clear();
   if (connected.session_present) return;
-  // Also where none was expected: what the store knows of an older session comes from nobody.
+  // Also if no session was expected: the deliveries of an older session never come again.
   context_.journals.all().front()->Remember(commits_.EndSession());
 }
 
 void Broker::OnSubscribed(Connection connection) {
   connection_log_.Subscribed(connection);
   UpdateHealth();
-  // Of what twins said until now we heard nothing, however short that was.
+  // We missed what twins said until now, however briefly.
   if (connection != Connection::kMedia) context_.fleet.NoteTwinsUnheard();
 }
 
 void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
   const cyberwave::Arrival arrived{context_.clock.Steady(), context_.clock.System()};
   if (connection != Connection::kDurable) return OnLive(connection, message, arrived);
-  // What faults its robot has is not known until the store was asked.
+  // The robot's faults are unknown until the store was read.
   if (rereading_.active()) return intake_.Refuse();
   const Intake::Processed taken = intake_.Process(message, arrived);
-  if (intake_.was_stray()) TakeBack(message.publish.topic);
+  if (intake_.was_stray()) UnsubscribeStray(message.publish.topic);
   if (taken == Intake::Processed::kHeldBack) {
     held_.emplace(message, arrived);
     Of(connection).client()->StopReading();
@@ -192,7 +192,7 @@ void Broker::OnMessage(Connection connection, const mqtt::Message& message) {
 
 void Broker::OnLive(Connection connection, const mqtt::Message& message,
                     const cyberwave::Arrival& arrived) {
-  // Asked for at QoS 0. A broker that sends it otherwise gets its ack, and nothing waits for it.
+  // We subscribed at QoS 0. If a broker sends it at QoS 1, it gets its ack at once.
   mqtt::Message live = message;
   live.publish.id = 0;
   live.again = false;
@@ -243,8 +243,8 @@ void Broker::AfterWork() {
     const std::lock_guard lock(mutex_);
     settled_.notify_all();
   }
-  // What of the robot waited was not written, or nobody told: the broker is to deliver it again,
-  // once the store has said what it has.
+  // What waited of the robot was not written, or nobody was told of it: the broker is to deliver it
+  // again, once the store has said what it has.
   if (!commits_.TakeFenced() || !began_ || draining_) return;
   context_.logger.Warn("mqtt_twins_lost", {});
   Reread();
@@ -262,12 +262,12 @@ void Broker::Tick() {
   AfterWork();
   StoreExpired();
   UpdateHealth();
-  // It starts clean: what the broker has for it, it throws away.
+  // It starts clean, so the broker drops what it has queued.
   if (health_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());
   probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));
   if (began_ && context_.fleet.changes() != fleet_changes_) {
     fleet_changes_ = context_.fleet.changes();
-    // Those that the store had, and that were read late.
+    // Robots that the store had, and that were read late.
     streams_.OpenKnown(context_.terms.prefixes, TwinStreams::Which::kNotHeld);
   }
   if (!twin_looks_.Take(now, kLookAtTwinsEvery)) return;

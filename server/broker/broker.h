@@ -34,12 +34,11 @@
 
 namespace uplink::broker {
 
-/// Reads a fleet's broker: three connections, of which one asks for what is durable, one for what
-/// is live, and one for media. It reads while this process has the lease of the topics, and holds
-/// their twins' robots meanwhile.
+/// Reads a fleet's broker by three connections: for durable messages, for live ones, and for media.
+/// It reads while this process has the lease of the topics; meanwhile it holds their twins' robots.
 ///
-/// Thread:  constructed and destroyed by main, while its thread does not run. What says so from
-///          any; the rest on its thread, which is that of its links.
+/// Thread:  constructed and destroyed by main while its thread does not run. The functions under
+///          "Any thread" from any; the rest on its thread, which is that of its links.
 class Broker final : private SubscriberEvents {
  public:
   /// The references outlive it.
@@ -48,10 +47,10 @@ class Broker final : private SubscriberEvents {
     log::Logger& logger;
     fleet::Fleet& fleet;
     const journal::Shards& journals;
-    /// What becomes of the messages: a page of model::MessageSource::kCyberwave.
+    /// Counts what becomes of the messages: the page of model::MessageSource::kCyberwave.
     metrics::Ledger& ledger;
     cyberwave::Twins& twins;
-    /// In the order of cyberwave::Connection; without media if nobody counts them.
+    /// In the order of cyberwave::Connection; without media unless they are counted.
     std::vector<mqtt::ClientSettings> clients;
     cyberwave::JudgeTerms terms;
     std::string fleet_name;
@@ -59,10 +58,10 @@ class Broker final : private SubscriberEvents {
     /// Whether the journals are more than half full.
     std::function<bool()> journal_over_half;
     mqtt::MakeLink make_link;
-    /// Runs a job on its thread, after all that were posted before. Any thread.
+    /// Runs a job on the broker's thread, after all jobs that were posted before. Any thread.
     std::function<void(std::function<void()>)> post;
     std::function<std::uint64_t()> random;
-    /// What one robot may have stored, as a reload last said.
+    /// How much one robot may store, as of the last reload.
     const ingest::Allowances& allowances;
   };
   explicit Broker(Context context);
@@ -70,21 +69,21 @@ class Broker final : private SubscriberEvents {
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
 
-  /// Before the rest.
+  /// Called before everything else.
   void SetLease(LeaseView& lease) { lease_ = &lease; }
 
-  /// This process has the lease from now on.
+  /// This process has taken the lease.
   void Begin(Grant grant);
-  /// The store may lack what it told was committed, or it was not told what is: the broker delivers
-  /// again what it did not get an ack for, once the store has said what it has.
+  /// The store may lack records that it confirmed, or may have records that it never confirmed. The
+  /// broker delivers unacked messages again, once the store has said what it has.
   void Reread();
-  /// With what the store has, as LeaseView::RereadSoon asked.
-  void GoOn(Remembered remembered);
+  /// Goes on with what the store has, as LeaseView::RereadSoon requested.
+  void Resume(Remembered remembered);
   /// This process has lost the lease.
   void End();
-  /// Nothing more is read, so that what waits is settled.
+  /// Stops reading, so that waiting messages can settle.
   void BeginDrain();
-  /// To be called each second.
+  /// Its thread calls it each second.
   void Tick();
 
   // --- Any thread ---
@@ -107,7 +106,7 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] const BrokerProbe& probe() const { return probe_; }
   [[nodiscard]] const cyberwave::Twins& twins() const { return context_.twins; }
   [[nodiscard]] std::size_t unacked_max() const { return context_.clients.front().unacked_max; }
-  /// Of those that there are, in their order.
+  /// Of the connections that exist, in the order of cyberwave::Connection.
   [[nodiscard]] std::vector<ConnectionStatus> connections() const { return statuses_.Read(); }
   [[nodiscard]] const mqtt::ClientProbe& client_probe(Connection connection) const {
     return subscribers_[static_cast<std::size_t>(connection)].probe();
@@ -115,14 +114,14 @@ class Broker final : private SubscriberEvents {
   [[nodiscard]] std::optional<SystemTime> subscribed_since() const {
     return health_.subscribed_since();
   }
-  /// When the broker was last found to have lost our session.
+  /// When we last found that the broker had lost our session.
   [[nodiscard]] std::optional<SystemTime> session_lost_at() const {
     return connection_log_.session_lost_at();
   }
   [[nodiscard]] std::string held_by() const { return lease_ == nullptr ? "" : lease_->held_by(); }
 
  private:
-  /// Names the room in the journal among the streams, which are numbered from 1.
+  /// The wake number for room in the journal; streams are numbered from 1.
   static constexpr std::uint64_t kRoom = 0;
 
   void OnConnected(Connection connection, const mqtt::Connected& connected) override;
@@ -132,14 +131,14 @@ class Broker final : private SubscriberEvents {
   void OnEnded(Connection connection, const mqtt::End& end) override;
 
   void OnWakes();
-  /// A journal has committed, as acks wait for (AcksAfterCommit).
+  /// A journal has committed, for which acks waited (AcksAfterCommit).
   void OnCommitted(std::size_t shard) {
     commits_.OnCommitted(shard);
     AfterWork();
   }
   void Start(Connection connection, bool expect_session);
-  /// Takes back what the kept session subscribed to under that topic's prefix.
-  void TakeBack(std::string_view topic);
+  /// Unsubscribes what the kept session subscribed to under that topic's prefix.
+  void UnsubscribeStray(std::string_view topic);
   void StopClient(Connection connection);
   [[nodiscard]] Subscriber& Of(Connection connection) {
     return subscribers_[static_cast<std::size_t>(connection)];
@@ -155,7 +154,7 @@ class Broker final : private SubscriberEvents {
   /// Tells the store which remembered deliveries have expired.
   void StoreExpired();
   void UpdateHealth();
-  /// For connections().
+  /// Updates connections().
   void NoteStatuses();
 
   const Context context_;
@@ -178,7 +177,7 @@ class Broker final : private SubscriberEvents {
   bool draining_ = false;
   /// The durable connection waits for what the store remembers.
   Rereading rereading_;
-  /// When a connection ended last: the lease is looked at before the next one.
+  /// When a connection last ended. The lease is checked after that before the next connection.
   SteadyTime ask_since_{};
   limits::RecentTimes<1> twin_looks_;
   std::uint64_t fleet_changes_ = 0;

@@ -65,7 +65,7 @@ BrokerHealth::Progress BrokerHealth::NoteProgress(const mqtt::ClientProbe& durab
   const std::int64_t pubacks = durable.pubacks.value();
   const std::int64_t stops = durable.window_stops.value() + probe_.held_back_total.value();
   const std::int64_t unacked = durable.unacked.value();
-  // With 3.1.1 the window is the broker's own: it is full where nothing that came is acked any
+  // With MQTT 3.1.1 the broker sets the window: it is full if messages came and none is acked any
   // more.
   const bool stuck = std::exchange(pubacks_then_, pubacks) == pubacks && unacked > 0;
   const bool stopped = IsStopped(durable) || stuck;

@@ -5,9 +5,9 @@
 
 namespace uplink::broker {
 
-/// Notes when the certificate expires that the next connection is made with, as its file says now;
-/// 0 without one. Of a file that cannot be used the next connection speaks, and what was known of
-/// it stays. Blocks on the file.
+/// Notes when the certificate in the client's file expires; 0 without one. The next connection uses
+/// that file. If the file cannot be used, the old value stays: the next connection reports the
+/// error. Blocks on the file.
 void NoteCertificate(const mqtt::ClientSettings& settings, BrokerProbe& probe);
 
 }  // namespace uplink::broker

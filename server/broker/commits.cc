@@ -9,8 +9,8 @@
 namespace uplink::broker {
 namespace {
 
-/// Whose commit shows that the store has what it told of deliveries: they are read again whichever
-/// journal finds that it was connected to anew.
+/// Its commits show that the store has the deliveries that it confirmed. They are read again if any
+/// journal reports a new connection to the store.
 constexpr std::size_t kFirstShard = 0;
 
 }  // namespace
@@ -41,7 +41,7 @@ bool Commits::IsKnown(const Delivered& message) {
   if (stream == nullptr) return false;
   const auto waits = std::ranges::find(stream->waiting, found.number, &WaitingMessage::number);
   if (waits == stream->waiting.end()) return false;
-  // The ack goes to the connection that delivered it last.
+  // The ack goes to the connection that delivered the message last.
   waits->ack = message.ack;
   return true;
 }
@@ -77,7 +77,7 @@ void Commits::NoteSettled(TwinStream& stream, std::uint16_t packet_id) {
   std::vector<std::uint16_t>& settled = stream.settled;
   if (settled.size() == settled.capacity() && !settled.empty()) {
     redeliveries_.KeepSettled(stream.id, settled);
-    // So that it is seldom done, at more than half too.
+    // Reserves double, so that this runs seldom, even if more than half are kept.
     settled.reserve(2 * settled.size() + 1);
   }
   settled.push_back(packet_id);
@@ -139,7 +139,7 @@ void Commits::OnWake(std::uint64_t id) {
   TwinStream* stream = context_.streams.FindById(id);
   if (stream == nullptr) return;
   const robot::Standing standing = stream->robot->sessions.StandingOf(stream->self);
-  // First: what was settled before it was lost is told.
+  // First report what was settled before the robot was lost.
   Settle(*stream, stream->robot->sessions.Take(stream->session));
   if (standing == robot::Standing::kEnded) stream->ended = true;
   if (standing != robot::Standing::kCurrent && !stream->ended) return Fence(*stream);
@@ -158,7 +158,7 @@ void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
     const WaitingMessage message = std::move(stream.waiting.front());
     stream.waiting.pop_front();
     std::optional<model::RejectReason> reason = message.rejected;
-    // What the store refused, in order of the commits.
+    // The store's refusals are in the order of the commits.
     for (; refused != progress.rejects.end() && refused->seq <= message.last; ++refused) {
       if (refused->seq >= message.first && !reason) reason = refused->rejection.reason;
     }
@@ -186,7 +186,7 @@ void Commits::Fence(TwinStream& stream) {
     Count(metrics::Became::kRefused, std::nullopt);
   }
   stream.waiting.clear();
-  // They come again before those, and must be stored before those again.
+  // They come again before the dropped ones, and must be stored before them.
   redeliveries_.DropSettled(stream.id, std::exchange(stream.settled, {}));
   context_.probe.twins_lost.Add();
   fenced_ = true;

@@ -24,8 +24,8 @@
 
 namespace uplink::broker {
 
-/// What messages bring to the store, all of a message at once: numbered, and waited for. Says which
-/// messages may be acked then, and knows those that come again.
+/// Numbers the records of messages, tracks their commits, and says which messages may be acked
+/// then. All records of a message go together. It also recognizes redelivered messages.
 ///
 /// Thread:  confined to its owner's.
 class Commits final {
@@ -36,8 +36,8 @@ class Commits final {
     metrics::Ledger& ledger;
     BrokerProbe& probe;
     const Clock& clock;
-    /// Whose commits show that the store has what it told, and AcksAfterCommit's `answered`:
-    /// OnCommitted is due.
+    /// The journals whose commits show that the store has what it confirmed, and AcksAfterCommit's
+    /// `answered`: it calls for OnCommitted.
     const journal::Shards& journals;
     std::function<void(std::size_t shard)> committed;
   };
@@ -46,22 +46,23 @@ class Commits final {
         redeliveries_(storage::DeliveriesKept(kRememberedWindow)),
         after_commit_(context_.journals, context_.committed) {}
 
-  /// What comes from now on comes under this lease, and this is known of what came before.
+  /// Messages come under this lease from now on; the store remembers these deliveries of earlier
+  /// ones.
   void Begin(storage::TopicHoldRef hold, const storage::DeliveryMemory& memory);
-  /// What comes from now on comes by another connection.
+  /// Messages come by a new connection from now on.
   void BeginConnection() { after_commit_.Clear(); }
-  /// The store is to be asked what it knows: nothing is released until Reread.
+  /// The store is about to be read: nothing is released until Reread.
   void BeginReread() {
     redeliveries_.BeginReread();
     after_commit_.Clear();
   }
-  /// Under the same lease: what the store knows by now. What might have been acked comes again, by
-  /// another connection.
+  /// What the store knows now, under the same lease. Unacked messages come again by another
+  /// connection.
   void Reread(const storage::DeliveryMemory& memory) {
     redeliveries_.Reread(memory);
     due_.clear();
   }
-  /// The broker lost the session. Returns what is to be remembered of that.
+  /// The broker lost the session. Returns what the store must remember of that.
   [[nodiscard]] storage::Deliveries EndSession();
   /// Deliveries that have expired since the last call, for the store to remember; often none.
   [[nodiscard]] storage::Deliveries TakeExpired();
@@ -75,40 +76,39 @@ class Commits final {
     std::optional<mqtt::AckHandle> ack;
     SteadyTime arrived;
   };
-  /// Whether it came before, and waits or is settled. It is acked when that is; one that is settled
-  /// already after a commit that begins later.
+  /// Whether the message came before, and waits or is settled. A waiting one is acked with the
+  /// first; a settled one after a commit that begins later.
   [[nodiscard]] bool IsKnown(const Delivered& message);
-  /// It is settled without a record, whatever the store has, and may be acked. `stream` is its
-  /// twin's; null if it has none.
+  /// Settles a message without a record, whatever the store has; it may be acked. `stream` is its
+  /// twin's, null if it has none.
   void SettleAtOnce(const Delivered& message, TwinStream* stream);
-  /// It is settled without a record because of what the store has of its twin, as this process
-  /// remembers that: it is acked after a commit that begins later, and judged again if it comes
-  /// again after the store was read again.
+  /// Settles a message without a record because of what this process remembers of the store. It is
+  /// acked after a commit that begins later, and judged again if it comes again after a Reread.
   void SettleAfterCommit(const Delivered& message, TwinStream& stream);
-  /// Its records, which the caller appends to the journal, have numbers and wait from now on. False
-  /// if another process adopted the robot since: nothing of it may be written.
+  /// Numbers its records, which wait from now on; the caller appends them to the journal. False if
+  /// another process adopted the robot since: then nothing of it may be written.
   [[nodiscard]] bool Number(TwinStream& stream, const Delivered& message,
                             std::vector<storage::CommitRecord>& records,
                             std::optional<model::RejectReason> rejected);
 
-  /// Something of the stream was settled, or another process adopted its robot.
+  /// Records of the stream were settled, or another process adopted its robot.
   void OnWake(std::uint64_t stream);
-  /// The shard's journal has answered for the messages that wait for a commit to begin later.
+  /// The shard's journal has answered for messages that wait for a later commit.
   void OnCommitted(std::size_t shard);
 
-  /// Messages that may be acked since the last call.
+  /// The acks that may go out since the last call.
   [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
-  /// Whether another process adopted a robot since the last call: what of it waited was not
-  /// written, or was written without an answer, which the store alone knows. It comes again only by
+  /// Whether another process adopted a robot since the last call. What waited of it was not
+  /// written, or was written without an answer, which only the store knows. It comes again only by
   /// another connection.
   [[nodiscard]] bool TakeFenced() { return std::exchange(fenced_, false); }
 
  private:
-  /// What the store is to remember with the message's records: of its twin what was settled
-  /// before it without a record, and at QoS 1 itself, the last.
+  /// Deliveries for the store to remember with the message's records: earlier ones of its twin that
+  /// left no record, and last, at QoS 1, the message itself.
   [[nodiscard]] std::vector<storage::Delivery> DeliveriesWith(TwinStream& stream,
                                                               const Delivered& message);
-  /// The stream's next records tell the store of the message, which was settled without one.
+  /// The stream's next records will tell the store of this message, which was settled without one.
   void NoteSettled(TwinStream& stream, std::uint16_t packet_id);
   void AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHandle>& ack);
   void Settle(TwinStream& stream, const robot::Progress& progress);

@@ -12,8 +12,8 @@
 
 namespace uplink::broker {
 
-/// Tells an operator what happens to the connections to the broker: a line of the log for each
-/// event, and when the broker was last found to have lost our session.
+/// Logs what happens to the connections to the broker, and keeps when the broker was last found to
+/// have lost our session.
 ///
 /// Thread:  confined to the connections'; session_lost_at any.
 class ConnectionLog final {
@@ -35,7 +35,7 @@ class ConnectionLog final {
   log::Logger& logger_;
   const Clock& clock_;
   const std::string broker_;
-  /// Of a broker that ends connections again and again.
+  /// For a broker that ends connections again and again.
   log::RateLimited ends_;
   mutable std::mutex mutex_;
   std::optional<SystemTime> session_lost_at_;

@@ -10,22 +10,22 @@
 
 namespace uplink::broker {
 
-/// Where a connection stands, and who it is. A value.
+/// The state of a connection. A value.
 struct ConnectionStatus {
   Connection connection = Connection::kDurable;
   std::string client_id;
   mqtt::ClientStatus client;
 };
 
-/// Where all connections stand. Thread-safe.
+/// The state of all connections. Thread-safe.
 class ConnectionStatuses final {
  public:
   /// In the order of cyberwave::Connection.
   explicit ConnectionStatuses(const std::vector<mqtt::ClientSettings>& clients);
 
-  /// As it is with this client now; null: there is none.
+  /// Reads the state of this client; null if the connection has none.
   void Note(Connection connection, const mqtt::Client* client);
-  /// Of those that there are, in their order.
+  /// Of the connections that exist, in the order of cyberwave::Connection.
   [[nodiscard]] std::vector<ConnectionStatus> Read() const;
 
  private:

@@ -12,7 +12,7 @@
 namespace uplink::broker {
 namespace {
 
-/// A number as eight bytes, so that no topic and payload read like another pair.
+/// A number as eight bytes, so that different pairs of topic and payload never read the same.
 std::array<unsigned char, sizeof(std::uint64_t)> BytesOf(std::uint64_t number) {
   std::array<unsigned char, sizeof(std::uint64_t)> bytes{};
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -25,7 +25,7 @@ std::array<unsigned char, sizeof(std::uint64_t)> BytesOf(std::uint64_t number) {
 
 storage::DeliveryDigest DigestOf(const mqtt::Publish& publish) {
   const std::string_view payload = publish.payload.value_or(std::string_view());
-  // One buffer and one call: the library's own steps cost more than the hash of a short message.
+  // One buffer and one call: the library's setup costs more than hashing a short message.
   std::string whole;
   whole.reserve(2 * sizeof(std::uint64_t) + publish.topic.size() + payload.size());
   for (const std::uint64_t number : {publish.topic.size(), publish.payload_bytes}) {

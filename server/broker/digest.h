@@ -5,8 +5,8 @@
 
 namespace uplink::broker {
 
-/// Of topic and payload, by which a message is known again. Of a payload that was read past, its
-/// size. Pure.
+/// The digest of topic and payload, by which a redelivered message is recognized. If the payload
+/// was skipped, its size stands for it. Pure.
 [[nodiscard]] storage::DeliveryDigest DigestOf(const mqtt::Publish& publish);
 
 }  // namespace uplink::broker

@@ -8,8 +8,8 @@
 
 namespace uplink::broker {
 
-/// What a connection subscribes to under these prefixes: what is durable at QoS 1, the rest at
-/// QoS 0. Pure.
+/// The subscriptions of a connection under these prefixes: durable topics at QoS 1, the rest at QoS
+/// 0. Pure.
 [[nodiscard]] std::vector<mqtt::Filter> FiltersOf(cyberwave::Connection connection,
                                                   const std::vector<std::string>& prefixes);
 

@@ -8,7 +8,7 @@
 
 namespace uplink::broker {
 
-/// A message that waits for room, with bytes of its own, and when it arrived.
+/// A copy of a message that waits for room, with the time of its arrival.
 class HeldBackMessage final {
  public:
   HeldBackMessage(const mqtt::Message& message, const cyberwave::Arrival& arrived)

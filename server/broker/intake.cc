@@ -14,11 +14,11 @@ using cyberwave::TopicKind;
 struct Intake::Processing {
   const mqtt::Message& message;
   cyberwave::Arrival arrived;
-  /// It was held, and is counted as in flight.
+  /// It was held back, and is counted as in flight.
   bool held_back = false;
   Commits::Delivered delivered{};
   cyberwave::Judgement judgement{};
-  /// Its twin is one more than there may be.
+  /// Its twin exceeds the bound.
   bool is_one_too_many = false;
 
   [[nodiscard]] const mqtt::Publish& publish() const { return message.publish; }
@@ -72,12 +72,12 @@ void Intake::WakeWhenRoom(loop::StreamRef stream) const {
 
 bool Intake::HandleRedelivery(Processing& processing) {
   if (processing.message.again) {
-    // This connection delivered it before, and one release is enough.
+    // This connection delivered it before, and one ack is enough.
     Count(processing, metrics::Became::kDuplicate);
     return true;
   }
   if (processing.publish().retained) {
-    // It may be of any age.
+    // A retained message may be of any age.
     Settle(processing, metrics::Became::kIgnored);
     return true;
   }
@@ -117,7 +117,7 @@ Intake::Processed Intake::Judge(Processing& processing) {
     return RejectLimited(processing);
   }
   place->stream->used_at = processing.arrived.steady;
-  // Once, when the message arrives.
+  // Only when the message arrives, not when it is tried again.
   if (!processing.held_back) NoteLife(processing, *place->stream);
   return Offer(processing, *place->stream);
 }
@@ -160,7 +160,7 @@ Intake::Processed Intake::HandleUnplaced(Processing& processing, const TwinStrea
   const TwinStreams::Opened stand_in =
       context_.streams.FindOrOpenStandIn(processing.judgement.topic.prefix);
   if (stand_in.stream == nullptr) return Wait(processing);
-  // It is acked, so it is kept: where an operator looks for what went wrong.
+  // It is acked, so it is kept where an operator looks for errors.
   processing.judgement.verdict =
       model::Rejection{.reason = model::RejectReason::kTooManyItems,
                        .field = "topic",

@@ -22,8 +22,8 @@
 
 namespace uplink::broker {
 
-/// Takes the messages of a broker one by one: known already, answered or counted here; or judged,
-/// and offered to the port.
+/// Processes the messages of a broker one by one. It counts duplicates and answers pings itself; it
+/// judges the others and offers them to the port.
 ///
 /// Thread:  confined to its owner's.
 class Intake final {
@@ -37,7 +37,8 @@ class Intake final {
     Commits& commits;
     metrics::Ledger& ledger;
     BrokerProbe& probe;
-    /// Of twins that are too many, and of those that send too much: none silences another.
+    /// Logs of twins over the bound, and of twins that send too much. They are apart so that
+    /// neither silences the other.
     log::RateLimited& refused_log;
     LimitedLog& limited_log;
     cyberwave::JudgeTerms terms;
@@ -69,21 +70,21 @@ class Intake final {
 
   enum class Processed : std::uint8_t {
     kDone,
-    /// There is no room in the journal, and the message at QoS 1 is counted as in flight:
-    /// ProcessHeldBack takes it, before any other at QoS 1, or DropHeldBack.
+    /// The journal has no room, and the message at QoS 1 is counted as in flight. Call
+    /// ProcessHeldBack for it before any other message at QoS 1, or DropHeldBack.
     kHeldBack,
   };
   /// A message arrives.
   [[nodiscard]] Processed Process(const mqtt::Message& message, const cyberwave::Arrival& arrived);
-  /// The message that is held, once more. Asks little while there is no room.
+  /// Tries the held message again. Cheap while there is no room.
   [[nodiscard]] Processed ProcessHeldBack(const HeldBackMessage& held);
   /// Whether the topic of the last message is none of ours.
   [[nodiscard]] bool was_stray() const { return was_stray_; }
-  /// The message that was held does not come back to us.
+  /// Forgets the held message: it will not be tried again.
   void DropHeldBack();
-  /// A message arrives that is not wanted now; at QoS 1 it comes again.
+  /// Refuses a message that arrives at the wrong time; at QoS 1 it comes again.
   void Refuse();
-  /// Wakes `stream` once the journal has room that had none for the message that is held.
+  /// Wakes `stream` once the journal that had no room for the held message has room.
   void WakeWhenRoom(loop::StreamRef stream) const;
 
  private:
@@ -98,16 +99,16 @@ class Intake final {
   [[nodiscard]] Processed HandleUnplaced(Processing& processing, const TwinStreams::Opened& place);
   /// At QoS 1 it waits for room; at QoS 0 it is refused.
   [[nodiscard]] Processed Wait(Processing& processing);
-  /// It is offered to the port.
+  /// Offers it to the port.
   [[nodiscard]] Processed Offer(Processing& processing, TwinStream& stream);
-  /// The log names a twin of which the port did not take a message for its own sake.
+  /// Logs the twin whose message the port refused for the twin's own sake.
   void Tell(TwinStream& stream, const ingest::Port::Offered& offered);
   void NoteLife(const Processing& processing, TwinStream& stream);
   void AnswerPing(Processing& processing);
-  /// Without a row of quarantine.
+  /// Counts a rejection without a row in quarantine.
   void RejectUnkept(Processing& processing, model::RejectReason reason);
   [[nodiscard]] Processed RejectLimited(Processing& processing);
-  /// It is counted, and settled now.
+  /// Counts it and settles it now.
   void Settle(Processing& processing, metrics::Became became);
   void Count(const Processing& processing, metrics::Became became);
 
@@ -118,7 +119,7 @@ class Intake final {
   ingest::Port port_;
   const TwinSources sources_;
   bool was_stray_ = false;
-  /// The journal that had no room for it.
+  /// The journal that had no room for the held message.
   journal::Journal* full_ = nullptr;
 };
 

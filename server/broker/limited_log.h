@@ -12,14 +12,14 @@
 
 namespace uplink::broker {
 
-/// The key by which the id in a topic has a budget: the id under its prefix and of its kind (twin,
-/// environment, run, ping). Nothing if the topic has no id.
+/// The key of the budget for the id in a topic: the id with its prefix and kind (twin, environment,
+/// run, ping). Empty if the topic has no id.
 [[nodiscard]] std::optional<std::size_t> BudgetKeyOf(const cyberwave::Topic& topic);
 
-/// The lines that name twins whose messages are rejected for their rate.
+/// Logs twins whose messages are rejected for their rate.
 ///
-/// Limits:  one line of a robot in log::RateLimited::kSpan, so that each of several is named; and
-///          as many of all together as that class lets through.
+/// Limits:  one line per robot in log::RateLimited::kSpan, so that each of several is named; for
+///          all together as many as that class lets through.
 /// Thread:  confined to the broker's.
 class LimitedLog final {
  public:
@@ -28,8 +28,8 @@ class LimitedLog final {
 
   /// One more message of this stream was rejected.
   void Tell(TwinStream& stream, std::string_view why, SteadyTime now);
-  /// Takes so much of the budget that this topic's id has. False, and told at times, if it is over
-  /// it.
+  /// Takes `amount` from the budget of this topic's id. If the budget is exceeded, returns false
+  /// and logs that at times.
   [[nodiscard]] bool Passes(limits::KeyedBuckets& budgets, const cyberwave::Topic& topic,
                             std::size_t amount, SteadyTime now);
 

@@ -8,41 +8,40 @@
 
 namespace uplink::broker {
 
-/// A twin that said nothing for so long, and of which nothing waits, has its stream ended: it may
-/// leave memory then, and begins a new session when it speaks.
+/// The stream of a twin that was silent for so long ends, if nothing of it waits. The twin may then
+/// leave memory, and begins a new session when it speaks.
 inline constexpr std::chrono::hours kStreamIdleMax{1};
-/// How often twins are looked at that are silent, or came into the fleet by another way, and the
-/// client's certificate.
+/// How often silent twins, twins that came into the fleet by another way, and the client's
+/// certificate are checked.
 inline constexpr std::chrono::seconds kLookAtTwinsEvery{60};
-/// How long no message at QoS 1 may be read before it shows that we are behind.
+/// How long reading at QoS 1 may be stopped before `behind` shows it.
 inline constexpr std::chrono::seconds kUnreadAfter{1};
-/// How long reading may stop again and again, or the window be full, before that is shown.
+/// How long reading may stop repeatedly, or the window be full, before `behind` shows it.
 inline constexpr std::chrono::seconds kBehindShownAfter{10};
-/// A broker's thread that did not tick for so long hears nobody.
+/// If the broker's thread did not tick for so long, we learn nothing of twins.
 inline constexpr std::chrono::seconds kTickLate{3};
-/// Twins whose faults are remembered while they are not in memory, for each that may be.
+/// Times cyberwave.robots_max: of so many twins that are not in memory the faults are remembered.
 inline constexpr std::size_t kFaultsKeptShare = 2;
-/// Payloads that count as bytes at QoS 0 (limits::PolicyId::kBytesOfId): smaller ones take no
-/// longer to read than to send.
+/// Payloads from this size on count as bytes at QoS 0 (limits::PolicyId::kBytesOfId): smaller ones
+/// are read as fast as they are sent.
 inline constexpr std::size_t kBudgetedBytesMin = 512;
-/// How long a robot's stream is not opened anew that an operator ended, so that the robot can be
-/// forgotten although it speaks.
+/// After an operator ended a robot's stream, it is not opened again for so long, so that the robot
+/// can be forgotten although it speaks.
 inline constexpr std::chrono::seconds kRestAfterDrop{5};
-/// What lies unread in the kernel of the live connection at a look where we are too slow for it.
+/// So many unread bytes of the live connection in the kernel show that we are too slow for it.
 inline constexpr std::size_t kLiveBehindBytes = std::size_t{128} * 1024;
-/// A ping of that connection without an answer for so long is behind what waits in the broker: then
+/// A ping of the live connection without an answer for so long waits behind a queue in the broker:
 /// the broker is too slow, or we are.
 inline constexpr std::chrono::seconds kLivePingWaitMax{2};
-/// How long each look may find the one or the other before the connection is made anew. As much as
-/// its queue takes waits in the broker then, and each message of it says of a twin that may be long
-/// gone that it lives.
+/// How long every update may find one or the other before the connection is made anew. By then the
+/// broker's queue is full of messages that show long-gone twins as alive.
 inline constexpr std::chrono::seconds kLiveBehindMax{10};
-/// How long that is shown, so that it is in sight where it happens again and again.
+/// How long `behind` shows that, so that repetition is visible.
 inline constexpr std::chrono::seconds kLiveBehindShown{60};
-/// The window for which deliveries are remembered (storage::DeliveriesKept), whatever
-/// mqtt.unacked_max is: the largest. A broker may send far more than it was asked to. mosquitto
-/// before 2.0.13 does so once it has a queue, as many further messages with each PUBACK as the
-/// window has, and while it sends it reads no PUBACK. All of that comes again after a kill.
+/// The window for which deliveries are remembered (storage::DeliveriesKept): the largest, whatever
+/// mqtt.unacked_max is, since a broker may send far more than it was asked to. Once mosquitto
+/// before 2.0.13 has a queue, it sends as many further messages with each PUBACK as the window has,
+/// and while it sends it reads no PUBACK. After a kill all of them come again.
 inline constexpr std::uint32_t kRememberedWindow = storage::kUnackedMaxMax;
 
 }  // namespace uplink::broker

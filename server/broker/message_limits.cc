@@ -3,11 +3,11 @@
 namespace uplink::broker {
 namespace {
 
-/// Its publisher waits for our ack.
+/// At QoS 1 its publisher waits for our ack.
 bool IsAcked(const mqtt::Publish& publish) { return publish.id != 0; }
 
-/// Why the twin sends too much, if it does; else its tokens are taken for a message that may bring
-/// so many records.
+/// Why the twin sends too much; if it does not, tokens are taken for a message that may bring so
+/// many records.
 std::optional<model::Rejection> LimitOf(const cyberwave::Judgement& judgement, TwinStream& stream,
                                         std::size_t records, cyberwave::JournalFill fill,
                                         SteadyTime now) {
@@ -41,7 +41,7 @@ std::optional<model::Rejection> MessageLimits::Limit(const Message& message, Twi
 }
 
 bool MessageLimits::ExceedsScopeBudget(const Message& message, bool journal_short) {
-  // What is rejected has the budget of strangers.
+  // Rejected messages have the budget of strangers.
   if (message.judgement.rejection() != nullptr) return false;
   if (IsAcked(message.publish) && !journal_short) return false;
   const cyberwave::Topic& topic = message.judgement.topic;

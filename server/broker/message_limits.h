@@ -15,8 +15,7 @@
 
 namespace uplink::broker {
 
-/// Whether a message is more than its sender may send, or may have stored. The log names who sends
-/// too much.
+/// Whether a message exceeds what its sender may send or store. The log names such senders.
 ///
 /// Environments and runs have a budget each (PolicyId::kRecordsOfScope, kBytesOfScope), which
 /// counts as a robot's flow does (ingest::Waits).
@@ -39,11 +38,11 @@ class MessageLimits final {
     const mqtt::Publish& publish;
     SteadyTime arrived;
   };
-  /// It is rejected and belongs to no robot, and its id has sent too many such
+  /// The message is rejected and belongs to no robot, and its id has sent too many of those
   /// (limits::PolicyId::kRejectsOfStranger).
   [[nodiscard]] bool ExceedsUnknownSenderBudget(const Message& message, const TwinStream& stream);
-  /// Why the message is rejected for the rates of its sender. Nothing: it passes, and its tokens
-  /// are taken. `records` is how many it may bring (RecordsAtMost).
+  /// Why the message is rejected for the rates of its sender. If it passes, the result is empty and
+  /// its tokens are taken. `records` is how many it may bring (RecordsAtMost).
   [[nodiscard]] std::optional<model::Rejection> Limit(const Message& message, TwinStream& stream,
                                                       std::size_t records);
 

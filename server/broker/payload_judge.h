@@ -9,10 +9,9 @@
 
 namespace uplink::broker {
 
-/// Judges what a broker delivers, and looks into no more bytes of one id at QoS 0 than
-/// limits::PolicyId::kBytesOfId.
-/// To read a large payload takes longer than its publisher needs to send it, and meanwhile the
-/// broker drops what others say. At QoS 1 our acks hold publishers back.
+/// Judges what a broker delivers. Of one id at QoS 0 it reads at most limits::PolicyId::kBytesOfId:
+/// reading a large payload takes longer than sending it, and meanwhile the broker drops other
+/// messages. At QoS 1 our acks slow publishers down.
 ///
 /// Thread:  confined to its owner's.
 class PayloadJudge final {
@@ -23,7 +22,7 @@ class PayloadJudge final {
 
   struct Judged {
     cyberwave::Judgement judgement;
-    /// Its id sends too much at QoS 0: judged is its topic alone.
+    /// Its id sends too much at QoS 0: only its topic was judged.
     bool over_budget = false;
   };
   [[nodiscard]] Judged Judge(const mqtt::Publish& publish, SteadyTime arrived);

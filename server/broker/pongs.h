@@ -11,7 +11,7 @@
 
 namespace uplink::broker {
 
-/// Answers pings: at once, and not too many. Confined to its owner's thread.
+/// Answers pings at once, up to a limit. Confined to its owner's thread.
 class Pongs final {
  public:
   /// Publishes at QoS 0; false if it could not.
@@ -19,7 +19,7 @@ class Pongs final {
   /// `probe` outlives it.
   Pongs(Publish publish, BrokerProbe& probe) : publish_(std::move(publish)), probe_(probe) {}
 
-  /// A ping on that topic arrived, with this correlation data.
+  /// Answers a ping that arrived on that topic with this correlation data.
   void Answer(const cyberwave::Topic& ping, std::string_view correlation,
               const cyberwave::Arrival& arrived);
 

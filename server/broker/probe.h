@@ -9,19 +9,19 @@
 
 namespace uplink::broker {
 
-/// What the reading of a broker counts, beside its messages (metrics::Ledger) and its connections
+/// Counts of reading a broker, beside its messages (metrics::Ledger) and its connections
 /// (mqtt::ClientProbe). Thread-safe.
 struct BrokerProbe {
-  /// Messages by what their topic is.
+  /// Messages by the kind of their topic.
   std::array<metrics::Cell, cyberwave::kTopicKinds> topics;
   /// Records that messages brought.
   metrics::Cell records;
-  /// From the arrival of a message with records to its PUBACK, or to its commit at QoS 0.
+  /// Time from the arrival of a message with records to its PUBACK, or to its commit at QoS 0.
   metrics::LatencyDistribution ack_seconds{metrics::kLatencyBoundsSeconds};
   metrics::Cell pongs;
   /// Pings that came too often, or could not be answered.
   metrics::Cell pongs_withheld;
-  /// Times that a message waited for room in the journal, and 1 while one does.
+  /// How often a message waited for room in the journal, and 1 while one does.
   metrics::Cell held_back_total;
   metrics::Cell held_back;
   /// Messages of robots beyond cyberwave.robots_max, or limits.robots_max.
@@ -35,7 +35,7 @@ struct BrokerProbe {
   metrics::Cell lease_taken;
   /// Unix time at which the certificate expires that the broker sees (NoteCertificate).
   metrics::Cell certificate_expiry_s;
-  /// 1 while we are behind with what the broker has for us (broker_health.h).
+  /// 1 while messages wait in the broker for us (broker_health.h).
   metrics::Cell behind;
 };
 

@@ -88,7 +88,7 @@ std::vector<storage::Delivery> Redeliveries::TakeExpired() {
   std::vector<storage::Delivery> ends;
   for (const std::uint16_t packet_id : std::exchange(expired_, {})) {
     const auto found = known_.find(packet_id);
-    // What has the id by now was remembered itself.
+    // The message that has the id now was remembered itself.
     if (found != known_.end() && found->second.number != 0) continue;
     ends.push_back({.number = NextNumber(), .packet_id = packet_id, .digest = {}});
   }

@@ -5,7 +5,7 @@
 
 namespace uplink::broker {
 
-/// What the reading of the broker counts, for a page of metrics. Any thread.
+/// Adds the counts of reading the broker to a page of metrics. Any thread.
 void AddSamples(const Broker& broker, metrics::Exposition& page);
 
 }  // namespace uplink::broker

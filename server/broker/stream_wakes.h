@@ -9,13 +9,13 @@
 
 namespace uplink::broker {
 
-/// Where the broker's thread learns which streams have news: several wakes become one look.
+/// Tells the broker's thread which streams have news; many wakes become one look.
 ///
 /// Limits:  one number per wake since the last look.
 /// Thread:  thread-safe.
 class StreamWakes final : public loop::WakeInbox {
  public:
-  /// `look` is asked for once, until Take.
+  /// Calls `look` for the first wake after each Take.
   explicit StreamWakes(std::function<void()> look) : look_(std::move(look)) {}
 
   void Wake(std::uint64_t stream) override;

@@ -21,7 +21,7 @@ inline constexpr auto kConnectionNames =
   return kConnectionNames[static_cast<std::size_t>(connection)];
 }
 
-/// What the connections tell, each with its name. Thread: theirs.
+/// Events of the connections. Thread: the connections'.
 class SubscriberEvents {
  public:
   virtual ~SubscriberEvents() = default;
@@ -32,10 +32,10 @@ class SubscriberEvents {
   virtual void OnEnded(Connection connection, const mqtt::End& end) = 0;
 };
 
-/// One of the connections to the broker: passes on what its client tells, with its name. The client
-/// is made anew for each lease.
+/// One connection to the broker. It passes on its client's events, with the connection's name. Each
+/// lease gets a new client.
 ///
-/// Thread:  confined to the client's; what probe() counts, any.
+/// Thread:  confined to the client's; the counts of probe() from any.
 class Subscriber final : public mqtt::ClientListener {
  public:
   /// `events` outlives it.
@@ -62,7 +62,7 @@ class Subscriber final : public mqtt::ClientListener {
     subscribed_ = false;
     events_.OnEnded(connection_, end);
   }
-  /// It was stopped, of which its client does not tell.
+  /// The client was stopped, and does not report that itself.
   void NoteStopped() { subscribed_ = false; }
 
  private:

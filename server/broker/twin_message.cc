@@ -17,7 +17,7 @@ namespace {
 using cyberwave::DurableRecord;
 using cyberwave::TopicKind;
 
-/// How many records the message may bring; they must have room before anything of it is done.
+/// How many records the message may bring at most; they must have room before it is processed.
 std::size_t RecordsAtMost(const cyberwave::Judgement& judgement, const TwinStream& stream) {
   if (judgement.rejection() != nullptr ||
       judgement.message_class == cyberwave::MessageClass::kDurable) {
@@ -53,7 +53,8 @@ std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made,
                        .payload = "",
                        .payload_bytes = arrival.payload_bytes});
   }
-  // The store may refuse it; of many records one has what all of them came from.
+  // The store may refuse the record, and quarantine then needs the payload. The first of several
+  // records carries it.
   if (!records.empty()) records.front().payload = arrival.payload;
   return records;
 }
@@ -75,14 +76,14 @@ metrics::Became BecameOf(cyberwave::Outcome outcome) {
   return metrics::Became::kIgnored;
 }
 
-/// Counts fields that a message went without.
+/// Counts the fields that were dropped from a message.
 void CountDropped(std::span<const model::DroppedField> dropped, metrics::Ledger& ledger) {
   for (const model::DroppedField& field : dropped) {
     ledger.CountDropped(metrics::kUnknownKind, field.reason);
   }
 }
 
-/// Counts what a message that was judged good went without, and what in it was absurd.
+/// Counts the fields that were dropped from a good message, and its absurd values.
 void CountOdd(const cyberwave::Judgement& judgement, metrics::Ledger& ledger) {
   CountDropped(judgement.dropped, ledger);
   for (const model::UntoldFields& fields : judgement.untold) {
@@ -112,7 +113,7 @@ std::optional<ingest::RecordCost> TwinMessage::Cost() {
   records_max_ = RecordsAtMost(known_.judgement, known_.stream);
   if (records_max_ == 0) return std::nullopt;
   ingest::RecordCost cost{.journal_bytes = arrival_.payload_bytes};
-  // What stands in the place of no robot has budgets of its own.
+  // A stand-in has budgets of its own.
   if (known_.stream.twin == nullptr) return cost;
   cost.flow_bytes = known_.judgement.rejection() == nullptr ? arrival_.payload_bytes : 0;
   return cost;

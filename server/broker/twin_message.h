@@ -24,7 +24,7 @@ struct TwinSources {
   BrokerProbe& probe;
 };
 
-/// A broker's message that was judged and whose place is known, as it is offered to the port.
+/// A judged message of a broker, with the stream it belongs to, as it is offered to the port.
 ///
 /// Thread: confined to the broker's.
 class TwinMessage final : public ingest::Message {
@@ -33,12 +33,12 @@ class TwinMessage final : public ingest::Message {
   struct Known {
     const mqtt::Publish& publish;
     cyberwave::Arrival arrived;
-    /// It waited, and is counted as in flight.
+    /// It waited for room, and is counted as in flight.
     bool is_counted = false;
     const Commits::Delivered& delivered;
     cyberwave::Judgement& judgement;
     TwinStream& stream;
-    /// Its twin is one too many: it is rejected for that, whatever the rates of what stands in.
+    /// Its twin exceeds the bound: it is rejected for that, whatever the rates of the stand-in.
     bool is_one_too_many = false;
   };
   TwinMessage(const TwinSources& sources, const Known& known);
@@ -66,10 +66,10 @@ class TwinMessage final : public ingest::Message {
   const TwinSources& sources_;
   const Known known_;
   const ingest::Arrival arrival_;
-  /// Stays when the judgement is taken.
+  /// Kept, since the judgement is moved away.
   const cyberwave::Topic topic_;
   std::size_t records_max_ = 0;
-  /// That it brings no record is a matter of which faults the store has, as remembered here.
+  /// It brings no record only because of the faults that the store has, as remembered here.
   bool rests_on_store_ = false;
 };
 

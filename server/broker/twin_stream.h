@@ -19,12 +19,11 @@
 
 namespace uplink::broker {
 
-/// One robot of a twin, or what stands in the place of none (storage::NoRobotOf), as what comes
-/// from the broker is written to it: its messages are numbered by their arrival, in a session of
-/// its own. Confined to its owner's thread.
+/// The records of one robot of a twin, or of a stand-in (storage::NoRobotOf): its messages are
+/// numbered by arrival, in a session of its own. Confined to its owner's thread.
 struct TwinStream {
   fleet::RobotPtr robot;
-  /// Null of a stand-in.
+  /// Null for a stand-in.
   cyberwave::TwinPtr twin;
   /// Shared by a twin's two robots.
   std::shared_ptr<cyberwave::TwinRates> rates;
@@ -38,21 +37,21 @@ struct TwinStream {
   journal::Journal* journal = nullptr;
   /// In order of their numbers.
   std::deque<WaitingMessage> waiting;
-  /// Packet ids of messages that were settled without a record since the last one with records,
-  /// and of some that are known no more: those are remembered with the next records
-  /// (Commits::Number). An id is of one twin at a time, so all twins together have little more than
-  /// there are ids.
+  /// Packet ids of messages that were settled without a record since the last one with records, and
+  /// of some that are forgotten. The next records carry them into the store (Commits::Number). An
+  /// id belongs to one twin at a time, so all twins together have little more of them than there
+  /// are ids.
   std::vector<std::uint16_t> settled;
   SteadyTime used_at;
   /// When the log last named it for its rate (LimitedLog).
   limits::RecentTimes<1> limited_told;
-  /// It takes no more messages, and goes once nothing of it waits; but it may go on before.
+  /// It takes no more messages, and goes once nothing of it waits. It may be revived before.
   bool ending = false;
   /// An operator ended it: it goes once nothing of it waits.
   bool ended = false;
 
   [[nodiscard]] const std::string& ruri() const { return robot->ruri(); }
-  /// As the port knows it.
+  /// The stream as the port takes it.
   [[nodiscard]] ingest::Line line() const {
     return {.robot = *robot,
             .id = robot->id(),

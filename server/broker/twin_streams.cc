@@ -14,7 +14,7 @@ namespace {
 
 using cyberwave::RobotKind;
 
-/// The twin of a RURI under one of the prefixes; nothing if it is of none.
+/// The twin of a RURI under one of the prefixes; empty if there is none.
 std::optional<TwinStreams::Named> NamedBy(const std::string& ruri,
                                           const std::vector<std::string>& prefixes) {
   const std::size_t slash = ruri.rfind('/');
@@ -75,7 +75,7 @@ std::optional<TwinStreams::Opened> TwinStreams::PlaceOf(const cyberwave::Judgeme
     const bool durable = judgement.message_class == cyberwave::MessageClass::kDurable;
     const bool speaks = cyberwave::SignOfLifeOf(judgement) == cyberwave::RobotOf(judgement) ||
                         (durable && judgement.rejection() == nullptr);
-    // Who only commands a twin, or looks at it, does not make it exist.
+    // Messages that only command or watch a twin do not prove that it exists.
     if (speaks || context_.fleet.Find(ruri) != nullptr) {
       return FindOrOpen({.ruri = ruri, .prefix = topic.prefix, .twin = topic.id});
     }
@@ -123,7 +123,7 @@ TwinStream* TwinStreams::Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin) {
                          .sessions_held = robot->sessions.Held(),
                          .fleet_word = begun->fleet_word});
   robot->state.ResetDropped();
-  // A session that was drawn just now: the store has nothing of it.
+  // The session was drawn just now, so the store has nothing of it.
   static_cast<void>(robot->sessions.ResumeFrom(stream->session, begun->open_id, 0, 0));
   if (twin != nullptr) {
     RestoreFaults(*twin);
@@ -214,7 +214,7 @@ bool TwinStreams::Revive(TwinStream& stream) {
   if (!stream.ending) return true;
   model::cyberwave::Uuid id;
   stream.twin->LookAt([&id](const cyberwave::TwinParts& parts) { id = parts.twin; });
-  // It was forgotten when it was to end.
+  // The twin was forgotten when its stream began to end.
   cyberwave::TwinPtr twin = context_.twins.FindOrAdd(stream.ruri(), id);
   if (twin == nullptr) return false;
   stream.ending = false;
@@ -245,7 +245,7 @@ void TwinStreams::ForgetLeft() {
 }
 
 void TwinStreams::Forget(const cyberwave::Twin& twin) {
-  // Its next metrics may clear them.
+  // Its next metrics may clear these faults.
   std::vector<std::string> active = twin.ActiveFaults();
   const std::size_t kept_max = kFaultsKeptShare * context_.twins.twins_max();
   if (!active.empty() && faults_.size() < kept_max) faults_[twin.ruri()] = std::move(active);

@@ -23,12 +23,12 @@
 
 namespace uplink::broker {
 
-/// The faults of metrics that are active in the store, by robot: at most
-/// storage::kActiveFaultsPerRobotMax of each that the fleet of twins has.
+/// The metrics' faults that are active in the store, by robot: at most
+/// storage::kActiveFaultsPerRobotMax of each robot of twins.
 using FaultsByRobot = std::unordered_map<std::string, std::vector<std::string>>;
 
-/// The streams of twins' robots, each opened when its robot speaks, or when this process takes the
-/// robot over. A robot has one stream at a time.
+/// The streams of twins' robots. A stream opens when its robot speaks, or when this process takes
+/// the robot over. A robot has one stream at a time.
 ///
 /// Limits:  as many as there may be twins, and a stand-in per prefix.
 /// Thread:  confined to its owner's.
@@ -40,16 +40,16 @@ class TwinStreams final {
     fleet::Fleet& fleet;
     const journal::Shards& journals;
     cyberwave::Twins& twins;
-    /// Where streams learn that something of them was settled.
+    /// Told when something of a stream was settled.
     loop::WakeInbox& inbox;
-    /// Of which fleet twins are (cyberwave.fleet).
+    /// The fleet of the twins (cyberwave.fleet).
     std::string fleet_name;
     /// Evenly drawn numbers.
     std::function<std::uint64_t()> random;
   };
   explicit TwinStreams(Context context) : context_(std::move(context)) {}
 
-  /// The topic names this robot. A value.
+  /// A robot as a topic names it. A value.
   struct Named {
     std::string ruri;
     std::string prefix;
@@ -60,49 +60,48 @@ class TwinStreams final {
   [[nodiscard]] TwinStream* FindById(std::uint64_t id);
   struct Opened {
     /// Null if there are too many robots, if all sessions of this one wait for the store, or if its
-    /// stream was ended and is not gone yet, or went just now.
+    /// stream was ended and is not gone yet or went just now.
     TwinStream* stream = nullptr;
     bool too_many = false;
   };
-  /// The same, opened if it has none.
+  /// As Find, but opens a stream if the robot has none.
   [[nodiscard]] Opened FindOrOpen(const Named& named);
-  /// Where a message is written to; nothing if nowhere, since it proves no robot.
+  /// The stream for a message; empty if it is written nowhere, since it proves no robot.
   [[nodiscard]] std::optional<Opened> PlaceOf(const cyberwave::Judgement& judgement);
-  /// What stands for no robot under that prefix.
+  /// The stand-in's stream for messages of no robot under that prefix.
   [[nodiscard]] Opened FindOrOpenStandIn(const std::string& prefix);
 
-  /// Opens streams of all twins under one of the prefixes that the fleet knows and that have none:
-  /// this process holds them from now on.
+  /// Opens streams for all known twins under these prefixes that have none: this process holds them
+  /// from now on.
   enum class Which : std::uint8_t { kAll, kNotHeld };
   void OpenKnown(const std::vector<std::string>& prefixes, Which which);
-  /// The stream takes no more messages. It must have none that waits.
+  /// Ends a stream of which nothing waits.
   void Close(TwinStream& stream);
-  /// An operator ended it, who wants the robot forgotten: so is what it said. None is opened for
-  /// the robot within kRestAfterDrop, whatever it says.
+  /// An operator ended the stream to forget the robot, so its faults are forgotten too. The robot
+  /// gets no new stream within kRestAfterDrop, even if it speaks.
   void Drop(TwinStream& stream);
-  /// Another process has the robot: what it said here counts no more, and what faults of it were
-  /// stored the store alone knows.
+  /// Another process has the robot. Its live data here is void, and only the store knows its stored
+  /// faults.
   void Lose(TwinStream& stream);
-  /// Streams that said nothing for kStreamIdleMax are closed, and twins forgotten whose robots left
-  /// memory.
+  /// CloseIdle closes streams that were silent for kStreamIdleMax; ForgetLeft forgets twins whose
+  /// robots left memory.
   void CloseIdle();
   void ForgetLeft();
-  /// All end: at once, or when nothing of them waits.
+  /// Ends all streams: at once, or when nothing of them waits.
   void EndAll();
 
-  /// The store may lack what was committed, and is asked what it has. The caller passes no metrics
-  /// until SetFaults.
+  /// The store may have lost commits, and is being read. The caller passes no metrics until
+  /// SetFaults.
   void BeginReread() { rereading_ = true; }
-  /// What the store has. It counts for robots that are not in memory, that were lost since the last
-  /// call, or that had no stream at BeginReread, so that nothing of them waits: of the others it is
-  /// known better here.
+  /// Takes the faults that the store has, for robots that are not in memory, were lost since the
+  /// last call, or had no stream at BeginReread. Of the others this process knows better.
   void SetFaults(FaultsByRobot faults);
 
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }
 
  private:
   [[nodiscard]] TwinStream* Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin);
-  /// One of a twin that was to end goes on; false where there are too many twins by now.
+  /// Keeps a twin's ending stream open; false if there are too many twins by now.
   [[nodiscard]] bool Revive(TwinStream& stream);
   [[nodiscard]] model::SessionId DrawSession() const;
   [[nodiscard]] std::shared_ptr<cyberwave::TwinRates> RatesOf(const Named& named);
@@ -116,15 +115,15 @@ class TwinStreams final {
   std::unordered_map<std::uint64_t, TwinStream*> by_id_;
   /// By prefix and twin, while a stream of it is open.
   std::unordered_map<std::string, std::weak_ptr<cyberwave::TwinRates>> rates_;
-  /// Those of robots that were not heard yet.
+  /// Faults of robots that were not heard yet.
   FaultsByRobot faults_;
-  /// Robots that may have a stream although the store alone knows their faults, until SetFaults:
-  /// they were lost and spoke since, or their stream was opened after BeginReread.
+  /// Robots with a stream whose faults only the store knows, until SetFaults: they were lost and
+  /// spoke since, or their stream was opened after BeginReread.
   std::unordered_set<std::string> unsure_;
   bool rereading_ = false;
-  /// When streams may be opened again that an operator ended.
+  /// When robots whose stream an operator ended may have one again.
   std::unordered_map<std::string, SteadyTime> rests_;
-  /// Stands for none, and changes no presence.
+  /// For stand-ins: changes no presence.
   const robot::PresenceChanged untold_;
 };
 

@@ -13,16 +13,15 @@ namespace uplink::broker {
 
 /// A message whose records wait for their commit. A value.
 struct WaitingMessage {
-  /// To be released then; nothing at QoS 0, or while no connection delivered it that is still
-  /// there.
+  /// The ack to release then; empty at QoS 0, or after the connection that delivered it ended.
   std::optional<mqtt::AckHandle> ack;
   /// 0 at QoS 0; then it has no number either.
   std::uint16_t packet_id = 0;
   std::uint64_t number = 0;
-  /// Those of its records, in its stream's session.
+  /// The numbers of its records, in its stream's session.
   model::Seq first = 0;
   model::Seq last = 0;
-  /// Earlier messages of its twin that left no record: its commit tells the store of them.
+  /// Earlier messages of its twin without a record: its commit tells the store of them.
   struct Brought {
     std::uint16_t packet_id = 0;
     std::uint64_t number = 0;

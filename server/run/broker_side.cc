@@ -103,7 +103,7 @@ struct BrokerSide::Parts {
         .lost = [this] { loop.Post([this] { broker.End(); }); },
         .reread =
             [this](broker::Remembered remembered) {
-              loop.Post([this, remembered = std::move(remembered)] { broker.GoOn(remembered); });
+              loop.Post([this, remembered = std::move(remembered)] { broker.Resume(remembered); });
             },
         .reconnected = [this] { loop.Post([this] { broker.Reread(); }); }};
   }

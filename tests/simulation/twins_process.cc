@@ -84,7 +84,7 @@ void TwinsProcess::ReadAgain() {
   if (!asked) return;
   auto memory = leases_.MemoryOf(kClientId);
   UPLINK_CHECK(memory.ok(), "the simulated store can be read");
-  broker_.GoOn({.asked = *asked, .memory = *std::move(memory), .faults = {}});
+  broker_.Resume({.asked = *asked, .memory = *std::move(memory), .faults = {}});
 }
 
 }  // namespace uplink::simulation

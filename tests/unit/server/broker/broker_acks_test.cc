@@ -107,7 +107,7 @@ TEST_F(BrokerAcksTest, ARedeliveryBeforeAFailoverIsNotAckedForWhatTheNewPrimaryL
   Run();
   EXPECT_TRUE(again->closed);
   EXPECT_EQ(again->written.find(Puback(5)), std::string::npos);
-  broker_.GoOn({lease_.reread_asked, {}, {}});
+  broker_.Resume({lease_.reread_asked, {}, {}});
   const std::shared_ptr<FakeLink> third = links_.back();
   Up(third, true);
   third->Bring(Event(1, 5, true));
@@ -144,7 +144,7 @@ TEST_F(BrokerAcksTest, MetricsBeforeAFailoverAreNotAckedForFaultsThatTheNewPrima
   Flush(*durable());
   EXPECT_TRUE(durable()->closed);
   EXPECT_EQ(durable()->written.find(Puback(5)), std::string::npos);
-  broker_.GoOn({lease_.reread_asked, {}, {}});
+  broker_.Resume({lease_.reread_asked, {}, {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Metrics(kTwin, 5, true));
@@ -236,7 +236,7 @@ TEST_F(BrokerAcksTest, ARobotThatAnotherTookMakesTheConnectionAnew) {
   EXPECT_EQ(Stored(), 1U);
   EXPECT_EQ(lease_.rereads, 1);
   EXPECT_THAT(links_, SizeIs(2)) << "no connection before the store has said what it has";
-  broker_.GoOn({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
+  broker_.Resume({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
   EXPECT_THAT(links_, SizeIs(3));
 }
 
@@ -251,10 +251,10 @@ TEST_F(BrokerAcksTest, ARedeliveryIsAckedFromMemoryNoMoreOnceTheStoreWasConnecte
   EXPECT_TRUE(durable()->closed);
   EXPECT_EQ(lease_.rereads, 1);
   broker_.Reread();
-  broker_.GoOn({lease_.reread_asked - 1, *leases_.MemoryOf("core"), {}});
+  broker_.Resume({lease_.reread_asked - 1, *leases_.MemoryOf("core"), {}});
   EXPECT_THAT(links_, SizeIs(2)) << "that was read before it was asked for last";
   // The new primary lacks the delivery.
-  broker_.GoOn({lease_.reread_asked, {}, {}});
+  broker_.Resume({lease_.reread_asked, {}, {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));
@@ -273,7 +273,7 @@ TEST_F(BrokerAcksTest, WhatIsSettledWhileTheStoreIsReadAgainIsAckedByTheNextConn
   // A commit that was under way is told now, perhaps with others that the new primary lacks.
   Run();
   EXPECT_EQ(durable()->written.find(Puback(5)), std::string::npos);
-  broker_.GoOn({lease_.reread_asked, {}, {}});
+  broker_.Resume({lease_.reread_asked, {}, {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));
@@ -294,7 +294,7 @@ TEST_F(BrokerAcksTest, WhatWasCommittedAndNotToldIsKnownAfterTheRobotWasTakenOve
   Posted();
   EXPECT_EQ(Count(Became::kRefused), 1U);
   Run();
-  broker_.GoOn({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
+  broker_.Resume({lease_.reread_asked, *leases_.MemoryOf("core"), {}});
   const std::shared_ptr<FakeLink> again = links_.back();
   Up(again, true);
   again->Bring(Event(1, 5, true));
