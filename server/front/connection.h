@@ -19,22 +19,22 @@ namespace uplink::front {
 
 class Connection;
 
-/// What a connection tells its thread.
+/// What a connection reports to its thread.
 class ConnectionOwner {
  public:
   virtual ~ConnectionOwner() = default;
-  /// The TLS handshake is over, well or not.
+  /// The TLS handshake has ended, with or without success.
   virtual void OnHandshakeEnded(Connection& connection) = 0;
-  /// Another connection of the same certificate has to go.
+  /// Another connection of the same certificate must be closed.
   virtual void OnEvicted(std::uint64_t connection) = 0;
-  /// It is closed: it may be destroyed, and not from here.
+  /// It is closed, and may be destroyed after this call.
   virtual void OnClosed(Connection& connection) = 0;
 };
 
-/// One TCP connection: its socket and TLS, what gRPC has to say over them, and when it ends.
+/// One TCP connection: its socket, TLS, gRPC over them, and when it ends.
 ///
-/// Every event ends in Settle: calls are settled, what they say goes out, and when nothing is left
-/// to be said the connection closes.
+/// Every event ends in Settle, which settles calls, sends what they wrote, and closes the
+/// connection once nothing is left to send.
 /// Thread: confined to its thread's.
 class Connection final : public SocketOwner, public GrpcConnectionOwner {
  public:
@@ -56,7 +56,7 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
 
   void Start();
   void OnTimer();
-  /// The handshake gives way to others; nothing once it is over.
+  /// The handshake gives way to others. No effect once it has ended.
   void CutHandshake() {
     if (phase_ != Phase::kHandshake) return;
     FailHandshake(transport::TurnedAway::kGaveWay);
@@ -64,12 +64,12 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   }
   /// Its certificate has too many connections.
   void Evict();
-  /// The server drains: its calls are told one after the other, the first of them as number `first`
-  /// of `spread`, and have until `end`.
+  /// The server drains: tells its calls one after the other, the first as number `first` of
+  /// `spread`. They have until `end`.
   void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
-  /// Ends all at once; what can be said goes out.
+  /// Ends everything at once, and sends what can still be sent.
   void Shutdown();
-  /// What other events left to do.
+  /// Does what other events left to do.
   void Settle() override;
 
   [[nodiscard]] std::uint64_t id() const { return id_; }
@@ -88,7 +88,7 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   enum class Phase : std::uint8_t {
     kHandshake,
     kOpen,
-    /// Our last word is said; we read on for a moment.
+    /// We have sent everything, and read on for a moment.
     kLinger,
     kClosed,
   };
@@ -96,10 +96,10 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   void Handshake();
   void BeginGrpc();
   void ReadPlain();
-  /// Writes what is to be said, as far as the peer takes it; true if anything went out.
+  /// Sends what the peer takes; true if anything went out.
   bool Flush();
   void EndIfDone();
-  /// Nothing more is said: the peer may read what was.
+  /// Sends nothing more, and lets the peer read what was sent.
   void Linger();
   void Close();
   void SetTimer();
@@ -123,7 +123,7 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   /// Once the handshake is done.
   std::unique_ptr<GrpcConnection> grpc_;
 
-  /// Until when the phase may last: the handshake, or the time that we linger.
+  /// Until when the handshake or the lingering may last.
   std::optional<SteadyTime> phase_by_;
   std::size_t linger_reads_ = 0;
   SteadyTime handshake_by_;

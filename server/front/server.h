@@ -22,11 +22,11 @@ namespace uplink::front {
 /// Thread: main; streams(), draining() and port() from any; RefreshFiles on one.
 class FrontServer final {
  public:
-  /// Listens and serves the relay, and what `others` makes for each thread; what its methods hold
-  /// goes with the server.
+  /// Listens, and serves the relay and the methods that `others` makes for each thread. What those
+  /// methods hold is destroyed with the server.
   ///
-  /// Errors: kUnavailable names the address and why nobody can listen there; kFailedPrecondition
-  ///         names what is wrong with certificate, key or authority.
+  /// Errors: kUnavailable names the address and why listening failed; kFailedPrecondition names
+  ///         what is wrong with certificate, key or authority.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FrontServer>> Start(
       const transport::RelayOptions& options, const RelayContext& context,
       transport::MethodsMaker others = {});
@@ -42,15 +42,15 @@ class FrontServer final {
   [[nodiscard]] std::size_t streams() const;
   [[nodiscard]] bool draining() const;
 
-  /// Looks at the PEM files and serves new ones from now on (within kFilesRefresh), if they are
-  /// good together; else the last good ones. Without files: nothing is known.
+  /// Reads the PEM files. From now on (within kFilesRefresh) it serves new ones if they fit
+  /// together, otherwise the last good ones. Without files, the result is that nothing is known.
   transport::FilesLook RefreshFiles();
 
-  /// Admits no stream any more and tells those that are here, spread over a part of `grace`.
+  /// Admits no more streams, and tells the open ones to drain, spread over a part of `grace`.
   void Drain(milliseconds grace);
   /// Waits until every stream has ended, for `wait` at most; true if they have.
   [[nodiscard]] bool WaitForStreams(milliseconds wait) const;
-  /// Ends what is left at once and stops the listener's threads. Idempotent.
+  /// Ends all remaining streams at once and stops the listener's threads. Idempotent.
   void Shutdown();
 
  private:

@@ -33,7 +33,8 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
     std::size_t index = 0;
     milliseconds connection_age_max{0};
     std::uint32_t gateway_streams_max = 0;
-    /// On this thread: a handshake begins, and is over; a connection of any thread has to go.
+    /// Called on this thread: a handshake began, and ended; a connection of any thread must be
+    /// closed.
     std::function<void(std::uint64_t)> handshake_began;
     std::function<void(std::uint64_t)> handshake_ended;
     std::function<void(std::uint64_t)> evict;
@@ -49,8 +50,8 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
   void Start();
   /// Takes over a connection, by the door's number.
   void Adopt(std::uint64_t id, Visitor visitor);
-  /// The handshake gives way; the connection is one too many of its certificate: nothing if it is
-  /// not here, or no more.
+  /// CutHandshake ends a handshake that gives way; Evict ends a connection over its certificate's
+  /// bound. No effect if the connection is not here.
   void CutHandshake(std::uint64_t id);
   void Evict(std::uint64_t id);
   void Wake(std::uint64_t call) override;
@@ -68,17 +69,17 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
 
  private:
   void Run();
-  /// Begins the first of those that have arrived, and the next one in a turn of its own.
+  /// Begins the handshake of the first visitor that arrived; the next one has a turn of its own.
   void BeginNext();
   void Begin(std::uint64_t id, Visitor visitor);
   void EmptyInbox();
   void BeginDrain(milliseconds grace);
   void EndAll();
-  /// Destroys what is closed.
+  /// Destroys closed connections.
   void Reap();
-  /// Lets the thread end once it is to and nothing is left.
+  /// Lets the thread end if Stop was called and no connection is left.
   void EndIfEmpty();
-  /// Has the timers run when the next is due.
+  /// Sets the loop's timer to the next one that is due.
   void SetTimer();
   void RunTimers();
   void Post(std::function<void()> work);
@@ -87,16 +88,16 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
   const ServedContext& tls_;
   Thread thread_state_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_;
-  /// Visitors whose handshake is to begin, at most as many as the door admits. Each costs far more
-  /// than a message: what else is ready goes between any two.
+  /// Visitors whose handshake must begin, at most as many as the door admits. A handshake costs far
+  /// more than a message, so other ready work goes between any two.
   std::deque<std::pair<std::uint64_t, Visitor>> arrived_;
-  /// Closed ones that are to be destroyed.
+  /// Closed connections to destroy.
   std::vector<std::uint64_t> closed_;
   bool ending_ = false;
   std::atomic<std::size_t> load_{0};
 
   std::mutex mutex_;
-  /// Calls to wake; each once, so at most as many as there are.
+  /// Calls to wake, each once.
   std::unordered_set<std::uint64_t> wakes_;
   bool wake_posted_ = false;
   bool stopped_ = false;

@@ -18,7 +18,7 @@
 
 namespace uplink::front {
 
-/// A connection as the system gives it.
+/// A connection as the system accepted it.
 struct Accepted {
   Descriptor descriptor;
   sockaddr_storage peer{};
@@ -26,14 +26,15 @@ struct Accepted {
 
 /// Accepts connections on one address, on a thread of its own, and hands each on.
 ///
-/// Where the process or the machine has no descriptor left it waits a moment and goes on by itself.
+/// If the process or the machine has no descriptor left, it pauses for a moment and goes on by
+/// itself.
 /// Thread: main; the hand runs on its own.
 class Acceptor final {
  public:
   /// Takes what was accepted, on the acceptor's thread.
   using Hand = std::function<void(Accepted accepted)>;
 
-  /// Listens; nobody is accepted before Start.
+  /// Listens; accepts nothing before Start.
   ///
   /// Errors: kUnavailable names the address and the system's reason.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Acceptor>> Listen(
@@ -43,18 +44,18 @@ class Acceptor final {
   Acceptor(const Acceptor&) = delete;
   Acceptor& operator=(const Acceptor&) = delete;
 
-  /// What the acceptor tells besides, on its thread.
+  /// Called on the acceptor's thread.
   struct Hooks {
     /// A second has passed.
     std::function<void()> tick;
-    /// Nobody is accepted for a moment, for this reason of the system's.
+    /// Accepting is paused for a moment; `why` is the system's reason.
     std::function<void(std::error_code why)> paused;
   };
 
   void Start(Hand hand, Hooks hooks);
-  /// Runs `work` on its thread; never, once it has stopped. Any thread.
+  /// Runs `work` on its thread; drops it after Stop. Any thread.
   void Post(std::function<void()> work);
-  /// Closes the listener and ends the thread: connections that nobody accepted are refused.
+  /// Closes the listener and ends the thread: connections that were not accepted yet are refused.
   /// Idempotent.
   void Stop();
   [[nodiscard]] std::uint16_t port() const { return port_; }

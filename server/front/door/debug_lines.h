@@ -10,9 +10,9 @@
 
 namespace uplink::front {
 
-/// Lines of level debug: one as a connection or stream begins, and one as it ends; none about the
-/// server's own probe. A stream has its number of HTTP/2 within the connection of `peer`. They cost
-/// a comparison while that level is off.
+/// Lines of level debug: one when a connection or stream begins, and one when it ends; none about
+/// the server's own probe. A stream is named by its HTTP/2 number within the connection of `peer`.
+/// While that level is off, a line costs a comparison.
 ///
 /// Thread: thread-safe.
 class DebugLines final {
@@ -20,7 +20,7 @@ class DebugLines final {
   /// Null: no lines.
   explicit DebugLines(const log::Logger* logger) : logger_(logger) {}
 
-  /// The handshake is over; `origin` says who came.
+  /// The handshake succeeded; `origin` says who the peer is.
   void ConnectionOpened(std::uint64_t connection, const Origin& origin) const {
     if (On() && !origin.own) TellConnection("connection_opened", connection, origin, {});
   }
@@ -35,12 +35,13 @@ class DebugLines final {
   void StreamOpened(std::int32_t stream, const Origin& origin) const {
     if (On()) TellStream("stream_opened", stream, origin, {}, {});
   }
-  /// `robot`: whom Hello named; empty: that of the certificate. `status`: what the robot is told.
+  /// `robot`: the robot that Hello named; empty: that of the certificate. `status`: what the robot
+  /// is told.
   void StreamEnded(std::int32_t stream, const Origin& origin, std::string_view robot,
                    const absl::Status& status) const {
     if (On()) TellStream("stream_ended", stream, origin, robot, status.ToString());
   }
-  /// It ended and nothing could be said.
+  /// It ended without a status to the robot.
   void StreamBroken(std::int32_t stream, const Origin& origin, std::string_view robot) const {
     if (On()) TellStream("stream_broken", stream, origin, robot, {});
   }

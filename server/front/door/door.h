@@ -12,11 +12,11 @@
 
 namespace uplink::front {
 
-/// How many connections there may be, by what they have shown.
+/// Limits of connections, by what they have shown.
 struct DoorLimits {
   DoorBook::Limits book;
   HandshakeLimits handshakes;
-  /// Those whose load balancer has not said where they come from.
+  /// Connections whose load balancer has not yet said where they come from.
   std::size_t proxy_headers_max = 0;
 };
 
@@ -25,15 +25,16 @@ enum class ProxyHeaders : std::uint8_t { kNone, kExpected };
 
 struct DoorNeeds {
   std::size_t streams_max = 0;
-  /// Of the process.
+  /// Descriptors that the process may have.
   std::size_t descriptors_max = 0;
-  /// For the store, HTTP, files and our own handshake with our listener; a quarter at most.
+  /// Descriptors for the store, HTTP, files and our own handshake with our listener; at most a
+  /// quarter counts.
   std::size_t reserved = 0;
   ProxyHeaders headers = ProxyHeaders::kNone;
 };
 
-/// The limits for that: what has shown no certificate never takes the place of what has, and the
-/// reserve is left.
+/// The limits that follow: connections without a certificate never take the place of those with
+/// one, and the reserve is kept.
 [[nodiscard]] DoorLimits DoorLimitsFor(const DoorNeeds& needs);
 
 /// A connection that was accepted.
@@ -42,15 +43,16 @@ struct Visitor {
   Origin origin;
 };
 
-/// Who may begin a handshake, and when: until a certificate was shown, sources share the places.
+/// Decides who may begin a handshake, and when. Until a certificate was shown, sources share the
+/// places.
 ///
 /// Thread: confined to the acceptor's.
 class Door final {
  public:
   struct Actions {
-    /// The handshake of this connection is to begin; HandshakeBegan and HandshakeEnded follow.
+    /// Begins the handshake of this connection; HandshakeBegan and HandshakeEnded follow.
     std::function<void(std::uint64_t id, Visitor visitor)> admit;
-    /// The handshake, which has begun, is cut short; HandshakeEnded follows.
+    /// Cuts this handshake, which has begun; HandshakeEnded follows.
     std::function<void(std::uint64_t id)> cut;
   };
 
@@ -62,12 +64,12 @@ class Door final {
   Door& operator=(const Door&) = delete;
 
   void Arrive(Visitor visitor, SteadyTime now);
-  /// The handshake waits for its peer from now on: until then it waits for our own CPU alone, and
-  /// gives way to nobody.
+  /// The handshake waits for its peer from now on. Before, it waited for our CPU alone and could
+  /// not be cut.
   void HandshakeBegan(std::uint64_t id, SteadyTime now);
-  /// The handshake is over, whatever came of it.
+  /// The handshake has ended, with or without success.
   void HandshakeEnded(std::uint64_t id, SteadyTime now);
-  /// A second has passed: handshakes that have become long may give way.
+  /// A second has passed: long handshakes may have to give way.
   void Tick(SteadyTime now);
   [[nodiscard]] std::size_t waiting() const { return queue_.waiting(); }
 
@@ -81,7 +83,7 @@ class Door final {
   HandshakeQueue queue_;
   std::uint64_t next_id_ = 1;
   std::unordered_map<std::uint64_t, Visitor> waiting_;
-  /// When those of the handshakes under way began that have begun.
+  /// When the handshakes that have begun did so.
   std::unordered_map<std::uint64_t, SteadyTime> began_;
 };
 

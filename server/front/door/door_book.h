@@ -18,24 +18,23 @@
 
 namespace uplink::front {
 
-/// What all threads know of who comes and who is here. Thread-safe.
+/// What all threads know about arriving and open connections. Thread-safe.
 class DoorBook final {
  public:
   struct Limits {
-    /// That have shown a trusted certificate.
+    /// Connections that have shown a trusted certificate.
     std::size_t connections_max = 0;
-    /// That have no place, and that we read on so that they learn why.
+    /// Connections without a place that linger, so that their peers learn why.
     std::size_t lingers_max = 0;
   };
 
   DoorBook(const Limits& limits, transport::RelayProbe& probe, const log::Logger* logger)
       : limits_(limits), probe_(probe), lines_(logger), lingers_(limits.lingers_max) {}
 
-  /// Somebody is turned away: counts it by cause, and writes a line that names the source. Not of a
-  /// health check.
+  /// A connection is turned away: counts it by cause, and logs a line that names the source. Not
+  /// for a health check.
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
-  /// The same of a handshake that failed.
-  /// `detail`: what the line says behind the cause; empty: nothing.
+  /// The same for a handshake that failed.
   void NoteFailedHandshake(transport::TurnedAway cause, std::string_view detail,
                            const Origin& origin, SteadyTime now);
   /// A line alone; `kind` as SourceLines has it.
@@ -43,20 +42,19 @@ class DoorBook final {
             const Origin& origin, SteadyTime now) {
     lines_.Write(event, kind, why, origin, now);
   }
-  /// What is asked for is not the relay's call: counts it, and writes a line.
+  /// A request is not a call of the relay: counts it, and logs a line.
   void NoteRequest(const std::string& why, const Origin& origin, SteadyTime now);
-  /// A line about a call that we end for what its messages are; kInternal is gRPC's word for one
-  /// that breaks its rules.
+  /// Logs a call that we end for its messages. kInternal is gRPC's code for breaking its rules.
   void TellFailure(const absl::Status& status, const Origin& origin, SteadyTime now);
-  /// Writes a line about a stream that ends with this status, if it was refused, broke a rule of
-  /// the protocol, or came through a gateway and was superseded.
+  /// Logs the end of a stream with this status if it was refused, broke a rule of the protocol, or
+  /// came through a gateway and was superseded.
   void TellRefusal(const absl::Status& status, const Origin& origin, SteadyTime now);
 
   /// A connection has shown a trusted certificate; false if there is no place for it.
   [[nodiscard]] bool Enter();
   void Leave();
 
-  /// While connections wait for a handshake, those under way get less time.
+  /// Connections wait for a handshake, so those under way get less time.
   [[nodiscard]] bool pressed() const { return pressed_.load(std::memory_order_relaxed); }
   [[nodiscard]] const std::atomic<bool>& pressed_flag() const { return pressed_; }
   void SetPressed(bool pressed) { pressed_.store(pressed, std::memory_order_relaxed); }

@@ -11,21 +11,21 @@
 
 namespace uplink::front {
 
-/// A key with so many evictions within kEvictionsWithin is flagged: more of its robots, or of its
-/// copies, connect than it may have connections. More are not counted.
+/// A key with so many evictions within kEvictionsWithin is flagged: more of its robots, or copies
+/// of it, connect than it may have connections. The count stops there.
 inline constexpr std::size_t kEvictionsFlagged = 10;
 inline constexpr std::chrono::seconds kEvictionsWithin{60};
 
-/// When keys last had more connections than they may, whether they have one now or not.
+/// When keys last had more connections than allowed, whether or not they have one now.
 ///
-/// Limits: of each key kEvictionsFlagged times; kKeysMax keys, past which the one whose last
-///         eviction is longest ago is forgotten.
+/// Limits: kEvictionsFlagged times per key; kKeysMax keys, past which the key with the oldest last
+///         eviction is forgotten.
 /// Thread: thread-safe.
 class Evictions final {
  public:
   static constexpr std::size_t kKeysMax = 1024;
 
-  /// A connection of the key was evicted; says how many were within kEvictionsWithin, this one
+  /// A connection of the key was evicted. Returns how many were within kEvictionsWithin, this one
   /// included, up to kEvictionsFlagged.
   std::size_t Note(const KeyDigest& digest, SteadyTime now) {
     const std::lock_guard lock(mutex_);

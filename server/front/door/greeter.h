@@ -20,27 +20,26 @@
 
 namespace uplink::front {
 
-/// How long a load balancer may take for its header. It is looked at once a second.
+/// How long a load balancer may take for its header; checked once a second.
 inline constexpr std::chrono::seconds kProxyHeaderWait{5};
 
-/// Asks each connection where it really comes from, before the door: from a load balancer a PROXY
-/// header is required, and its address stands for the peer's from then on. From others nothing is
-/// read.
+/// Finds out where each connection really comes from, before the door. From a load balancer it
+/// requires a PROXY header, whose address then stands for the peer's. From others it reads nothing.
 ///
-/// A load balancer that connects and leaves without a byte, or says that it came on its own account
-/// (LOCAL), looks whether we answer: that is neither counted nor logged. A header that is wrong, or
-/// does not come in time, is both, with the address of the load balancer.
-/// Limits: kProxyHeaderWait; Setup::waiting_max, past which the one that came first goes.
-/// Thread: confined to the acceptor's, whose context it waits with; made and destroyed while that
+/// A load balancer that leaves without a byte, or says that it came on its own account (LOCAL),
+/// checks whether we answer: that is neither counted nor logged. A wrong or late header is counted,
+/// and logged with the load balancer's address.
+/// Limits: kProxyHeaderWait; Setup::waiting_max, past which the oldest one goes.
+/// Thread: confined to the acceptor's, whose context it waits with. Made and destroyed while that
 ///         does not run.
 class Greeter final {
  public:
   struct Setup {
     /// listen.proxy_protocol_from.
     std::vector<config::Network> load_balancers;
-    /// Connections whose header is not whole.
+    /// Connections whose header is incomplete.
     std::size_t waiting_max = 0;
-    /// Takes whose origin is known.
+    /// Takes a connection whose origin is known.
     std::function<void(Visitor visitor)> hand;
   };
 
@@ -52,12 +51,12 @@ class Greeter final {
   Greeter& operator=(const Greeter&) = delete;
 
   void Arrive(Accepted accepted);
-  /// A second has passed: those that took too long go.
+  /// A second has passed: drops connections that took too long.
   void Tick();
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
-  /// Whose header is not whole.
+  /// A connection whose header is incomplete.
   struct Guest {
     Guest(boost::asio::io_context& context, Descriptor its_descriptor, Origin load_balancer,
           SteadyTime until);
@@ -66,20 +65,20 @@ class Greeter final {
     Guest& operator=(const Guest&) = delete;
 
     Descriptor descriptor;
-    /// Of that descriptor, once it had to be waited for.
+    /// Watches that descriptor, once it had to wait.
     boost::asio::posix::stream_descriptor watch;
     Origin origin;
     ProxyHeader header;
     SteadyTime by;
   };
 
-  /// Reads what is there of its header, and lets it go or waits for more.
+  /// Reads what has arrived of its header, and hands it on or waits for more.
   void Serve(std::uint64_t id, Guest& guest);
   void Wait(std::uint64_t id, Guest& guest);
   void OnReadable(std::uint64_t id);
   /// False if the peer has ended.
   [[nodiscard]] static bool Read(Guest& guest);
-  /// The header is whole.
+  /// The header is complete.
   void HandOn(Guest& guest, Origin origin);
   void TurnAway(const Guest& guest);
   void Forget(std::uint64_t id);

@@ -23,8 +23,8 @@ struct HandshakeLimits {
   std::size_t under_way_max = 0;
   /// Connections that wait for a place.
   std::size_t waiting_max = 0;
-  /// Of the places, those of handshakes that wait for our own CPU since they have not begun: with
-  /// more of them the order in which they begin would be that of the threads' inboxes.
+  /// Places whose handshake has not begun and so waits for our CPU alone. With more of them, the
+  /// threads' inboxes would set the order in which handshakes begin.
   std::size_t unbegun_max = std::numeric_limits<std::size_t>::max();
 };
 
@@ -36,18 +36,18 @@ enum class Rank : std::uint8_t {
 };
 
 /// While known sources and strangers wait, every 4th place goes to a stranger, as long as strangers
-/// hold less than a 4th of the places: slow ones would gather there else. Of those that may wait,
-/// strangers keep a 4th too.
+/// hold less than a 4th of the places; otherwise slow strangers would fill it. Strangers also keep
+/// a 4th of the waiting list.
 inline constexpr std::size_t kStrangersEvery = 4;
 
 /// Which unproven connection may begin its handshake next.
 ///
-/// Known sources come before strangers (kStrangersEvery). Among sources of a rank, those that are
-/// within the rate of handshakes (HandshakeRates) come first, among these the one with the fewest
-/// handshakes under way, among equals the one that was served, or came, least recently; within a
-/// source, the connection that came first. A source may use every place that nobody else wants.
+/// Known sources come before strangers (kStrangersEvery). Among sources of a rank, those within the
+/// rate of handshakes (HandshakeRates) come first; then the one with the fewest handshakes under
+/// way; then the one that was served, or came, least recently. Within a source, the oldest
+/// connection comes first. A source may use every place that no other wants.
 ///
-/// Limits:  HandshakeLimits, for everything that is kept; each call is O(log of it).
+/// Limits:  HandshakeLimits, for everything that it keeps; each call is O(log of that).
 /// Thread:  confined to the acceptor's.
 class HandshakeQueue final {
  public:
@@ -55,39 +55,38 @@ class HandshakeQueue final {
   HandshakeQueue(const HandshakeQueue&) = delete;
   HandshakeQueue& operator=(const HandshakeQueue&) = delete;
 
-  /// A connection waits from now on; no other one in here has its id. The rank is its source's from
-  /// now on. Past waiting_max somebody is refused for it: the answer says who, and that one is no
-  /// longer in here. It is the newest connection of the source that has the most waiting, among
-  /// strangers while these have more than a 4th of waiting_max or nobody else waits, else among
-  /// known sources. It may be the newcomer.
+  /// Adds a waiting connection with an unused id; its source has this rank from now on. Past
+  /// waiting_max the result is the connection to refuse, which is removed and may be the newcomer:
+  /// the newest one of the source with the most waiting. That source is a stranger while strangers
+  /// have more than a 4th of waiting_max or only strangers wait; otherwise it is a known one.
   [[nodiscard]] std::optional<std::uint64_t> Arrive(std::uint64_t id, const SourceAddress& address,
                                                     Rank rank, SteadyTime now);
 
-  /// Whose handshake is to begin now; nothing if no place is free or nobody waits.
+  /// The connection whose handshake begins now; empty if no place is free or none waits.
   [[nodiscard]] std::optional<std::uint64_t> Next(SteadyTime now);
 
-  /// The handshake has begun: it waits for its peer from now on. Once for each of Next's.
+  /// The handshake has begun, and waits for its peer from now on. Call it once for each result of
+  /// Next.
   void Began(std::uint64_t id);
 
-  /// The connection's handshake is over, whatever came of it, or the connection is gone while it
-  /// waited. An unknown id is none of ours.
+  /// The connection's handshake has ended, or the connection has gone while it waited. Unknown ids
+  /// are ignored.
   void Ended(std::uint64_t id);
 
-  /// Whose handshake should be cut short, so that half-open ones of one source keep nobody out: if
-  /// all places are taken and Next would serve a source that has less than its fair share, the
-  /// longest one under way of the source that has the most, if that has more than its share. A fair
-  /// share is under_way_max divided by the sources that have or want a place, at least 1. Once the
-  /// answered one has Ended, Next serves the source that was short. The caller spares a handshake
-  /// that has only just begun.
+  /// The handshake to cut, so that half-open ones of one source keep no other out. There is one if
+  /// all places are taken, Next would serve a source below its fair share, and another source is
+  /// above its own: then the longest one of the source with the most. A fair share is under_way_max
+  /// divided by the sources that have or want a place, at least 1. Once it has Ended, Next serves
+  /// the source that was short. The caller spares a handshake that has only just begun.
   [[nodiscard]] std::optional<std::uint64_t> ToGiveWay() const;
 
-  /// Somebody waits for a place, and not for our CPU alone: handshakes get less time.
+  /// A connection waits for a place, not just for our CPU: handshakes get less time.
   [[nodiscard]] bool pressed() const {
     return waiting() > 0 && under_way() >= limits_.under_way_max;
   }
   [[nodiscard]] std::size_t waiting() const;
   [[nodiscard]] std::size_t under_way() const;
-  /// That have a connection in here.
+  /// Sources that have a connection here.
   [[nodiscard]] std::size_t sources() const { return sources_.size(); }
 
  private:
@@ -104,9 +103,9 @@ class HandshakeQueue final {
   struct Source {
     SourceAddress address;
     Rank rank = Rank::kStranger;
-    /// The event_ at which it was served last, or else came.
+    /// The event_ at which it was last served, or came.
     std::uint64_t served = 0;
-    /// It is over the rate, and as far as we know until then.
+    /// It is over the rate, and when it will be within it again.
     bool over = false;
     SteadyTime within_at{};
     /// Both from the oldest to the newest.
@@ -127,24 +126,24 @@ class HandshakeQueue final {
   struct Ranked {
     std::size_t waiting = 0;
     std::size_t under_way = 0;
-    /// Those that have a connection waiting, in the order in which they are served.
+    /// Sources with a waiting connection, in the order in which they are served.
     std::set<Source*, FewestUnderWay> in_turn;
-    /// The same, the first to be refused first.
+    /// The same sources, in the order in which they are refused.
     std::set<Source*, MostWaiting> crowds;
   };
 
   [[nodiscard]] Ranked& Of(Rank rank) { return ranks_[static_cast<std::size_t>(rank)]; }
   [[nodiscard]] const Ranked& Of(Rank rank) const { return ranks_[static_cast<std::size_t>(rank)]; }
-  /// Takes the source out of whatever is ordered by what it has, so that it may change.
+  /// Removes the source from all ordered sets, so that it may change.
   void Unlist(Source& source);
-  /// Puts it back; forgets it if it has nothing.
+  /// Puts it back; forgets it if it has no connection.
   void List(Source& source);
-  /// Whom Next serves if strangers hold so many places; null if nobody waits.
+  /// The source that Next serves if strangers hold so many places; null if none waits.
   [[nodiscard]] Source* InTurn(std::size_t strangers_under_way) const;
   [[nodiscard]] std::uint64_t ToRefuse() const;
-  /// Brings it up to date whether the source is over the rate; it is unlisted.
+  /// Updates whether the source, which is unlisted, is over the rate.
   void Rate(Source& source, SteadyTime now);
-  /// The same of all that wait and are within the rate again.
+  /// The same for all waiting sources that are within the rate again.
   void RateAgain(SteadyTime now);
 
   const HandshakeLimits limits_;
@@ -154,12 +153,12 @@ class HandshakeQueue final {
   std::uint64_t known_in_a_row_ = 0;
   std::size_t unbegun_ = 0;
   HandshakeRates rates_;
-  /// Those that wait and are over the rate, by when they are within it again.
+  /// Waiting sources over the rate, by when they are within it again.
   std::set<std::pair<SteadyTime, Source*>> over_;
   std::array<Ranked, 2> ranks_;
-  /// Those that have a handshake under way.
+  /// Sources with a handshake under way.
   std::set<Source*, MostUnderWay> holders_;
-  /// Ordered, not hashed: sources choose their addresses, and an order has no bad case.
+  /// Ordered, not hashed: sources choose their addresses, and could make a hash slow.
   std::map<SourceAddress, Source> sources_;
   std::unordered_map<std::uint64_t, Connections::iterator> connections_;
 };

@@ -15,14 +15,14 @@ inline constexpr int kHandshakesPerSecond =
     limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).most;
 inline constexpr int kHandshakesAtOnce =
     limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).at_once;
-/// Past it the source that was noted least recently is forgotten. Each takes what
-/// limits::RecentKeys does.
+/// Past it the source that was noted least recently is forgotten. Each takes the memory of a
+/// limits::RecentKeys entry.
 inline constexpr std::size_t kRatedSourcesMax =
     limits::PolicyOf(limits::PolicyId::kHandshakesOfSource).keys_max;
 
-/// Which sources began more handshakes lately than kHandshakesPerSecond and kHandshakesAtOnce. What
-/// follows from it the caller decides, so a source may go over: unlike a limits::TokenBucket this
-/// remembers no more than one handshake of that. Each call is O(log kRatedSourcesMax).
+/// Which sources recently began more handshakes than kHandshakesPerSecond and kHandshakesAtOnce.
+/// The caller decides what follows, so a source may exceed the rate: unlike a limits::TokenBucket,
+/// this remembers at most one handshake beyond it. Each call is O(log kRatedSourcesMax).
 ///
 /// Thread: confined to the acceptor's.
 class HandshakeRates final {
@@ -31,7 +31,7 @@ class HandshakeRates final {
   void Note(const SourceAddress& source, SteadyTime now);
   /// When the source is within the rate again; not after `now` if it is.
   [[nodiscard]] SteadyTime WithinAt(const SourceAddress& source, SteadyTime now) const;
-  /// Sources in memory: those that have not used anything of late go when the next one is noted.
+  /// Sources in memory; unused ones go when the next one is noted.
   [[nodiscard]] std::size_t size() const { return idle_at_.size(); }
 
  private:

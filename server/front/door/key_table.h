@@ -21,27 +21,27 @@ using KeyDigest = std::array<std::uint8_t, 32>;
 /// Thread: thread-safe.
 class KeyTable final {
  public:
-  /// A proven connection; no other one in here has its id. If its key then has more than
-  /// `per_key_max`, the answer is which one has to be closed, and is no longer in here: the oldest
-  /// of those without a stream, else the one heard least recently; the newcomer only if the maximum
-  /// is 0. A maximum that has shrunk lets the key keep what it has, but have no more.
+  /// Adds a proven connection with an unused id. If its key now has more than `per_key_max`, the
+  /// result is the connection to close, which is removed: the oldest one without a stream,
+  /// otherwise the one heard least recently; the newcomer only if the maximum is 0. If the maximum
+  /// has shrunk, the key keeps what it has, but gets no more.
   [[nodiscard]] std::optional<std::uint64_t> Add(const KeyDigest& digest, std::uint64_t connection,
                                                  std::size_t per_key_max, SteadyTime now);
-  /// Something came from its peer. Here and below, an unknown connection is passed over: it may
-  /// have been evicted meanwhile.
+  /// Its peer sent something. Here and below, unknown connections are ignored: they may have been
+  /// evicted meanwhile.
   void NoteHeard(std::uint64_t connection, SteadyTime now);
   /// How many streams it has; none at first.
   void SetStreams(std::uint64_t connection, std::size_t streams);
   void Remove(std::uint64_t connection);
-  /// Whether it is in here: neither removed nor evicted.
+  /// Whether it is here: neither removed nor evicted.
   [[nodiscard]] bool Has(std::uint64_t connection) const;
 
   [[nodiscard]] std::size_t connections() const;
-  /// That have a connection.
+  /// Keys that have a connection.
   [[nodiscard]] std::size_t keys() const;
 
  private:
-  /// A digest is uniform, and who grinds for one that is not needs certificates of ours for it.
+  /// A digest is uniform; an attacker who grinds for another one needs our certificates for it.
   struct DigestHash {
     std::size_t operator()(const KeyDigest& digest) const noexcept;
   };
@@ -57,7 +57,7 @@ class KeyTable final {
     Connections connections;
   };
 
-  /// The one to be closed so that the newcomer may stay; the key has two connections at least.
+  /// The connection to close so that the newcomer may stay; the key has at least two.
   [[nodiscard]] static Connections::iterator ToEvict(Connections& connections);
 
   mutable std::mutex mutex_;

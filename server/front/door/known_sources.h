@@ -13,8 +13,8 @@ namespace uplink::front {
 
 /// How long a source stays known after a robot's last stream from it ended.
 inline constexpr std::chrono::hours kKnownFor{1};
-/// Of those without a stream: past it the one whose stream ended least recently is forgotten. Each
-/// takes what limits::RecentKeys does.
+/// Sources without a stream; past it the one whose stream ended least recently is forgotten. Each
+/// takes the memory of a limits::RecentKeys entry.
 inline constexpr std::size_t kKnownSourcesMax = 65'536;
 
 /// The sources from which a robot streams, or streamed within the last hour: their connections come
@@ -28,8 +28,8 @@ class KnownSources final {
   /// It ended.
   void Leave(const SourceAddress& source, SteadyTime now);
   [[nodiscard]] bool IsKnown(const SourceAddress& source, SteadyTime now) const;
-  /// Sources in memory from which a stream ended: those that are known no more go when the next one
-  /// ends.
+  /// Sources in memory from which a stream ended; those that are no longer known go when the next
+  /// stream ends.
   [[nodiscard]] std::size_t size() const;
 
  private:

@@ -9,20 +9,20 @@
 
 namespace uplink::front {
 
-/// The connections that have no place any more, and that we read on for a moment so that their
-/// peers learn why: each holds a descriptor that nothing else counts.
+/// Connections that have lost their place and linger, so that their peers learn why. Each holds a
+/// descriptor that nothing else counts.
 ///
-/// Limits: `max` in all, and of each key kLingersPerKeyMax.
+/// Limits: `max` in all, and kLingersPerKeyMax of each key.
 /// Thread: thread-safe.
 class Lingers final {
  public:
-  /// As many as a robot's key may have connections: who opens them faster keeps no more of them.
+  /// As many as a robot's key may have connections: opening them faster keeps no more of them.
   static constexpr std::size_t kLingersPerKeyMax = 4;
 
   explicit Lingers(std::size_t max) : max_(max) {}
 
-  /// One more, of this key if it has shown one; false if there are too many. Each Begin that was
-  /// true needs an End with the same key.
+  /// Adds one, of this key if it has shown one; false if there are too many. Each Begin that
+  /// returned true needs an End with the same key.
   [[nodiscard]] bool Begin(const std::optional<KeyDigest>& key);
   void End(const std::optional<KeyDigest>& key);
 

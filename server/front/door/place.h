@@ -9,14 +9,14 @@
 
 namespace uplink::front {
 
-/// Connections of one public key: more than one only while an old one is not known to be gone, and
-/// a gateway's may spread its robots.
+/// Connections of one public key. A robot has more than one only until the old one is known to be
+/// gone; a gateway may spread its robots over several.
 inline constexpr std::size_t kRobotConnectionsMax = 4;
 inline constexpr std::size_t kGatewayConnectionsMax = 16;
 
-/// The place that a connection has among those that have shown a certificate, from Take until it is
-/// left: the number of all, and those of its key. Without one it may have one of the few among
-/// those that linger. Confined to its connection's thread.
+/// A connection's place among those that have shown a certificate, from Take to Leave: it counts
+/// among all, and among those of its key. Without a place it may be one of the few that linger.
+/// Confined to its connection's thread.
 class Place final {
  public:
   Place(DoorBook& book, std::uint64_t connection) : book_(book), connection_(connection) {}
@@ -24,17 +24,16 @@ class Place final {
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
 
-  /// False if there is none.
+  /// False if no place is free.
   [[nodiscard]] bool Take();
   /// Adds it to its key's connections; returns the one to evict.
   [[nodiscard]] std::optional<std::uint64_t> Count(const TlsPeer& peer, const Origin& origin,
                                                    SteadyTime now);
-  /// The peer said something. Costs nothing most times.
+  /// The peer sent something. Mostly free.
   void NoteHeard(SteadyTime now);
   void SetStreams(std::size_t streams);
-  /// Its last word is said: whether it may stay for a moment. It does in the place that it has,
-  /// where it is the first to give way; one that was evicted from its key's has that no more.
-  /// `key`: what it has shown, if anything.
+  /// It has sent everything: whether it may linger. It does so in its place, where it is the first
+  /// to give way; if it was evicted, it has no place. `key`: the key that it has shown, if any.
   [[nodiscard]] bool Linger(const std::optional<KeyDigest>& key);
   void Leave();
 
@@ -45,7 +44,7 @@ class Place final {
   /// It is one of DoorBook::lingers.
   bool lingers_ = false;
   std::optional<KeyDigest> lingers_as_;
-  /// When the table of keys was told last that it was heard.
+  /// When the table of keys was last told that it was heard.
   SteadyTime noted_at_{};
 };
 

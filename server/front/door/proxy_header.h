@@ -9,46 +9,45 @@
 
 namespace uplink::front {
 
-/// What a load balancer says of a connection before the peer's own first byte: a PROXY protocol
-/// header of version 2, read piece by piece.
+/// A PROXY protocol header of version 2, which a load balancer sends before the peer's first byte;
+/// read piece by piece.
 ///
-/// It wants the fixed part first, and then exactly as many bytes as that announces, so that nothing
-/// of the peer's is ever read. What follows the addresses (type, length, value) is skipped, its
-/// checksum too.
+/// It reads the fixed part, then exactly as many bytes as that announces, so it never reads the
+/// peer's bytes. It skips what follows the addresses (type, length, value), checksum included.
 /// Limits:  kRestBytesMax.
-/// Thread:  confined to whoever has it.
+/// Thread:  confined to its owner's.
 /// Source:  HAProxy's proxy-protocol.txt, section 2.2.
 class ProxyHeader final {
  public:
   static constexpr std::size_t kFixedBytes = 16;
-  /// Bytes that may follow the fixed part: the specification means a header to fit into one
-  /// segment, and 536 bytes is what each network takes.
+  /// Bytes that may follow the fixed part: the specification wants a header to fit into one
+  /// segment, and every network takes 536 bytes.
   static constexpr std::size_t kRestBytesMax = 536;
 
   enum class Result : std::uint8_t {
-    /// It is not whole.
+    /// The header is incomplete.
     kMore,
     /// Relayed for source().
     kRelayed,
-    /// Relayed for somebody whose address is not told (UNSPEC).
+    /// Relayed for a peer whose address is not told (UNSPEC).
     kUntold,
     /// The load balancer came on its own account (LOCAL), mostly to see whether we answer.
     kLocal,
-    /// No header of version 2, or one for what cannot come here: datagrams, local sockets, families
-    /// and commands that the specification does not have, less bytes than the addresses take.
+    /// No header of version 2, or one that cannot be right here: for datagrams, local sockets,
+    /// unknown families or commands, or with fewer bytes than the addresses take.
     kInvalid,
   };
 
-  /// Bytes that are to come next; none once the result is known.
+  /// Bytes to read next; 0 once the result is known.
   [[nodiscard]] std::size_t wanted() const {
     return result_ == Result::kMore ? bytes_ - taken_ : 0;
   }
-  /// Takes the next bytes, at most those that are wanted.
+  /// Takes the next bytes, at most wanted().
   Result Take(std::string_view bytes);
   [[nodiscard]] Result result() const { return result_; }
   /// Bytes came.
   [[nodiscard]] bool begun() const { return taken_ > 0; }
-  /// Address and port of whom the connection was relayed for.
+  /// Address and port of the peer.
   [[nodiscard]] const sockaddr_storage& source() const { return source_; }
 
  private:
@@ -62,18 +61,18 @@ class ProxyHeader final {
   void SetSource();
 
   Result result_ = Result::kMore;
-  /// What it ends in, once it is whole.
+  /// The result once the header is complete.
   Result whole_ = Result::kMore;
   Family family_ = Family::kNone;
-  /// Of the header, as far as is known.
+  /// Bytes of the header, as far as known.
   std::size_t bytes_ = kFixedBytes;
   std::size_t taken_ = 0;
-  /// Its beginning: what follows is not looked at.
+  /// The part that is looked at.
   std::array<std::uint8_t, kFixedBytes + kIpv6Bytes> kept_{};
   sockaddr_storage source_{};
 };
 
-/// What a load balancer says before it asks on its own account.
+/// The header that a load balancer sends when it checks us on its own account.
 inline constexpr std::string_view kLocalProxyHeader("\r\n\r\n\0\r\nQUIT\n\x20\0\0\0",
                                                     ProxyHeader::kFixedBytes);
 

@@ -11,14 +11,14 @@
 
 namespace uplink::front {
 
-/// Who shares places as one: an IPv4 address, or the /64 of an IPv6 address, since whoever has one
-/// address of a /64 usually has all of them. A value; the default one is "unknown".
+/// A source that shares places as one: an IPv4 address, or the /64 of an IPv6 address, since one
+/// owner usually has all of a /64. A value; the default one is "unknown".
 class SourceAddress final {
  public:
   SourceAddress() = default;
 
-  /// Of a peer. IPv4 in IPv6 (::ffff:192.0.2.1) is the same source as the IPv4 address; another
-  /// family than the two is unknown.
+  /// The source of a peer. IPv4 in IPv6 (::ffff:192.0.2.1) is the same source as the IPv4 address;
+  /// other families are unknown.
   [[nodiscard]] static SourceAddress Of(const sockaddr_storage& peer);
   [[nodiscard]] static SourceAddress Of(const in_addr& address);
   [[nodiscard]] static SourceAddress Of(const in6_addr& address);
@@ -29,8 +29,8 @@ class SourceAddress final {
   friend auto operator<=>(const SourceAddress&, const SourceAddress&) = default;
 
  private:
-  /// IPv4 as IPv4 in IPv6; of IPv6 the first 64 bits, zeros and the prefix length, so that ::/64 is
-  /// not unknown.
+  /// IPv4 as IPv4 in IPv6; otherwise the first 64 bits, zeros and the prefix length, so that ::/64
+  /// differs from unknown.
   std::array<std::uint8_t, 16> bytes_{};
 };
 
