@@ -12,8 +12,8 @@ namespace uplink::front {
 
 struct Thread;
 
-/// The places that one call takes: in transport::Gate, by which a drain waits for it, and, once it
-/// was answered, among KnownSources. Gives them back.
+/// The places that one call takes: in transport::Gate, where a drain waits for it, and, once it was
+/// answered, among KnownSources. The destructor gives them back.
 ///
 /// Thread: confined to its connection's.
 class Admittance final {
@@ -23,7 +23,7 @@ class Admittance final {
   Admittance(const Admittance&) = delete;
   Admittance& operator=(const Admittance&) = delete;
 
-  /// Once. Errors: those of transport::Gate::Enter, of which the log has a line.
+  /// Call once. Errors: those of transport::Gate::Enter, which are logged.
   [[nodiscard]] absl::Status Enter(const identity::PeerIdentity& peer,
                                    transport::Admission admission);
   /// A message of ours went out.

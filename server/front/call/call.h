@@ -27,24 +27,24 @@ namespace uplink::front {
 class Call;
 struct Thread;
 
-/// Who a connection's calls belong to, and who settles them.
+/// Owns and settles a connection's calls.
 class CallOwner {
  public:
   virtual ~CallOwner() = default;
-  /// Something is to be done for the call once nghttp2 has returned: Call::Settle, soon.
+  /// Something must be done for the call once nghttp2 has returned: Call::Settle, soon.
   virtual void Touch(Call& call) = 0;
-  /// Settles what was touched; calls may be destroyed by it.
+  /// Settles touched calls, and may destroy them.
   virtual void Settle() = 0;
   [[nodiscard]] virtual const TlsPeer& tls_peer() const = 0;
   [[nodiscard]] virtual const Origin& origin() const = 0;
-  /// Asks the peer for an answer: Call::OnPeerAnswered of all its calls follows.
+  /// Asks the peer for an answer; then Call::OnPeerAnswered of all its calls follows.
   virtual void AskPeer() = 0;
-  /// Set while no new call is served here: why.
+  /// Why no new call is served here; empty while calls are served.
   [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
 };
 
-/// One gRPC call on an HTTP/2 stream: headers, messages out of DATA, the response, trailers. What
-/// it is about is its handler's.
+/// One gRPC call on an HTTP/2 stream: headers, messages out of DATA, the response, trailers. Its
+/// handler knows what the messages mean.
 ///
 /// Life:   made when the stream opens; `finished()` once the stream is gone; destroyed by its
 ///         connection then.
@@ -85,7 +85,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
 
   // --- For its connection ---
 
-  /// Does what was put off while nghttp2 ran.
+  /// Does what was deferred while nghttp2 ran.
   void Settle();
   void OnWake();
   void OnTimer();
@@ -96,16 +96,16 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void DrainAt(SteadyTime at, SteadyTime end);
   /// The connection is gone.
   void Break();
-  /// Ends the call with a status of ours, whatever its handler wants.
+  /// Ends the call with a status of ours, regardless of its handler.
   void Fail(const absl::Status& status);
   [[nodiscard]] bool finished() const { return closed_; }
-  /// How it ends was decided, and told.
+  /// Its end was decided, and sent.
   [[nodiscard]] bool answered() const { return over_; }
   [[nodiscard]] bool has_handler() const { return handler_ != nullptr; }
-  /// Its peer may not call it, and has been told why.
+  /// Its peer may not make this call, and was told why.
   [[nodiscard]] bool unwelcome() const { return unwelcome_; }
   [[nodiscard]] std::int32_t stream() const { return stream_; }
-  /// In its owner's list of those to settle.
+  /// It is in its owner's list of touched calls.
   bool touched = false;
 
   // Http2Stream
@@ -131,16 +131,16 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void Serve(const RequestHead& head);
   /// Ends a call that its peer may not make.
   void TurnAway(const absl::Status& status);
-  /// Ends a call that is none that we serve.
+  /// Ends a call to a method that we do not serve.
   void Refuse(const absl::Status& status);
-  /// Gives the handler what it waits for, as long as there is any.
+  /// Gives the handler messages while it waits for one and some are there.
   void Deliver();
   bool DeliverOne();
   void EndOfMessages();
   void OpenWindow(Inbound::Opens bytes) {
     if (bytes > 0) http2_.ConsumeStream(stream_, bytes);
   }
-  /// The memory of the message that the handler waits for.
+  /// Notes the memory of the message that the handler waits for.
   void NoteUnfinished();
   void SetTimer();
   /// A write may begin.
@@ -164,28 +164,29 @@ class Call final : public Http2Stream, public transport::ServedCall {
   Admittance admittance_;
 
   Response response_;
-  /// What the handler wrote was taken, and it was not told yet.
+  /// The peer took what the handler wrote, and the handler was not told yet.
   bool written_ = false;
-  /// How it ends is decided.
+  /// Its end is decided.
   bool over_ = false;
   std::optional<SteadyTime> finish_by_;
-  /// By grpc-timeout; until the headers are whole, by when they must be.
+  /// The deadline by grpc-timeout; before the headers are complete, the deadline for them.
   std::optional<SteadyTime> give_up_at_;
-  /// How it then ends.
+  /// The status at that deadline.
   absl::Status at_deadline_;
   std::optional<SteadyTime> drain_at_;
   SteadyTime drain_end_;
-  /// What the handler last answered: asked again once it has passed, it may say nothing.
+  /// What the handler's deadline() last returned. Once it has passed, the handler may return
+  /// nothing.
   std::optional<SteadyTime> handler_due_;
   transport::Timers::Slot timer_;
   bool unwelcome_ = false;
-  /// What the peer's reset means.
+  /// The status that the peer's reset means.
   std::optional<absl::StatusCode> reset_code_;
   bool cancelled_ = false;
   bool reset_sent_ = false;
   bool closed_ = false;
 
-  /// Last, so that it goes before what it writes to.
+  /// Last, so that it is destroyed before what it writes to.
   std::unique_ptr<transport::CallHandler> handler_;
 };
 

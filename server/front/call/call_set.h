@@ -12,20 +12,21 @@
 
 namespace uplink::front {
 
-/// The calls of one connection, and those of them that have something to settle. Destroys a call
-/// once its stream is gone, and only from Settle. Confined to its connection's thread.
+/// The calls of one connection, and the touched ones among them. Destroys a call once its stream is
+/// gone, and only in Settle. Confined to its connection's thread.
 class CallSet final {
  public:
   Call& Open(std::unique_ptr<Call> call);
   void Touch(Call& call);
-  /// Settles what was touched, also by settling; `settled` sees each before it may go.
+  /// Settles touched calls, also those that settling touches; `settled` sees each before it may be
+  /// destroyed.
   void Settle(const std::function<void(const Call&)>& settled);
   /// Tells all that the peer answered.
   void TellPeerAnswered();
   /// Tells all that the connection is gone.
   void Break();
-  /// Tells all to drain, one after the other, the first as number `first` of `spread`; they have
-  /// until `end`.
+  /// Tells all calls to drain, one after the other, the first as number `first` of `spread`; they
+  /// have until `end`.
   void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
 
   [[nodiscard]] std::size_t size() const { return calls_.size(); }

@@ -20,18 +20,18 @@
 
 namespace uplink::front {
 
-/// Who sends what a connection of gRPC has to say.
+/// Sends what a gRPC connection writes.
 class GrpcConnectionOwner {
  public:
   virtual ~GrpcConnectionOwner() = default;
   /// CallOwner::Settle.
   virtual void Settle() = 0;
-  /// The first call began, or the last one ended: so many there are now.
+  /// The first call began, or the last one ended: `calls` are open now.
   virtual void OnCalls(std::size_t calls) = 0;
 };
 
-/// One connection from its plain bytes upwards: HTTP/2 and its calls, what its peer may cost, and
-/// when no more calls are served on it.
+/// One connection above TLS: HTTP/2 and its calls, what its peer may cost, and when it stops
+/// serving calls.
 ///
 /// Thread: confined to its thread's.
 class GrpcConnection final : public Http2Peer, public CallOwner {
@@ -42,7 +42,7 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
     const Origin& origin;
     /// Streams that the peer may open at once.
     std::uint32_t streams_max = 0;
-    /// Unary calls that it may make per second, beside what its streams need.
+    /// Unary calls that it may make per second, beyond those that its streams need.
     std::uint32_t calls_per_second = 0;
   };
 
@@ -54,21 +54,21 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   [[nodiscard]] bool Receive(std::string_view plain);
   /// Turns away a peer that reads no answers (Http2::flooded).
   void EndFlood();
-  /// Settles what was touched.
+  /// Settles touched calls.
   void SettleCalls();
   /// All calls are settled.
   [[nodiscard]] bool settled() const { return calls_.settled(); }
-  /// Once no more calls are served and the last one is over, says so; true if it did now.
+  /// Says so once no more calls are served and the last one has ended; true if it did now.
   [[nodiscard]] bool EndIfLast();
-  /// Ends the connection for what its peer does, with the reason in a GOAWAY.
+  /// Ends the connection for its peer's behaviour, with the reason in a GOAWAY.
   void TurnAway(transport::TurnedAway cause, std::string_view text);
   /// Serves no more calls.
   void StopServing() { ending_ = true; }
   /// Tells the peer, and each call (CallSet::Drain).
   void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
-  /// Ends all streams, for no fault.
+  /// Ends all streams without blame.
   void End();
-  /// The bytes' connection is gone.
+  /// The connection below is gone.
   void Break() { calls_.Break(); }
 
   [[nodiscard]] Http2& http2() { return http2_; }
@@ -78,7 +78,7 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   [[nodiscard]] bool ends() const { return turned_away_ || ending_; }
   /// A handler served a call of it.
   [[nodiscard]] bool served() const { return served_; }
-  /// A call of it was answered: served, or refused, which has been counted as that.
+  /// A call was answered: served, or refused and counted as that.
   [[nodiscard]] bool answered() const { return answered_; }
 
   // Http2Peer

@@ -15,8 +15,7 @@ namespace uplink::front {
 /// over HTTP/2, Responses).
 [[nodiscard]] std::string PercentEncoded(std::string_view text);
 
-/// What a peer that resets a stream with an HTTP/2 code says in gRPC's words (Source: gRPC over
-/// HTTP/2, Errors).
+/// The gRPC status that a reset with this HTTP/2 code means (Source: gRPC over HTTP/2, Errors).
 [[nodiscard]] absl::StatusCode CodeOfReset(std::uint32_t http2_code);
 
 }  // namespace uplink::front

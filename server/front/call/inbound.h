@@ -11,13 +11,13 @@
 
 namespace uplink::front {
 
-/// What came of one call and its handler has not taken: its messages, how far the stream's window
-/// opens for them, and the memory of one that is not whole.
+/// What has arrived for one call and its handler has not taken: its messages, how far the stream's
+/// window opens for them, and the memory of an incomplete one.
 ///
 /// Thread: confined to its connection's.
 class Inbound final {
  public:
-  /// Each answers how many bytes the stream's window opens by.
+  /// The bytes by which the stream's window opens.
   using Opens = std::size_t;
 
   Inbound(Unfinished& unfinished, const loop::StreamRef& call)
@@ -31,12 +31,12 @@ class Inbound final {
   [[nodiscard]] Opens Pop() { return Open(reader_.Pop()); }
   /// Forgets all that waits.
   [[nodiscard]] Opens Drop();
-  /// The handler waits for a message, or not: the window opens early for one that needs more than a
-  /// stream may send ahead, and its memory counts as `key`'s.
+  /// Notes whether the handler waits for a message. If that needs more than a stream may send
+  /// ahead, the window opens early, and its memory counts for `key`.
   [[nodiscard]] Opens NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now);
-  /// The call takes nothing any more: no memory counts.
+  /// The call takes no more messages: no memory counts.
   void End() { NoteHeld({}, 0, {}); }
-  /// Whether the call, which was woken, is to end for the memory that it holds.
+  /// Whether the call, which was woken, must end because of the memory that it holds.
   [[nodiscard]] bool ToEnd() const { return held_ > 0 && unfinished_.ToEnd(call_); }
 
  private:
@@ -48,7 +48,7 @@ class Inbound final {
   MessageReader reader_;
   /// Bytes of the unfinished message that the window was opened for already.
   std::size_t opened_early_ = 0;
-  /// What `unfinished_` has of it.
+  /// What `unfinished_` was told of it.
   std::size_t held_ = 0;
   std::uint64_t held_message_ = 0;
 };

@@ -12,21 +12,21 @@ namespace uplink::front {
 
 using transport::kPrefixBytes;
 
-/// The messages of one direction of a call, cut out of its DATA bytes: wherever those are cut.
+/// Cuts the messages of one direction of a call out of its DATA bytes, whose pieces may end
+/// anywhere.
 ///
-/// A message that lies whole in what just arrived is a view of it; only what is not taken yet is
-/// kept. Bounded by whoever feeds it: by the stream's window.
-/// Confined to its connection's thread.
+/// A message that lies whole in one piece is a view of it; only bytes that are not taken yet are
+/// copied. The caller bounds them, by the stream's window.
 class MessageReader final {
  public:
   struct Next {
     enum class Kind : std::uint8_t {
-      /// Not yet, or not whole.
+      /// None, or an incomplete one.
       kNone,
       kMessage,
-      /// Longer than the limit; nothing of it need be kept.
+      /// Longer than the limit; its bytes need not be kept.
       kTooLarge,
-      /// Its flag says that it is compressed, or has a value that means nothing.
+      /// Its flag says that it is compressed, or is invalid.
       kBadFlag,
     };
     Kind kind = Kind::kNone;
@@ -38,18 +38,18 @@ class MessageReader final {
 
   explicit MessageReader(std::uint64_t message_bytes_max = 0) : bytes_max_(message_bytes_max) {}
 
-  /// Bytes of the largest message from the next one on.
+  /// Sets the limit from the next message on.
   void SetMax(std::uint64_t message_bytes_max) { bytes_max_ = message_bytes_max; }
 
   /// Bytes arrived; they must stay valid until Keep.
   void Add(std::string_view chunk);
-  /// What comes next, without taking it.
+  /// The next message, without taking it.
   [[nodiscard]] Next Peek() const;
-  /// Takes the message that Peek showed; says how many bytes that were, with the prefix.
+  /// Takes the message that Peek showed; returns its bytes, prefix included.
   std::size_t Pop();
   /// Messages that were taken.
   [[nodiscard]] std::uint64_t popped() const { return popped_; }
-  /// Keeps what has not been taken: the bytes that Add was given may go.
+  /// Copies what has not been taken: the bytes given to Add may go.
   void Keep();
   /// Forgets all.
   void Clear();
@@ -58,8 +58,8 @@ class MessageReader final {
   [[nodiscard]] std::size_t waiting() const { return Rest().size(); }
   /// Memory that is kept for them.
   [[nodiscard]] std::size_t held() const { return kept_.capacity(); }
-  /// The whole length, prefix included, of a message that has begun within the limit and is not
-  /// whole; nothing else.
+  /// The length, prefix included, of a message within the limit that has begun and is incomplete;
+  /// otherwise empty.
   [[nodiscard]] std::optional<std::size_t> unfinished() const;
 
  private:
@@ -67,7 +67,7 @@ class MessageReader final {
   [[nodiscard]] std::string_view Rest() const;
 
   std::uint64_t bytes_max_;
-  /// What was kept, from kept_from_ on; with bytes in it nothing else waits.
+  /// Copied bytes, from kept_from_ on; while there are some, no other bytes wait.
   std::string kept_;
   std::size_t kept_from_ = 0;
   std::uint64_t popped_ = 0;

@@ -12,20 +12,20 @@ namespace uplink::front {
 using transport::kPrefixBytes;
 using transport::SharedMessage;
 
-/// What of one call is to go out: one message of its own, or some that it shares with others. Those
-/// are not copied, so that a thousand peers that read nothing hold them once. Confined to its
-/// owner's thread.
+/// What one call sends: one message of its own, or several shared with other calls. Shared messages
+/// are not copied, so a thousand peers that read nothing hold them once. Confined to its owner's
+/// thread.
 class Outbound final {
  public:
-  /// With its prefix; nothing else waits.
+  /// Sets one message with its prefix; nothing else may wait.
   void Set(std::string message);
-  /// One after the other, each behind its prefix; at least one, and nothing else waits.
+  /// Sets at least one message, each to be sent behind its prefix; nothing else may wait.
   void Set(std::vector<SharedMessage> messages);
-  /// Copies what is next, at most `size` bytes, and returns how many.
+  /// Copies the next bytes, at most `size`, and returns how many.
   std::size_t Take(char* into, std::size_t size);
   /// All was taken.
   [[nodiscard]] bool empty() const { return own_.empty() && shared_.empty(); }
-  /// Some was taken of what was set last.
+  /// Some bytes were taken since the last Set.
   [[nodiscard]] bool begun() const { return from_ > 0 || next_ > 0; }
   void Clear();
 
@@ -34,7 +34,7 @@ class Outbound final {
 
   std::string own_;
   std::vector<SharedMessage> shared_;
-  /// Of these, the one that is taken now.
+  /// The one that is being taken.
   std::size_t next_ = 0;
   /// Bytes of it that were taken, its prefix included.
   std::size_t from_ = 0;

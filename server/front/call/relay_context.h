@@ -15,14 +15,14 @@
 
 namespace uplink::front {
 
-/// What the relay works with. All of it outlives the server.
+/// The parts that the relay uses. All of them outlive the server.
 struct RelayContext {
   const Clock& clock;
   fleet::Fleet& fleet;
   const journal::Shards& journals;
   session::SessionProbe& session_probe;
   transport::RelayProbe& probe;
-  /// Each queue takes a page.
+  /// Each thread takes a page.
   metrics::LedgerBook& ledgers;
   const session::SessionLimits& limits;
   schema::JudgeLimits judge_limits;
@@ -31,7 +31,7 @@ struct RelayContext {
   /// Reads from the store the Rejects that an agent did not confirm.
   session::RejectSource& rejects;
   const storage::ClockTrust& clock_trust;
-  /// What other robots share, for each stream that asks for it; null: nothing is forwarded.
+  /// What other robots share, for streams that ask for it; null: nothing is forwarded.
   session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;

@@ -12,10 +12,10 @@
 
 namespace uplink::front {
 
-/// Bytes of a path that is told apart from others; longer ones are no method of ours.
+/// Longest path that is looked up; a longer one is none of our methods.
 inline constexpr std::size_t kPathBytesMax = 256;
 
-/// `grpc-timeout`: at most 8 digits and a unit. Nothing if the text is none (Source: gRPC over
+/// Reads `grpc-timeout`: at most 8 digits and a unit; empty if it is invalid (Source: gRPC over
 /// HTTP/2, Requests). A timeout under a millisecond is one millisecond.
 [[nodiscard]] std::optional<milliseconds> ParseTimeout(std::string_view text);
 
@@ -26,15 +26,15 @@ class RequestHead final {
   /// False once the headers are over kHeaderBytesMax; the rest is not kept.
   bool Add(std::string_view name, std::string_view value);
 
-  /// The HTTP status that answers what is no gRPC at all (405, 415); nothing for a gRPC request.
+  /// The HTTP status for a request that is not gRPC (405, 415); empty for a gRPC request.
   [[nodiscard]] std::optional<int> NotGrpc() const;
-  /// What is wrong with a gRPC request; the method is not looked at.
+  /// What is wrong with a gRPC request, apart from its method.
   ///
   /// Errors: kResourceExhausted for headers past their limit; kUnimplemented for an encoding;
   ///         kInvalidArgument for a timeout that is none; kInternal for a request without
   ///         `te: trailers`, of which a proxy has lost a part.
   [[nodiscard]] absl::Status Judge() const;
-  /// Whether the encoding is one that we do not have: the answer then says which we do.
+  /// Whether we do not support the encoding: the answer then names those that we do.
   [[nodiscard]] bool foreign_encoding() const { return !encoding_.empty(); }
 
   [[nodiscard]] const std::string& path() const { return path_; }

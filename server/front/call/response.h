@@ -12,24 +12,24 @@
 
 namespace uplink::front {
 
-/// The answer of one gRPC call on its HTTP/2 stream: headers, messages, and a status at its end, in
-/// trailers or, where nothing else was said, in the headers.
+/// The answer of one gRPC call on its HTTP/2 stream: headers, messages, and a final status, in
+/// trailers or, without a message, in the headers.
 ///
 /// Thread: confined to its connection's.
 class Response final {
  public:
   Response(Http2& http2, std::int32_t stream) : http2_(http2), stream_(stream) {}
 
-  /// Sends a message with its prefix, or some that are shared, once what was before was taken.
+  /// Sends a message with its prefix, or shared ones, once the previous ones were taken.
   void Write(std::string message);
   void Write(std::vector<SharedMessage> messages);
   /// Ends the call once the message under way was taken.
   void Finish(const absl::Status& status);
-  /// Gives a message up of which nothing has gone out.
+  /// Drops a message that has not begun to go out.
   void DropMessage();
-  /// Answers what is no gRPC at all.
+  /// Answers a request that is not gRPC.
   void FinishHttp(int http_status);
-  /// The encoding of the call is none that we have: the status says which we do.
+  /// The call's encoding is not supported: the status names those that are.
   void NameEncodings() { names_encodings_ = true; }
 
   /// Http2Stream::OnBody: what goes out next.
@@ -40,7 +40,7 @@ class Response final {
   [[nodiscard]] bool writing() const { return writing_; }
 
  private:
-  /// What is to go out was set.
+  /// Begins to send what was set.
   void Send();
   [[nodiscard]] Headers StatusFields() const;
 

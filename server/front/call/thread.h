@@ -26,8 +26,8 @@ namespace uplink::front {
 
 class Call;
 
-/// What the connections and calls of one thread share: the clock of the event that is being
-/// handled, timers, buffers that they use one after the other, and who is there by number.
+/// What the connections and calls of one thread share: the clock of the current event, timers,
+/// buffers that they use one after the other, and its calls by number.
 ///
 /// Thread: confined to it.
 struct Thread {
@@ -69,7 +69,7 @@ struct Thread {
   loop::WakeInbox& inbox;
   transport::EventClock clock;
   const transport::Methods methods;
-  /// There are methods whose calls are answered soon: a connection may make many.
+  /// Some methods are unary: a connection may make many calls.
   const bool serves_calls;
   schema::Judge judge;
   session::IntakeScratch scratch;

@@ -16,20 +16,20 @@
 namespace uplink::front {
 
 /// Bytes of unfinished frames that the streams of all threads may hold together, unless the process
-/// may use less memory, or one frame may have more.
+/// may use less memory, or one frame may be larger.
 inline constexpr std::size_t kUnfinishedBytesMax = std::size_t{256} * 1024 * 1024;
 
-/// The memory of messages that have begun and are not whole, over all calls of all threads. Past
-/// the bound one call ends: whoever announces much and sends little pays with its own.
+/// The memory of incomplete messages, over all calls of all threads. Past the bound one call ends,
+/// so that announcing much and sending little costs the sender's own calls.
 ///
-/// Limits: one entry per call, which its call takes out again.
+/// Limits: one entry per call, which the call removes.
 /// Thread: thread-safe.
 class Unfinished final {
  public:
   struct Limits {
     /// Bytes of all together.
     std::size_t bytes_max = 0;
-    /// A certificate's key that has more than this pays before all others.
+    /// A certificate's key with more than this loses a call before all others.
     std::size_t share_max = 0;
   };
 
@@ -37,13 +37,13 @@ class Unfinished final {
   Unfinished(const Unfinished&) = delete;
   Unfinished& operator=(const Unfinished&) = delete;
 
-  /// So many bytes of the call's message of this number are kept; 0: none is unfinished. Another
-  /// number is another message, which begins now. With too many bytes the call is woken that is to
-  /// end: the slowest, whose message began first, of the key that has most if that is over its
-  /// share, else of all.
+  /// Notes that `bytes` of the call's message of this number are kept; 0: none is incomplete. A new
+  /// number is a message that begins now. With too many bytes in all, wakes the call that must end:
+  /// the slowest, whose message began first, of the key with the most if that exceeds its share,
+  /// otherwise of all.
   void Set(const loop::StreamRef& call, const KeyDigest& key, std::uint64_t message,
            std::size_t bytes, SteadyTime now);
-  /// Whether this call, which was woken, is to end.
+  /// Whether this call, which was woken, must end.
   [[nodiscard]] bool ToEnd(const loop::StreamRef& call) const;
 
  private:
@@ -74,12 +74,12 @@ class Unfinished final {
   std::size_t bytes_ = 0;
   std::map<CallId, Entry> entries_;
   std::map<KeyDigest, Holder> holders_;
-  /// Who was woken to end, and has not yet.
+  /// The call that was woken to end, and has not ended yet.
   std::optional<CallId> chosen_;
 };
 
-/// The limits where the transport may use `memory_bytes_max` (0: no bound) and a message has
-/// `frame_bytes_max` at most: a message that is alone always fits, and is within its key's share.
+/// The limits if the transport may use `memory_bytes_max` (0: unbounded) and a message has at most
+/// `frame_bytes_max`: a single message always fits, and is within its key's share.
 [[nodiscard]] Unfinished::Limits UnfinishedLimitsFor(std::size_t memory_bytes_max,
                                                      std::size_t frame_bytes_max);
 

@@ -12,11 +12,11 @@
 
 namespace uplink::front {
 
-/// Frames of HTTP/2, and messages of TLS, that cost their sender nearly nothing, and us something
+/// Frames of HTTP/2, and messages of TLS, that cost their sender almost nothing, but us something
 /// each.
 enum class FrameKind : std::uint8_t {
   /// RST_STREAM: a stream that was opened to be dropped (CVE-2023-44487, "rapid reset"), or that we
-  /// dropped for what its peer did (CVE-2025-8671, "made you reset").
+  /// dropped for its peer's fault (CVE-2025-8671, "made you reset").
   kReset,
   kPing,
   /// An answer to a PING that was not sent.
@@ -29,29 +29,29 @@ enum class FrameKind : std::uint8_t {
   /// Of a type that HTTP/2 does not know.
   kUnknown,
   kHeaders,
-  /// A further piece of a list of headers: no list that we take needs one.
+  /// A further piece of a header list: no list that we accept needs one.
   kContinuation,
   /// A message of TLS's handshake after the handshake: new keys, mostly.
   kKeyUpdate,
 };
 inline constexpr std::size_t kFrameKinds = 11;
 
-/// What a limit is for: one stream costs some frames, so that a peer with many may send more; and
-/// so does each unary call.
+/// What a limit scales with: each stream, and each unary call, needs some frames, so a peer with
+/// many may send more.
 enum class FrameScope : std::uint8_t { kConnection, kStreams, kCalls };
 
 /// How many of a kind may come. A value.
 struct FrameLimit {
   FrameKind kind = FrameKind::kReset;
-  /// Frames per second; but with FrameScope::kConnection one more for each stream past
-  /// kRobotStreamsMax that the connection may have: an agent opens its stream once a second at
-  /// most. With kCalls one more for each call per second besides.
+  /// Frames per second. With FrameScope::kConnection one more for each stream past kRobotStreamsMax
+  /// that the connection may have, since an agent opens its stream once a second at most. With
+  /// kCalls one more for each extra call per second.
   std::uint32_t rate = 0;
-  /// Frames at once, after a pause; but with FrameScope::kConnection of a connection that may have
-  /// kRobotStreamsMax, and of others in proportion.
+  /// Frames at once, after a pause. With FrameScope::kConnection it holds for a connection with
+  /// kRobotStreamsMax, and scales for others.
   std::uint32_t burst = 0;
   FrameScope scope = FrameScope::kConnection;
-  /// Frames besides, for each HEADERS or DATA frame of ours: clients answer what we send.
+  /// Further frames for each HEADERS or DATA frame of ours: clients answer what we send.
   std::uint16_t per_sent = 0;
   /// What too many of them count as.
   transport::TurnedAway cause = transport::TurnedAway::kProtocol;
@@ -90,30 +90,29 @@ inline constexpr std::array<FrameLimit, kFrameKinds> kFrameLimits{{
   return kFrameLimits[static_cast<std::size_t>(kind)];
 }
 
-/// Answers of a kind that may be outstanding to frames that we sent: as many as a slow network has
-/// under way.
+/// Outstanding answers of a kind to frames that we sent: as many as a slow network has under way.
 inline constexpr std::uint16_t kForSentMax = 4'000;
 /// Once we have sent nothing for this long, no answer is outstanding: a client answers sooner.
 inline constexpr std::chrono::seconds kForSentWait{8};
 
 /// How many frames of each kind a connection's peer may still send, and how many more as answers to
-/// frames that we sent. The first is GCRA: it keeps per kind the time at which the whole burst is
-/// there again, in whole intervals and half the memory of a limits::TokenBucket, whose size may
-/// change. Allocates nothing. Confined to the connection's thread.
+/// ours. The first is GCRA: per kind it keeps the time at which the whole burst is free again, in
+/// whole intervals and half the memory of a limits::TokenBucket, since each connection has them.
+/// Allocates nothing. Confined to the connection's thread.
 class FrameRates final {
  public:
-  /// For a peer that may have so many streams, and calls per second; until TLS has shown which one,
-  /// a robot's.
+  /// For a peer that may have so many streams, and calls per second. Until TLS has shown the peer,
+  /// a robot's numbers hold.
   explicit FrameRates(std::uint32_t streams_max = kRobotStreamsMax,
                       std::uint32_t calls_per_second = 0)
       : streams_max_(streams_max), calls_per_second_(calls_per_second) {}
 
   /// We sent a HEADERS or DATA frame: the peer may answer it.
   void NoteSent(SteadyTime now);
-  /// Whether a frame that came now counts as the answer to one of ours. If so, Take must not be
-  /// asked for it too.
+  /// Whether a frame that came now counts as the answer to one of ours. If so, do not call Take for
+  /// it.
   [[nodiscard]] bool TakeForSent(FrameKind kind, SteadyTime now);
-  /// Whether a frame that came now is within its kind's limit; one that is not costs nothing.
+  /// Whether a frame that came now is within its kind's limit; a frame past it takes nothing.
   [[nodiscard]] bool Take(FrameKind kind, SteadyTime now);
 
  private:

@@ -22,15 +22,15 @@ namespace uplink::front {
 /// Header fields that we send, in order.
 using Headers = std::vector<std::pair<std::string_view, std::string>>;
 
-/// What a peer is told when its connection ends for Http2::flooded().
+/// The text to a peer whose connection ends for Http2::flooded().
 inline constexpr std::string_view kFloodedText = "too many frames that ask for an answer";
 
-/// One HTTP/2 stream of a peer's, as its connection hears of it. The calls come while bytes are
-/// received or sent: none of them may destroy it.
+/// One HTTP/2 stream that a peer opened. The calls come while bytes are received or sent, so none
+/// may destroy the stream.
 class Http2Stream {
  public:
   virtual ~Http2Stream() = default;
-  /// False: the rest of the headers is of no interest.
+  /// False: ignore the rest of the headers.
   virtual bool OnHeader(std::string_view name, std::string_view value) = 0;
   /// The request's headers are whole.
   virtual void OnHeadersEnd() = 0;
@@ -39,14 +39,14 @@ class Http2Stream {
   virtual void OnEnd() = 0;
   /// The peer gives the stream up, with an HTTP/2 code; OnClosed follows.
   virtual void OnReset(std::uint32_t code) = 0;
-  /// The stream is gone; nothing is called any more.
+  /// The stream is gone; no call follows.
   virtual void OnClosed() = 0;
 
   /// What a body gives to be sent.
   struct Body {
     enum class State : std::uint8_t {
       kMore,
-      /// Nothing now; Http2::Resume says when.
+      /// Nothing now, until Http2::Resume.
       kWait,
       /// These are the last bytes; OnBodyEnd submits the trailers.
       kEnd,
@@ -56,27 +56,27 @@ class Http2Stream {
   };
   /// Writes up to `size` bytes of the response's body.
   virtual Body OnBody(char* into, std::size_t size) = 0;
-  /// The last bytes of the body are on their way: the place for trailers.
+  /// The last bytes of the body go out: submit the trailers now.
   virtual void OnBodyEnd() = 0;
 };
 
-/// What a connection hears besides its streams.
+/// Events of a connection beside its streams'.
 class Http2Peer {
  public:
   virtual ~Http2Peer() = default;
   /// The peer opens a stream; null refuses it.
   virtual Http2Stream* OnStream(std::int32_t id) = 0;
-  /// A frame of a kind that costs us more than its sender begins to arrive, or has arrived.
+  /// A frame that costs us more than its sender begins to arrive, or has arrived.
   virtual void OnFrame(FrameKind kind) = 0;
-  /// A list of headers is past kHeaderBombBytes: the rest of it is passed over.
+  /// A header list is past kHeaderBombBytes: the rest of it is ignored.
   virtual void OnHeaderBomb() = 0;
   /// The peer has answered every PING of ours.
   virtual void OnPong() = 0;
   /// We sent HEADERS or DATA.
   virtual void OnSent() = 0;
-  /// The peer broke a rule on one stream, which ends by a RST_STREAM of ours with this code's name.
+  /// The peer broke a rule on one stream, which ends by our RST_STREAM with this code's name.
   virtual void OnStreamFault(std::string_view code) = 0;
-  /// We sent a GOAWAY with an error: the session ends, by a rule that the peer broke or by End.
+  /// We sent a GOAWAY with an error: the session ends because the peer broke a rule, or by End.
   virtual void OnFault() = 0;
 };
 
@@ -96,8 +96,8 @@ class Http2Rules final {
   nghttp2_option* options_ = nullptr;
 };
 
-/// The server's side of one HTTP/2 connection, without its socket: nghttp2 behind names of ours. A
-/// stream's window is opened by ConsumeStream alone, the connection's as bytes arrive.
+/// The server's side of one HTTP/2 connection, without its socket; wraps nghttp2. Only
+/// ConsumeStream opens a stream's window; the connection's opens as bytes arrive.
 ///
 /// Thread: confined to its connection's.
 class Http2 final {
@@ -108,16 +108,17 @@ class Http2 final {
   Http2(const Http2&) = delete;
   Http2& operator=(const Http2&) = delete;
 
-  /// Processes what arrived; false if the peer broke the rules: what is still to be sent says so,
-  /// and then the connection ends.
+  /// Processes what arrived; false if the peer broke the rules. The frames that are still to be
+  /// sent say so, and then the connection ends.
   [[nodiscard]] bool Receive(std::string_view bytes);
-  /// Puts frames that are to go out in place of what is in `into`, until it has `bytes` or there
-  /// are no more now; the last one may reach beyond.
+  /// Fills `into` with frames to send, until it has `bytes` or no more are ready; the last one may
+  /// exceed that.
   void Gather(std::string& into, std::size_t bytes);
-  /// Neither side has anything to say any more.
+  /// Neither side has anything left to send.
   [[nodiscard]] bool over() const;
 
-  /// The response's headers; `body` bytes follow as the stream gives them, else the response ends.
+  /// Sends the response's headers. With kBody the stream's body follows, otherwise the response
+  /// ends.
   enum class Then : std::uint8_t { kBody, kEnd };
   void Respond(std::int32_t stream, const Headers& headers, Then then);
   /// The body has bytes again.
@@ -133,16 +134,17 @@ class Http2 final {
   }
   /// Tells the peer to open no more streams here; those that it opens meanwhile still count.
   void NoticeEnd();
-  /// Ends the connection with a code, and a text for who looks: no stream goes on.
+  /// Ends the connection and its streams with a code, and a text for people who debug.
   void End(std::uint32_t code, std::string_view text);
 
   /// More than kAnswersWaitingMax answers to the peer's PING and SETTINGS wait to be sent.
   [[nodiscard]] bool flooded() const { return answers_waiting_ > kAnswersWaitingMax; }
 
-  /// Called by nghttp2's callbacks alone, as what follows is.
+  /// Only nghttp2's callbacks call this and what follows.
   [[nodiscard]] Http2Peer& peer() { return peer_; }
   [[nodiscard]] nghttp2_session* session() { return session_; }
-  /// A list of headers begins; a field of so many bytes belongs to it, false if it is a bomb.
+  /// A header list begins; CountHeader adds a field of so many bytes, and returns false if the list
+  /// is a bomb.
   void BeginHeaders() { header_bytes_ = 0; }
   [[nodiscard]] bool CountHeader(std::size_t bytes);
   /// A PING or SETTINGS came that must be answered.
@@ -162,9 +164,9 @@ class Http2 final {
   nghttp2_session* session_ = nullptr;
   FrameHeads frame_heads_;
   std::size_t answers_waiting_ = 0;
-  /// Of the list of headers that arrives.
+  /// Bytes of the header list that arrives.
   std::size_t header_bytes_ = 0;
-  /// PINGs that were not answered.
+  /// PINGs without an answer.
   std::size_t pings_open_ = 0;
 };
 

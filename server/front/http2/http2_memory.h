@@ -7,14 +7,14 @@
 
 namespace uplink::front {
 
-/// Where nghttp2's sessions of one thread have their memory from.
+/// Memory for nghttp2's sessions of one thread.
 ///
-/// A session holds a buffer of 16 KiB for the frame that it sends, of which it uses some hundred
-/// bytes. The C library would hand it memory that others have written to, which then counts whole.
-/// Here it lies on pages of its own, and those that were never touched cost nothing: 12 KiB per
-/// connection (measured). Everything else is the C library's.
+/// A session holds a buffer of 16 KiB for the frame that it sends, and uses some hundred bytes of
+/// it. The C library would give it used memory, all of which counts as resident. Here it gets pages
+/// of its own, and untouched pages cost nothing: this saves 12 KiB per connection (measured).
+/// Everything else is the C library's.
 ///
-/// Bounded by the sessions: what they give back is used again, and its pages go back to the system.
+/// Bounded by the sessions: what they release is used again, and its pages go back to the system.
 /// Thread: confined to one. Outlives its sessions.
 class Http2Memory final {
  public:
@@ -30,10 +30,10 @@ class Http2Memory final {
   void* Allocate(std::size_t bytes);
   void Release(void* memory);
   void* Reallocate(void* memory, std::size_t bytes);
-  /// A piece of kPieceBytes, its pages untouched or clean.
+  /// A piece of kPieceBytes with untouched or clean pages.
   void* TakePiece();
 
-  /// What the system gave, each kSlabBytes.
+  /// Slabs from the system, kSlabBytes each.
   std::vector<void*> slabs_;
   std::vector<void*> free_;
 };

@@ -9,19 +9,19 @@ namespace uplink::front {
 
 /// Pings that come less than this after the one before count against the client.
 inline constexpr std::chrono::seconds kPingGap{8};
-/// Strikes that are forgiven; the next one is too many. gRPC's default.
+/// Strikes that are forgiven. gRPC's default.
 inline constexpr std::uint8_t kStrikesMax = 2;
 
-/// Whether a client pings too often, as gRPC's servers judge it (ping_abuse_policy.cc): a ping is a
-/// strike if it comes within kPingGap of the one before, and we sent no HEADERS or DATA since. What
-/// we send clears the strikes, for gRPC's clients measure the bandwidth by a ping after our data; a
-/// ping in order does not. Confined to the connection's thread.
+/// Whether a client pings too often, by the rule of gRPC's servers (ping_abuse_policy.cc): a ping
+/// is a strike if it comes within kPingGap of the one before and we sent no HEADERS or DATA in
+/// between. Sending clears the strikes, since gRPC's clients measure the bandwidth by a ping after
+/// our data; a good ping does not. Confined to the connection's thread.
 class PingStrikes final {
  public:
   enum class Verdict : std::uint8_t {
     kInOrder,
     kForgiven,
-    /// The client is to be told ENHANCE_YOUR_CALM. So is every further strike.
+    /// Send ENHANCE_YOUR_CALM, for this and every further strike.
     kTooMany,
   };
 
@@ -41,7 +41,7 @@ class PingStrikes final {
 
  private:
   SteadyTime last_ping_;
-  /// There was a ping since we sent something last: last_ping_ holds.
+  /// A ping came since we last sent something: last_ping_ is valid.
   bool pinged_ = false;
   /// Up to kStrikesMax + 1.
   std::uint8_t strikes_ = 0;

@@ -6,7 +6,7 @@
 
 namespace uplink::front {
 
-/// A descriptor that is ours to close. Confined to whoever has it.
+/// A descriptor that closes itself. Confined to its owner.
 class Descriptor final {
  public:
   Descriptor() = default;
@@ -25,7 +25,7 @@ class Descriptor final {
   Descriptor& operator=(const Descriptor&) = delete;
 
   [[nodiscard]] int get() const { return value_; }
-  /// It is the caller's to close from now on.
+  /// The caller must close it from now on.
   [[nodiscard]] int Release() { return std::exchange(value_, -1); }
 
  private:

@@ -14,33 +14,32 @@
 
 namespace uplink::front {
 
-/// When a descriptor that became ready has its turn. A step of a handshake costs as much as a
-/// hundred messages: steps come behind everything else that is ready, a few at a time, in this
-/// order.
+/// The order of ready descriptors. A step of a handshake costs as much as a hundred messages, so
+/// steps come after everything else that is ready, a few at a time, in this order.
 enum class Turn : std::uint8_t {
   kNow,
   /// A handshake of the server with itself.
   kOwnHandshake,
-  /// One from a source where robots streamed lately.
+  /// A handshake from a source where robots streamed lately.
   kKnownHandshake,
   kHandshake,
 };
 
-/// Who is told that a descriptor became ready.
+/// Is told that a descriptor became ready.
 class ReadyOwner {
  public:
   virtual ~ReadyOwner() = default;
   [[nodiscard]] virtual Turn turn() const { return Turn::kNow; }
-  /// May close its own descriptor, and must outlive the events that are being told: what is posted
-  /// from here runs after them.
+  /// May close its own descriptor. Must outlive the batch of events: what is posted from here runs
+  /// after it.
   virtual void OnReady(std::uint32_t events) = 0;
 };
 
-/// Waits for what one thread has to do: descriptors that can be read or written, one timer, and
-/// what other threads post.
+/// Waits for the events of one thread: descriptors that can be read or written, one timer, and
+/// posted work.
 ///
-/// Not Asio's, whose sockets try to read once more after each message to find nothing, and whose
-/// waits cost a call of the system each.
+/// Asio is not used here: its sockets read once more after each message, to find nothing, and each
+/// wait costs a system call.
 /// Thread: Post: any; the rest: that of Run, or before it.
 class EventLoop final {
  public:
@@ -58,35 +57,35 @@ class EventLoop final {
 
   /// Blocks until Stop.
   void Run();
-  /// Ends Run; what is posted and did not run is dropped.
+  /// Ends Run; posted work that did not run is dropped.
   void Stop() { stopped_ = true; }
   void Post(std::function<void()> work);
 
-  /// Tells `owner` whenever there is something to read; false: the system has no room for it. A
-  /// descriptor that is closed is out by itself.
+  /// Calls `owner` whenever there is something to read; false if the system has no room for it.
+  /// Closing a descriptor ends its watch.
   [[nodiscard]] bool Watch(int descriptor, ReadyOwner& owner);
-  /// Whether `owner` is told of room to write, too.
+  /// Sets whether `owner` is also told of room to write.
   void WatchSending(int descriptor, ReadyOwner& owner, bool wanted);
-  /// In place of what was set before; nothing: no timer.
+  /// Replaces the timer; empty: none.
   void SetTimer(std::optional<SteadyTime::duration> after);
 
-  /// Steps of handshakes behind other events: one, and one more for so many of these, so that
-  /// neither waits long for the other.
+  /// Handshake steps after other events: one, and one more for each so many events, so that neither
+  /// waits long for the other.
   static constexpr std::size_t kEventsPerHandshake = 32;
   /// One in so many of these steps goes to the connection that became ready first.
   static constexpr std::uint64_t kFirstReadyEvery = 4;
 
  private:
   [[nodiscard]] Turn TurnOf(const epoll_event& event) const;
-  /// Handles of the first `ready` events those whose turn is now. The others stand at the front
-  /// then: how many.
+  /// Handles those of the first `ready` events whose turn is now. Moves the others to the front and
+  /// returns how many they are.
   std::size_t HandleAllButHandshakes(std::size_t ready);
-  /// Handles so many of the first `ready` events. Of the others the system tells again.
+  /// Handles so many of the first `ready` events. The system reports the others again.
   void HandleHandshakes(std::size_t ready, std::size_t steps);
   void Handle(const epoll_event& event);
   void RunPosted();
 
-  /// Events that are told before what was posted has its turn.
+  /// Events that are handled before posted work has its turn.
   static constexpr std::size_t kEventsAtOnce = 128;
 
   const Hooks hooks_;

@@ -10,15 +10,15 @@
 
 namespace uplink::front {
 
-/// What a thread reads at once, over all its connections.
+/// Bytes that a thread reads at once, for all its connections.
 inline constexpr std::size_t kSharedReadBytes = 64 * 1024;
-/// Bytes that go out in one call of the system at most; what does not fit waits at its connection.
+/// Bytes that one system call sends at most; the rest waits at its connection.
 inline constexpr std::size_t kSendBytesMax = 64 * 1024;
-/// Bytes that wait for a peer that takes nothing, past which it is cut: TLS's own records are sent
-/// even while the socket is blocked, so they need this bound.
+/// Bytes that may wait for a peer that takes nothing; past them it is cut. TLS sends records of its
+/// own even while the socket is blocked, so this bound is needed.
 inline constexpr std::size_t kKeptBytesMax = 4 * kSendBytesMax;
 
-/// Whom a socket tells what happens to it; on its thread, never from within a call to it.
+/// Receives a socket's events, on the socket's thread, never from within a call to it.
 class SocketOwner {
  public:
   virtual ~SocketOwner() = default;
@@ -26,21 +26,21 @@ class SocketOwner {
   virtual void OnReceived(std::string_view bytes) = 0;
   /// The peer closed its side, or the connection broke: nothing more comes.
   virtual void OnReceiveEnd() = 0;
-  /// All that was kept back has gone out.
+  /// All kept bytes have gone out.
   virtual void OnUnblocked() = 0;
-  /// After each of the above, or several.
+  /// After one or several of the above.
   virtual void AfterEvent() = 0;
-  /// When its events have their turn.
+  /// The turn of its events.
   [[nodiscard]] virtual Turn turn() const { return Turn::kNow; }
 };
 
-/// A connected socket: reads through the thread's buffer, sends at once and keeps back what does
-/// not fit.
+/// A connected socket. It reads through the thread's buffer, sends at once, and keeps what does not
+/// fit.
 ///
 /// Thread: confined to that of its loop.
 class Socket final : public ReadyOwner {
  public:
-  /// Takes the descriptor over, which does not block. `shared` is the thread's.
+  /// Takes over the descriptor, which is non-blocking. `shared` is the thread's.
   Socket(EventLoop& loop, int descriptor, SocketOwner& owner,
          std::array<char, kSharedReadBytes>& shared)
       : loop_(loop), descriptor_(descriptor), owner_(owner), shared_(shared) {}
@@ -48,17 +48,17 @@ class Socket final : public ReadyOwner {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
-  /// Tells its owner from now on; false: the system has no room for it.
+  /// Begins to report events; false if the system has no room for it.
   [[nodiscard]] bool Start() { return loop_.Watch(descriptor_, *this); }
   /// False if the connection broke.
   [[nodiscard]] bool Send(std::string_view bytes);
   /// Bytes wait for a peer that does not read.
   [[nodiscard]] bool blocked() const { return !kept_.empty(); }
   [[nodiscard]] std::size_t kept_bytes() const { return kept_.size(); }
-  /// Whether the peer has taken some of what waits for it since this was asked last, and more waits
-  /// still: a sign of life of a peer that reads slowly. One that has nothing to read gives none.
+  /// Whether the peer has taken some of the waiting bytes since the last call, and more still wait:
+  /// a slow reader's sign of life. A peer with nothing to read shows none.
   [[nodiscard]] bool TakesSome();
-  /// Tells the peer that nothing follows.
+  /// Ends our side of the connection.
   void EndOutput();
   void Close();
 
@@ -76,7 +76,7 @@ class Socket final : public ReadyOwner {
   SocketOwner& owner_;
   std::array<char, kSharedReadBytes>& shared_;
   std::string kept_;
-  /// Bytes that the system took in all, and of those the peer's by the last TakesSome.
+  /// Bytes that the system took in all, and bytes that the peer had taken at the last TakesSome.
   std::uint64_t sent_ = 0;
   std::uint64_t taken_ = 0;
 };

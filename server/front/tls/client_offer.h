@@ -12,17 +12,17 @@
 
 namespace uplink::front {
 
-/// What a client and we have to agree on.
+/// What client and server must agree on.
 enum class Agreed : std::uint8_t { kVersion, kSuite, kGroup, kSignature, kProtocol };
 
-/// What a ClientHello offers, as much of it as a line of the log names. A value.
+/// What a ClientHello offers, as far as the log names it. A value.
 class ClientOffer final {
  public:
   ClientOffer() = default;
   /// From within OpenSSL's callback for a ClientHello.
   explicit ClientOffer(SSL* connection);
 
-  /// Why the two agree on nothing: what the client offers, and what is taken here.
+  /// Why they do not agree: what the client offers, and what we accept.
   ///
   /// Limits: kNamedMax of each list, kProtocolBytesMax of protocols; some 500 bytes in all.
   [[nodiscard]] std::string WhyNot(Agreed what, SSL* connection,
@@ -32,17 +32,17 @@ class ClientOffer final {
   static constexpr std::size_t kNamedMax = 8;
   static constexpr std::size_t kProtocolBytesMax = 64;
 
-  /// The first of a list's numbers, and how many it has, without those that stand there so that
-  /// servers learn to pass over what they do not know (GREASE).
+  /// The first numbers of a list, and its length, without the reserved ones that servers must
+  /// ignore (GREASE).
   struct Numbers {
     void Add(std::uint16_t number);
-    /// A list of TLS, behind a length of so many bytes.
+    /// Adds a TLS list, which follows a length of so many bytes.
     void AddList(std::string_view bytes, std::size_t length_bytes);
 
     std::array<std::uint16_t, kNamedMax> first{};
     std::size_t count = 0;
   };
-  /// What each list is called, its numbers by name.
+  /// The numbers by name.
   [[nodiscard]] static std::string TextOf(const Numbers& numbers,
                                           std::string (*name)(std::uint16_t, SSL*),
                                           SSL* connection);
@@ -52,7 +52,7 @@ class ClientOffer final {
   Numbers suites_;
   Numbers groups_;
   Numbers signatures_;
-  /// The first bytes of the list of ALPN.
+  /// The first bytes of the ALPN list.
   std::array<char, kProtocolBytesMax> protocols_{};
   std::size_t protocol_bytes_ = 0;
 };

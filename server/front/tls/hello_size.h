@@ -6,16 +6,16 @@
 
 namespace uplink::front {
 
-/// How large a peer's ClientHello says it is, before it is there: OpenSSL takes the memory for up
-/// to 128 KiB of it as soon as it has read its first four bytes. There may be two of them, and
-/// between them records that OpenSSL passes over.
+/// The announced size of a peer's ClientHello, known before it has arrived: OpenSSL allocates up to
+/// 128 KiB for it once it has read its first four bytes. There may be two, with records between
+/// them that OpenSSL ignores.
 ///
 /// Source: RFC 8446, 4, 4.1.4 and 5.1. Confined to its connection's thread.
 class HelloSize final {
  public:
-  /// What came next.
+  /// Takes the next bytes.
   void Take(std::string_view bytes);
-  /// Of the largest ClientHello's body; 0 as long as none has said it, or it is no TLS.
+  /// Bytes of the largest ClientHello's body; 0 until one announces it, or if this is not TLS.
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
@@ -34,7 +34,7 @@ class HelloSize final {
   std::size_t message_size_ = 0;
   std::size_t message_left_ = 0;
   std::size_t size_ = 0;
-  /// Another message than a ClientHello has come, or no TLS: no ClientHello follows.
+  /// Another message than a ClientHello, or no TLS, has come: no ClientHello follows.
   bool done_ = false;
 };
 

@@ -10,13 +10,13 @@
 
 namespace uplink::front {
 
-/// What handshakes need: certificate, key and authorities; HTTP/2 alone by ALPN; a client
-/// certificate required; no tickets and no session memory, since robots do not come back with them.
-/// Immutable; connections keep the one that they began with.
+/// What handshakes need: certificate, key and authorities; only HTTP/2 by ALPN; a required client
+/// certificate; no tickets and no session cache, since robots do not resume sessions. Immutable;
+/// connections keep the context that they began with.
 ///
-/// A chain that is trusted but for its dates, or for what its certificate may be used for, passes
-/// the handshake: the peer has finished by then (TLS 1.3) and would never learn why it was sent
-/// away. TlsEngine::Peer says what is wrong with it, and nobody may serve it.
+/// A trusted chain with wrong dates or a wrong purpose passes the handshake: in TLS 1.3 the peer
+/// has finished by then, and would never learn why it was rejected. TlsEngine::Peer says what is
+/// wrong with it, and no call of it is served.
 class TlsContext final {
  public:
   /// Errors: kFailedPrecondition names the text that is invalid.

@@ -24,30 +24,30 @@ namespace uplink::front {
 /// Bytes of the largest TLS record's content.
 inline constexpr std::size_t kRecordBytes = 16 * 1024;
 
-/// Bytes of a peer's first message. Agents say some hundred, 1.7 KiB with a key share of ML-KEM; to
-/// go through 16 KiB of key shares takes OpenSSL 3.3 ms (measured).
+/// Bytes of a peer's first message. Agents send some hundred, 1.7 KiB with a key share of ML-KEM.
+/// OpenSSL takes 3.3 ms for 16 KiB of key shares (measured).
 inline constexpr std::size_t kClientHelloBytesMax = 4 * 1024;
 
 /// Bytes of a peer's side of a handshake: two ClientHellos, its certificates, a signature, and the
-/// heads of their records. OpenSSL gets none past them. A record of one byte costs it 0.7 us.
+/// heads of their records. OpenSSL gets no more. A record of one byte costs it 0.7 us.
 inline constexpr std::size_t kHandshakeBytesMax = 48 * 1024;
 static_assert(kHandshakeBytesMax > 2 * kClientHelloBytesMax + identity::kShownBytesMax);
-/// How often a handshake goes on because bytes came: 32 KiB of certificates are 61 segments of the
-/// smallest usual size, and one byte at a time costs 17 us each.
+/// How often a handshake may go on because bytes came: 32 KiB of certificates are 61 of the
+/// smallest usual segments, and one byte at a time costs 17 us each.
 inline constexpr std::size_t kHandshakeReadsMax = 128;
 
-/// What the connections of a thread encrypt and decrypt through, one after the other.
+/// Buffers through which the connections of a thread encrypt and decrypt, one after the other.
 struct TlsBuffers {
-  /// Ciphertext that has arrived and was not processed.
+  /// Ciphertext that has arrived and is not processed.
   std::string_view in;
-  /// Ciphertext that is to go out.
+  /// Ciphertext to send.
   std::string out;
   std::array<char, kRecordBytes> plain;
-  /// Of the ClientHello that came within this step of a handshake.
+  /// What the ClientHello of this handshake step offered.
   ClientOffer offer;
 };
 
-/// OpenSSL's way to TlsBuffers; one for all engines of a thread, and their context.
+/// Connects OpenSSL to TlsBuffers; one for all engines of a thread, and their context.
 class BufferMethod final {
  public:
   BufferMethod();
@@ -74,14 +74,14 @@ class TlsEngine final {
   };
   enum class Failure : std::uint8_t {
     kNone,
-    /// It speaks no TLS.
+    /// The peer does not speak TLS.
     kNoTls,
-    /// It offers no version, no suite or no protocol that we take.
+    /// The peer offers no version, suite or protocol that we accept.
     kNothingShared,
     kNoCertificate,
     /// No authority of ours signed its certificate.
     kUntrusted,
-    /// It shows certificates that are not looked into (certificate_flaw).
+    /// Its certificates are not examined (certificate_flaw).
     kCertificate,
     kOther,
   };
@@ -92,46 +92,45 @@ class TlsEngine final {
   TlsEngine(const TlsEngine&) = delete;
   TlsEngine& operator=(const TlsEngine&) = delete;
 
-  /// Goes on with the handshake by what is in `in`.
+  /// Goes on with the handshake with the bytes in `in`.
   ///
   /// Limits: kHandshakeReadsMax, kHandshakeBytesMax; past them it fails (Failure::kOther).
   [[nodiscard]] Step Handshake();
-  /// A byte of the peer's has come: who leaves now did more than look whether we answer.
+  /// A byte of the peer has come: it does more than check whether we answer.
   [[nodiscard]] bool begun() const { return begun_; }
   /// Why it failed.
   [[nodiscard]] Failure failure() const { return failure_; }
-  /// What the log says beside the failure, of the one thing that it failed for: what is wrong with
-  /// the certificates, which bound was passed, or what the two do not agree on. Empty of other
-  /// failures, and as long as it has not failed.
+  /// The detail that the log adds to the failure: what is wrong with the certificates, which bound
+  /// was exceeded, or what the two do not agree on. Empty for other failures, and without one.
   [[nodiscard]] std::string_view detail() const { return detail_; }
-  /// What is wrong with the certificates that it shows, with Failure::kCertificate.
+  /// What is wrong with its certificates; with Failure::kCertificate.
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
-  /// Who is there; after the handshake.
+  /// The peer; after the handshake.
   [[nodiscard]] TlsPeer Peer() const { return PeerOf(ssl_, verify_error_); }
 
-  /// The next piece of what the peer said; an empty one stands for a message of the handshake's
-  /// kind that came after it: new keys, mostly. Nothing if more bytes are needed, or it is over.
+  /// The next piece of the peer's data. An empty piece stands for a TLS handshake message after the
+  /// handshake, mostly new keys. Empty optional if more bytes are needed, or the peer ended.
   [[nodiscard]] std::optional<std::string_view> Read();
-  /// The peer said that nothing follows, or broke the rules.
+  /// The peer ended its side, or broke the rules.
   [[nodiscard]] bool over() const { return over_; }
   /// Encrypts into `out`; false if the connection is broken.
   [[nodiscard]] bool Write(std::string_view plain);
-  /// Says that nothing follows.
+  /// Ends our side.
   void WriteEnd();
 
-  /// OpenSSL asks what we think of a certificate of a peer's chain.
+  /// OpenSSL asks for our verdict on a certificate of a peer's chain.
   static int OnVerified(int good, X509_STORE_CTX* store);
-  /// OpenSSL tells of a ClientHello before it reads it.
+  /// OpenSSL reports a ClientHello before it reads it.
   static int OnClientHello(SSL* connection, int* alert, void* argument);
 
  private:
-  /// One step of OpenSSL's handshake by what is in `in`: SSL_do_handshake's result.
+  /// One step of OpenSSL's handshake with the bytes in `in`: SSL_do_handshake's result.
   [[nodiscard]] int Advance();
   [[nodiscard]] Step Fail(Failure failure, std::string detail = {});
   [[nodiscard]] Step FailToAgree(Agreed what);
-  /// By what OpenSSL's queue of errors holds.
+  /// Fails for the reason in OpenSSL's error queue.
   [[nodiscard]] Step FailByOpenSsl();
-  /// An empty piece for a message that came after the handshake; nothing if there is none.
+  /// An empty piece for a message that came after the handshake; empty optional if there is none.
   [[nodiscard]] std::optional<std::string_view> TakeLate();
 
   const std::shared_ptr<const TlsContext> context_;
@@ -140,14 +139,14 @@ class TlsEngine final {
   identity::CertificateMessages messages_;
   Failure failure_ = Failure::kNone;
   std::string detail_;
-  /// What a trusted chain lacks, the first that was found: X509_V_ERR_..., X509_V_OK for nothing.
+  /// The first flaw of a trusted chain: X509_V_ERR_..., X509_V_OK for none.
   int verify_error_ = 0;
   bool begun_ = false;
   HelloSize hello_;
   std::size_t handshake_reads_ = 0;
   std::size_t handshake_bytes_ = 0;
   bool over_ = false;
-  /// Messages of the handshake's kind that came after it, and that Read has not told of.
+  /// Handshake messages that came after the handshake, and that Read has not reported.
   std::uint32_t late_messages_ = 0;
 };
 

@@ -13,18 +13,18 @@
 
 namespace uplink::front {
 
-/// Further away than this is never: times beyond would not fit the clock's numbers.
+/// Times further away than this count as never, since they would not fit the clock's numbers.
 inline constexpr std::chrono::hours kFarAway{24 * 365 * 10};
 
-/// Whom a finished handshake has shown. A value.
+/// The peer that a finished handshake has shown. A value.
 struct TlsPeer {
-  /// Not OK: what the certificate lacks; whoever shows it is told, and not served.
+  /// Not OK: what is wrong with the certificate; its peer is told, and not served.
   absl::StatusOr<identity::PeerIdentity> identity;
-  /// The name that its certificate has, if it has one, though it may have expired.
+  /// The RURI in its certificate, if any, even if it has expired.
   std::string ruri;
-  /// The subject of a gateway's, the same.
+  /// The same for a gateway: its certificate's subject.
   std::string gateway = {};
-  /// The subject of one that is neither a robot's nor a gateway's.
+  /// The same for a certificate that names neither a robot nor a gateway: its subject.
   std::string subject = {};
   /// SHA-256 of its public key.
   std::array<std::uint8_t, 32> key{};
@@ -34,17 +34,17 @@ struct TlsPeer {
   [[nodiscard]] bool IsGateway() const {
     return identity.ok() && identity->role == identity::Role::kGateway;
   }
-  /// What is left of its chain, at most kFarAway; kFarAway if the identity is bad or the clock is
-  /// not vouched for.
+  /// The remaining life of its chain, at most kFarAway; kFarAway if the identity is bad or the
+  /// clock is not vouched for.
   [[nodiscard]] milliseconds UntilExpiry(SystemTime now, bool vouched) const;
-  /// Spreads what robots with different keys do, evenly.
+  /// Spreads robots with different keys evenly.
   [[nodiscard]] std::uint16_t jitter() const {
     return static_cast<std::uint16_t>(key[0] * 256 + key[1]);
   }
 };
 
-/// Who is there, by what a finished handshake has shown. `verify_error`: what its trusted chain
-/// lacks, an X509_V_ERR_...; X509_V_OK for nothing.
+/// The peer of a finished handshake. `verify_error`: the flaw of its trusted chain, an
+/// X509_V_ERR_...; X509_V_OK for none.
 [[nodiscard]] TlsPeer PeerOf(const SSL* connection, int verify_error);
 
 }  // namespace uplink::front
