@@ -4,26 +4,26 @@
 
 namespace uplink::forward {
 
-/// What became of changes, each counted once per receiver. A value.
+/// Counts of changes to shared items, once per receiver. A value.
 ///
-/// due = written + coalesced + replaced + dropped + what waits, at every moment: each is counted
-/// where it happens, and none is made of the others.
+/// due = written + coalesced + replaced + dropped + waiting, at every moment: each is counted where
+/// it happens, and none is computed from the others.
 struct Counts {
-  /// At the fan-out of a change: its receivers.
+  /// Receivers of a change, at its fan-out.
   std::uint64_t due = 0;
   /// Handed to the stream.
   std::uint64_t written = 0;
-  /// A later change of the same item took its place.
+  /// A later change of the same item replaced it.
   std::uint64_t coalesced = 0;
-  /// A snapshot that is to come, or has not reached the item yet, holds it.
+  /// A snapshot that has not begun, or not reached the item yet, will hold it.
   std::uint64_t replaced = 0;
   /// Its stream ended.
   std::uint64_t dropped = 0;
 
-  /// Besides: snapshots that began, and their items that were written.
+  /// Separately: snapshots that began, and their items that were written.
   std::uint64_t snapshots = 0;
   std::uint64_t snapshot_items = 0;
-  /// Times that more items waited for a receiver than may: a new snapshot for each.
+  /// How often too many items waited for a receiver; each time it gets a new snapshot.
   std::uint64_t overflows = 0;
 
   Counts& operator+=(const Counts& other) {

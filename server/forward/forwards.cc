@@ -151,7 +151,7 @@ std::size_t Forwards::Remove(const ItemKey& key) {
   return Told(where.fleet->Remove(gone, deletion), deletion->size());
 }
 
-void Forwards::PutOff(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms) {
+void Forwards::Postpone(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms) {
   const auto known = where_.find(key);
   if (known == where_.end()) return;
   if (known->second.fleet_name == fleet) {

@@ -11,15 +11,15 @@ namespace uplink::forward {
 
 [[nodiscard]] EncodedFrame SnapshotBegin();
 [[nodiscard]] EncodedFrame SnapshotEnd();
-/// The item as the others get it.
+/// The item as other robots get it.
 ///
-/// Errors: what the store holds is no shape or object: the message says of which item.
+/// Errors: the store's row is no shape or object: the message names the item.
 [[nodiscard]] absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
                                                        const nexus_command::CommandId& command);
-/// What the frame of the item has at least, without making it: a position of its geometry is two
-/// numbers of eight bytes.
+/// The least size of the item's frame, without making it: a position of its geometry is two numbers
+/// of eight bytes.
 [[nodiscard]] std::size_t LeastFrameBytes(const storage::SharedItem& item);
-/// The item is there no more.
+/// The deletion of an item.
 [[nodiscard]] EncodedFrame DeleteFrame(const ItemKey& key, const nexus_command::CommandId& command);
 
 }  // namespace uplink::forward

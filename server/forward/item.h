@@ -15,7 +15,7 @@ namespace uplink::forward {
 using session::EncodedFrame;
 using storage::ItemKey;
 
-/// Shared by an item and by all who wait for it. Immutable.
+/// Shared by an item and all changes that wait. Immutable.
 using KeyRef = std::shared_ptr<const ItemKey>;
 
 /// Orders and finds by what a KeyRef refers to.

@@ -15,12 +15,12 @@
 
 namespace uplink::forward {
 
-/// How much each robot makes all others receive, and the items whose changes wait because it is
-/// over that. They are looked up again once they may go out, so that of an item that goes on
-/// changing the latest is told, less often.
+/// How much each robot makes all others receive, and the items whose changes wait because it
+/// exceeds that. They are looked up again once they may go out, so an item that keeps changing is
+/// forwarded in its latest form, less often.
 ///
-/// Bound:  robots that forwarded anything within the time in which a bucket fills; at most
-///         `waiting_max` items wait, and past that nothing more does.
+/// Bound: robots that forwarded anything within the time in which a bucket fills; at most
+/// `waiting_max` items wait, and past that no further one does.
 /// Thread: confined to its owner's.
 class Paces final {
  public:
@@ -29,40 +29,40 @@ class Paces final {
     limits::BucketSize fan_out;
     std::size_t waiting_max = 0;
   };
-  /// Whose turn it is.
+  /// Which kind of change asks.
   enum class Turn : std::uint8_t {
-    /// A change that was read just now. It waits behind those of its robot that wait already.
+    /// A change that was just read. It waits behind changes of its robot that already wait.
     kNew,
-    /// One that Due gave.
+    /// A change that Due returned.
     kWaited,
   };
   explicit Paces(const Limits& limits) : limits_(limits) {}
 
-  /// The item's change may go out now, and waits no more. False: it waits.
+  /// True: the item's change may go out now, and no longer waits. False: it waits.
   [[nodiscard]] bool Passes(const ItemKey& key, Turn turn, SteadyTime now);
-  /// A change of the robot's went to receivers, with so many bytes in all.
+  /// A change of the robot went to receivers, `bytes` in all.
   void NoteForwarded(const std::string& ruri, std::size_t bytes, SteadyTime now);
-  /// The item is there no more.
+  /// The item is gone.
   void Forget(const ItemKey& key);
-  /// Everything was told anew: nothing waits.
+  /// Everything was read again: nothing waits.
   void ForgetAll();
 
-  /// Items that may go out by now, at most kDueMax. Of each robot as many as its rate probably lets
-  /// out; robots, and the items of each, in turn. They wait until they pass.
+  /// Items that may go out now, at most kDueMax. Of each robot as many as its rate probably allows;
+  /// robots take turns, and so do the items of each. They wait until they pass.
   [[nodiscard]] std::vector<ItemKey> Due(SteadyTime now);
-  /// When some may go out; nothing if none waits.
+  /// When the next may go out; empty if none waits.
   [[nodiscard]] std::optional<SteadyTime> DueAt(SteadyTime now) const;
   [[nodiscard]] std::size_t waiting() const { return waiting_; }
-  /// Whose changes wait, for ToldRobots.
+  /// Robots whose changes wait, for ToldRobots.
   [[nodiscard]] std::map<std::string, std::string> robots() const;
 
  private:
   struct Robot {
     limits::TokenBucket bucket;
-    /// What its last change took: the next one probably takes as much.
+    /// The bytes of its last change: the next one probably takes as many.
     std::size_t last_bytes = 1;
     std::set<ItemKey> waiting;
-    /// The last of them that had its turn.
+    /// The last item that had its turn.
     std::optional<ItemKey> last;
   };
   [[nodiscard]] bool PassesNow(const Robot& robot, std::size_t changes, SteadyTime now) const;

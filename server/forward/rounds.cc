@@ -215,7 +215,7 @@ void Rounds::PutPaced(const storage::SharedItem& item, Paces::Turn turn) {
   const storage::ItemKey key = item.Key();
   if (paces_.Passes(key, turn, context_.clock.Steady())) return Put(item);
   // Until it is told how the item is now, its life is what the store says.
-  context_.forwards.PutOff(key, item.robot().fleet, item.expires_at_ms());
+  context_.forwards.Postpone(key, item.robot().fleet, item.expires_at_ms());
 }
 
 void Rounds::Put(const storage::SharedItem& item) {

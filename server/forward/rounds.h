@@ -30,12 +30,12 @@ namespace uplink::forward {
 [[nodiscard]] SteadyTime::duration LookAgainAfter(std::size_t woken);
 
 /// Keeps the shared set as the store has it: reads all of it once, then every change that any
-/// server committed, by the store's own numbering of them; and lets items go that expire. A change
-/// of this server's is looked for at once, unless the last look is not that old (LookAgainAfter);
-/// one of another's within kLookEvery.
+/// server commits, by the store's own numbering, and removes items that expire. It looks for
+/// changes of this server at once, unless the last look is too recent (LookAgainAfter), and for
+/// another server's within kLookEvery.
 ///
-/// Nothing is forwarded from what a session or the journal has in hand: only what the store holds
-/// is, so a kill loses no forward and a fenced or refused record makes none.
+/// Only what the store holds is forwarded, nothing from a session or the journal. So a kill loses
+/// no forward, and a fenced or refused record makes none.
 ///
 /// Thread: Wake from any; Round by one thread at a time: Start gives it one of its own.
 class Rounds final {
@@ -49,7 +49,7 @@ class Rounds final {
     ForwardProbe& probe;
     const storage::ClockTrust& clock_trust;
     Paces::Limits paces = {.fan_out = kFanOut, .waiting_max = kPacedItemsMax};
-    /// How often the store is asked if nothing wakes who asks.
+    /// How often the store is asked without a wake-up.
     SteadyTime::duration look_every = kLookEvery;
   };
   explicit Rounds(const Context& context);
@@ -58,25 +58,25 @@ class Rounds final {
 
   void Start() { rounds_.Start(); }
   void Stop() { rounds_.Stop(); }
-  /// Something was committed that may be shared.
+  /// Something that may be shared was committed.
   void Wake() { rounds_.Wake(); }
   /// One look. Returns what the store answered.
   absl::Status Round();
 
  private:
   absl::Status Look();
-  /// Reads all that is shared, and removes what is there no more.
+  /// Reads all shared items, and removes those that are gone.
   absl::Status ReadAll();
-  /// Reads again what robots share of which items were left out, if there may be room for them.
+  /// Reads again the items of robots of which some were left out, if there may be room for them.
   absl::Status LookAtLeftOut();
   absl::Status ReadRobot(const std::string& ruri);
-  /// What a walk through the pages does with each item, until that is false, and between pages.
+  /// What a walk through the pages does with each item, until it returns false, and between pages.
   struct Walk {
     std::function<bool(const storage::SharedItem&)> take;
     std::function<absl::Status()> between;
   };
   absl::Status WalkPages(std::optional<storage::ItemKey> after, const Walk& walk);
-  /// What must not wait for long: ends, changes, and those that waited for their pace.
+  /// Does what must not wait for long: expiries, changes, and changes that waited for their pace.
   absl::Status Step();
   void Expire();
   absl::Status FollowChanges();
@@ -86,14 +86,14 @@ class Rounds final {
   void Put(const storage::SharedItem& item);
   void WakeReceivers();
   void Remove(const storage::ItemKey& key);
-  /// When the look comes that follows the one that began then and has ended now.
+  /// When the next look comes after the one that began at `began` and has ended now.
   [[nodiscard]] loop::Next NextLook(SteadyTime began, SteadyTime now);
   void TellRobots();
   [[nodiscard]] bool Expired(std::int64_t expires_ms) const;
   void Tell(const absl::Status& status);
 
   const Context context_;
-  /// Nothing: all is to be read.
+  /// Empty: everything must be read.
   std::optional<storage::ChangePositions> positions_;
   limits::RecentTimes<1> left_out_looks_;
   bool failing_ = false;
@@ -101,9 +101,9 @@ class Rounds final {
   Paces paces_;
   ToldRobots left_out_;
   ToldRobots paced_;
-  /// Those of the last look alone: one that falls behind again is named again.
+  /// Receivers of the last look only: one that falls behind again is named again.
   ToldRobots behind_;
-  /// That of the thread.
+  /// The thread's.
   std::stop_token stop_;
   /// Streams that the last look woke.
   std::size_t woken_streams_ = 0;

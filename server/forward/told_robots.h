@@ -10,14 +10,14 @@
 
 namespace uplink::forward {
 
-/// Robots to which something applies: the log names each once while it does. Past kForwardLinesMax
-/// names in a minute the others come in the next one. Confined to its owner's thread.
+/// Logs robots to which something applies, each once while it does. Past kForwardLinesMax names in
+/// a minute, the rest come in the next one. Confined to its owner's thread.
 class ToldRobots final {
  public:
-  /// Each with another robot that has to do with it; empty: none.
+  /// Each with another robot that causes it; empty: none.
   using Robots = std::map<std::string, std::string>;
 
-  /// `event` is what the log says of them, and `other` as what it names the other robot. The logger
+  /// `event` is the event of their lines, and `other` the key of the other robot. The logger
   /// outlives it.
   ToldRobots(const log::Logger& logger, std::string event, std::string other = {});
 
@@ -32,7 +32,7 @@ class ToldRobots final {
   const std::string event_;
   const std::string other_;
   log::RateLimited lines_;
-  /// Those that were named.
+  /// Robots that were named.
   std::set<std::string> told_;
   bool none_ = true;
 };

@@ -12,10 +12,10 @@
 
 namespace uplink::forward {
 
-/// Items that the store holds and that cannot be made a command: each is told and counted once,
-/// until it is good or gone.
+/// Items of the store that cannot be made a command. Each is logged and counted once, until it is
+/// good or gone.
 ///
-/// Bound:  kUnreadableMax are remembered; what is over is told each time that it is read.
+/// Bound: kUnreadableMax are remembered; further ones are logged each time that they are read.
 /// Thread: confined to its owner's.
 class Unreadable final {
  public:
@@ -25,7 +25,7 @@ class Unreadable final {
   void Note(const ItemKey& key, const absl::Status& why);
   /// The item is good, or gone.
   void Forget(const ItemKey& key);
-  /// All items are known: those that are not there are forgotten.
+  /// All items were read: forgets those that do not exist.
   void KeepOnly(const std::function<bool(const ItemKey&)>& there);
 
  private:

@@ -12,12 +12,12 @@
 
 namespace uplink::forward {
 
-/// The changes that wait for one receiver: of each item the latest. Robots that reported them take
-/// turns by bytes, so that one that shares much does not keep what others share waiting; those of
-/// one robot go in the order in which each item first changed. Confined to its owner's lock.
+/// The changes that wait for one receiver, the latest of each item. The robots that reported them
+/// take turns by bytes, so that one that shares much does not delay the others. The items of one
+/// robot go in the order of their first change. Confined to its owner's lock.
 ///
-/// The turns are those of start-time fair queueing: each robot has a time, which goes on by what is
-/// taken of it, and the one with the lowest is next.
+/// The turns are start-time fair queueing: each robot has a time that advances by the bytes taken
+/// from it, and the lowest is next.
 class Waiting final {
  public:
   /// At most `items_max` items wait.
@@ -27,27 +27,27 @@ class Waiting final {
 
   enum class Added : std::uint8_t {
     kNew,
-    /// It took the place of an earlier change of the item.
+    /// It replaced an earlier change of the item.
     kCoalesced,
-    /// The item came and went while it waited: the receiver is told of neither.
+    /// The item came and went while it waited: the receiver learns neither.
     kCancelled,
-    /// As many items wait as may: nothing was added.
+    /// Too many items wait: nothing was added.
     kFull,
   };
-  /// What is asked for of what waits.
+  /// Which waiting changes to take.
   enum class Which : std::uint8_t {
     kAll,
-    /// What a snapshot may hold: items as they are, and no ends.
+    /// Those that a snapshot may hold: items, not deletions.
     kUpserts,
   };
   [[nodiscard]] Added Add(const KeyRef& key, const EncodedFrame& frame, Change change);
-  /// The next of them; null if there is none.
+  /// The next frame; null if there is none.
   [[nodiscard]] EncodedFrame First(Which which) const;
-  /// Takes the next of them away; there is one.
+  /// Removes the next one, which must exist.
   void Pop(Which which);
   void Clear();
   [[nodiscard]] std::size_t size() const { return places_.size(); }
-  /// Of which robot most items wait; empty if none does.
+  /// The robot from which most items wait; empty if none does.
   [[nodiscard]] std::string MostFrom() const;
 
  private:
@@ -57,9 +57,9 @@ class Waiting final {
     /// The receiver was told of the item before these changes.
     bool told = false;
   };
-  /// By when the first change of the item came.
+  /// By the order of each item's first change.
   using Entries = std::map<std::uint64_t, Entry>;
-  /// The robot's time, and when it got it.
+  /// The robot's time, and a number that orders equal times.
   using Turn = std::pair<std::uint64_t, std::uint64_t>;
   struct Origin {
     Turn turn;
@@ -80,9 +80,9 @@ class Waiting final {
   [[nodiscard]] const Turns& TurnsOf(Which which) const {
     return which == Which::kAll ? turns_ : upsert_turns_;
   }
-  /// The robot's turn is in the lists where it belongs.
+  /// Puts the robot's turn into the lists where it belongs.
   void Enlist(Origin& origin);
-  /// Something of the robot went.
+  /// Updates the robot's turn after something of it was taken.
   void Settle(const std::string& ruri, Origin& origin);
 
   const std::size_t items_max_;
@@ -90,7 +90,7 @@ class Waiting final {
   /// The time of the robot whose turn was last.
   std::uint64_t now_ = 0;
   Origins origins_;
-  /// Of all robots, and of those that have upserts.
+  /// Turns of all robots, and of those with upserts.
   Turns turns_;
   Turns upsert_turns_;
   std::unordered_map<KeyRef, Place, KeyHash, KeyEqual> places_;

@@ -234,16 +234,16 @@ TEST_F(ForwardsTest, WhatIsPutOffLivesAsLongAsItIsToAndInItsFleetAlone) {
   const auto a = Join("a");
   Put(KeyOf("c", "1"), "hazard", 1000);
   static_cast<void>(Take(*a));
-  forwards_.PutOff(KeyOf("c", "1"), "north", 2000);
-  forwards_.PutOff(KeyOf("c", "unknown"), "north", 2000);
+  forwards_.Postpone(KeyOf("c", "1"), "north", 2000);
+  forwards_.Postpone(KeyOf("c", "unknown"), "north", 2000);
   forwards_.Expire(FromUnixMs(1999));
   EXPECT_THAT(Take(*a), IsEmpty());
-  forwards_.PutOff(KeyOf("c", "1"), "north", 1500);
+  forwards_.Postpone(KeyOf("c", "1"), "north", 1500);
   forwards_.Expire(FromUnixMs(1999));
   EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
   Put(KeyOf("c", "2"), "hazard");
   static_cast<void>(Take(*a));
-  forwards_.PutOff(KeyOf("c", "2"), "south", 0);
+  forwards_.Postpone(KeyOf("c", "2"), "south", 0);
   EXPECT_THAT(Take(*a), ElementsAre("gone of c"));
 }
 
