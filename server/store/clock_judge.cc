@@ -66,7 +66,7 @@ SystemTime MarkToSet(const ClockFacts& facts) {
   return std::min(facts.now, *facts.database);
 }
 
-std::string WhyNobodyVouches(const ClockFacts& facts) {
+std::string WhyNotVouched(const ClockFacts& facts) {
   std::string why = WhyNotTheMark(facts);
   if (!facts.kernel_synchronised) return why + ", and the kernel does not call it synchronised";
   if (facts.DatabaseAgrees()) return why;

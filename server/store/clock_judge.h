@@ -9,40 +9,41 @@
 
 namespace uplink::store {
 
-/// How far past the mark a clock may stand and be trusted: a server that was off over night starts
-/// without anybody's help.
+/// How far past the mark a trusted clock may stand: a server that was off overnight starts without
+/// help.
 inline constexpr std::chrono::hours kPastMarkMax{24};
-/// How far before the mark: its rows would be too old as soon as the clock is right.
+/// How far before the mark a trusted clock may stand: further back, its rows would be too old once
+/// the clock is right.
 inline constexpr std::chrono::hours kBeforeMarkTrusted{24};
-/// Past the mark after a jump, or far ahead of the database: whoever has the right time, or an
-/// operator, set it within this.
+/// How far past the mark a clock may stand after a jump, or far ahead of the database: another
+/// server with the right time, or an operator, set the mark within this.
 inline constexpr std::chrono::minutes kPastMarkDoubtful{2};
-/// So long after a jump the kernel's word does not count where there is no database to confirm it:
-/// what keeps a clock synchronised takes a while to notice that somebody else moved it.
+/// For so long after a jump, the kernel's word does not count without a database to confirm it: a
+/// time daemon needs a while to notice that another program moved its clock.
 inline constexpr std::chrono::minutes kKernelNotices{15};
-/// A clock that stands so far ahead of the database's is doubtful.
+/// A clock so far ahead of the database's is doubtful.
 inline constexpr std::chrono::hours kAheadOfDatabaseMax{1};
-/// How far apart our clock and the database's may be for the one to confirm the other.
+/// How far apart our clock and the database's may be to confirm each other.
 inline constexpr std::chrono::minutes kDatabaseAgreesWithin{1};
 
 /// What a look at the clocks found. A value.
 struct ClockFacts {
   /// Our civil time.
   SystemTime now;
-  /// The store's mark; nothing if it has none.
+  /// The store's mark; empty if it has none.
   std::optional<SystemTime> mark;
   /// The kernel says that something keeps its clock synchronised.
   bool kernel_synchronised = false;
-  /// The database's clock; nothing if the store has none of its own.
+  /// The database's clock; empty if the store has none of its own.
   std::optional<SystemTime> database;
-  /// How long ago civil time was seen to run ahead of the monotonic clock, if it has not come back
-  /// and nobody vouched for it since.
+  /// How long ago civil time was seen to run ahead of the monotonic clock, unless it has come back
+  /// or was vouched for since.
   std::optional<milliseconds> since_jump;
-  /// The mark or the kernel vouched for it since the start, and civil time has gone with the
-  /// monotonic clock from there on, neither ahead nor back.
+  /// The mark or the kernel has vouched for it since the start, and since then civil time has
+  /// advanced with the monotonic clock.
   bool went_together = false;
 
-  /// True also where there is no database to disagree.
+  /// True also without a database.
   [[nodiscard]] bool DatabaseAgrees() const;
   /// Something other than the mark says that our clock is right.
   [[nodiscard]] bool Confirmed() const {
@@ -57,27 +58,27 @@ enum class Voucher : std::uint8_t {
   kMark,
   /// The kernel, and the database if there is one.
   kKernel,
-  /// Our own monotonic clock: it was vouched for before, and has not jumped since. So a mark that
-  /// could not be set in time, or a store that was away for long, ends no trust.
+  /// Our monotonic clock: civil time was vouched for before, and has not jumped since. So trust
+  /// survives a mark that was not set in time, and a store that was away for long.
   kMonotonic,
 };
 
 /// A pure function.
 [[nodiscard]] Voucher VoucherOf(const ClockFacts& facts);
 
-/// Whether the mark may be set to our time: not by a server for which nobody vouches, and back only
-/// by one whose clock the database or the kernel confirms.
+/// Whether the mark may be set to our time. Our clock must be vouched for; to move the mark back,
+/// the database or the kernel must confirm it.
 [[nodiscard]] bool MayMoveMark(const ClockFacts& facts);
 
-/// To which time: ours, but not ahead of the database's, since servers share the mark. Where an
-/// operator confirmed a clock that is far ahead of it, ours all the same.
+/// The time for the mark: ours, but not ahead of the database's, since servers share the mark. If
+/// an operator confirmed a clock that is far ahead of it, ours all the same.
 [[nodiscard]] SystemTime MarkToSet(const ClockFacts& facts);
 
-/// Why nobody vouches for the clock, for people.
-[[nodiscard]] std::string WhyNobodyVouches(const ClockFacts& facts);
+/// Why the clock is not vouched for, for people.
+[[nodiscard]] std::string WhyNotVouched(const ClockFacts& facts);
 
-/// The kernel says that something (an NTP daemon, the hypervisor) keeps its civil clock
-/// synchronised. False also where it may not be asked. Any thread.
+/// Whether the kernel says that an NTP daemon or the hypervisor keeps its civil clock synchronised.
+/// False also if it may not be asked. Any thread.
 [[nodiscard]] bool KernelClockSynchronised();
 
 }  // namespace uplink::store

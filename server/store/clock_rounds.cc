@@ -128,7 +128,7 @@ void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {
     return;
   }
   context_.logger.Warn("clock_not_vouched",
-                       {{"why", WhyNobodyVouches(facts)},
+                       {{"why", WhyNotVouched(facts)},
                         {"effect",
                          "nothing is deleted until it is; if it is right, confirm it: "
                          "uplinkctl store clock --config FILE --confirm"}});

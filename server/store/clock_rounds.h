@@ -17,18 +17,18 @@ namespace uplink::store {
 /// How often the mark is set.
 inline constexpr std::chrono::minutes kMarkEvery{1};
 
-/// Judges the civil clock again and again, keeps the store's mark, and tells the log when the clock
-/// is no longer vouched for and when it is again.
+/// Judges the civil clock repeatedly, keeps the store's mark, and logs when the clock is no longer
+/// vouched for and when it is again.
 ///
-/// While the store does not answer, the clock is judged by what it said last; nothing is vouched
-/// for before it has answered once.
+/// While the store does not answer, its last answer counts. Before its first answer, nothing is
+/// vouched for.
 ///
 /// Thread: Round by one at a time, one that may wait for the store; LookOn by one.
 class ClockRounds final {
  public:
   /// The references outlive it.
   struct Context {
-    /// Its machine's clock is judged; it is told the mark.
+    /// Judges its machine's clock, and tells it the mark.
     MarkedClock& clock;
     storage::ClockMarks& marks;
     VouchedClock& trust;
@@ -39,9 +39,9 @@ class ClockRounds final {
   ClockRounds(const ClockRounds&) = delete;
   ClockRounds& operator=(const ClockRounds&) = delete;
 
-  /// The first one comes before anything is written: a store without rows gets its mark then.
+  /// The first round comes before anything is written, and sets the mark of a store without rows.
   void Round();
-  /// A Round by a job on a thread that may wait, unless one is under way.
+  /// Posts a Round to a thread that may wait, unless one is under way.
   void LookOn(const loop::Post& post) {
     looks_.PostBy(post, [this] { Round(); });
   }
@@ -49,7 +49,8 @@ class ClockRounds final {
  private:
   void Read();
   [[nodiscard]] ClockFacts FactsAt(const ClockPair& now) const;
-  /// What rows are stamped by does not stand well before the mark, unless the kernel knows better.
+  /// Keeps the clock that stamps rows from standing well before the mark, unless the kernel knows
+  /// better.
   void TellMark(Voucher voucher, const ClockFacts& facts);
   /// Notes whether civil time ran ahead since it was vouched for.
   void NoteJump(const ClockPair& now);
@@ -58,14 +59,14 @@ class ClockRounds final {
 
   const Context context_;
   loop::OneAtATime looks_;
-  /// What the store said last, and when.
+  /// The store's last answer, and its time.
   std::optional<storage::ClockReading> reading_;
   SteadyTime read_at_;
   std::optional<SystemTime> told_mark_;
-  /// When the mark or the kernel vouched for the clock last, and when it was seen ahead of that.
+  /// When the mark or the kernel last vouched for the clock, and when it was then seen ahead.
   std::optional<ClockPair> vouched_at_;
   std::optional<SteadyTime> jumped_at_;
-  /// Since when civil and monotonic time are compared for the next mark.
+  /// From when civil and monotonic time are compared for the next mark.
   ClockPair mark_from_;
   /// What the log was told last.
   std::optional<Voucher> told_;

@@ -18,19 +18,19 @@
 
 namespace uplink::store {
 
-/// How often the store is asked for robots that an operator wants to be forgotten. Two looks and
-/// what lies between them, of a robot that has nothing to wait for, take less than a second.
+/// How often the store is asked for robots that an operator wants to forget. Two looks and the work
+/// between them take under a second, if the robot has nothing to wait for.
 inline constexpr milliseconds kLookForForgottenEvery{400};
 /// The same while a robot is about to leave memory: an operator waits for it.
 inline constexpr milliseconds kLookAtLeavingEvery{50};
 /// The same after the store did not answer.
 inline constexpr milliseconds kLookAgainEvery{2'500};
 
-/// Lets robots go that an operator wants to be forgotten, answers that they are let go, or why not,
-/// and follows where another process or nobody held them. Drives SilentRows besides.
+/// Lets go of robots that an operator wants to forget, answers that it did or why not, and follows
+/// requests for robots that another process or none held. It also drives SilentRows.
 ///
-/// Errors:  of the store: the log says when it begins to fail and when it works again, and a later
-///          round tries again.
+/// Errors:  of the store: logged when it begins to fail and when it works again; a later round
+///          tries again.
 /// Thread:  constructed, started and stopped by main; Round by a thread of its own.
 class ForgetRounds final {
  public:
@@ -43,7 +43,7 @@ class ForgetRounds final {
     storage::ForgetStore& store;
     /// This process.
     storage::ProcessId process{};
-    /// The store is this process's alone.
+    /// This process has the store alone.
     bool alone = false;
     /// Of SilentRows.
     RowsRule rows;
@@ -62,15 +62,15 @@ class ForgetRounds final {
  private:
   enum class Look : std::uint8_t { kDone, kUnderWay };
 
-  /// All requests. kUnderWay: one of them is to be looked at again soon.
+  /// Looks at all requests. kUnderWay: look at one of them again soon.
   absl::StatusOr<Look> LookAtAll();
   absl::StatusOr<Look> LookAt(const storage::PendingForget& asked);
   absl::StatusOr<Look> LetGo(const storage::PendingForget& asked, robot::Robot& robot);
   absl::StatusOr<Look> Tell(const storage::PendingForget& asked, storage::ForgetAnswer answer);
   /// The robot's row is gone, and it has no stream here.
   Look Follow(const storage::PendingForget& asked);
-  /// Its row was removed while a stream of it is here, which this process could not tell in time:
-  /// the stream ends, and its next one makes a row.
+  /// Its row was removed while a stream of it is here, which this process could not report in time.
+  /// Ends the stream; the next one makes a row.
   void OpenAnew(robot::Robot& robot);
   void Leave(robot::Robot& robot);
   /// Logs when the store begins to fail, and when it works again.
@@ -78,7 +78,7 @@ class ForgetRounds final {
 
   const Context context_;
   SilentRows silent_rows_;
-  /// Finished requests that were a line of the log; those of before the start are none.
+  /// Finished requests that were logged; those before the start are not.
   std::set<std::uint64_t> told_;
   bool first_look_ = true;
   bool failing_ = false;

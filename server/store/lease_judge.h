@@ -18,103 +18,101 @@
 
 namespace uplink::store {
 
-/// How often a process raises the counter of its lease, and looks at those of others.
+/// How often a process raises the counter of its lease, and reads the other leases.
 inline constexpr std::chrono::seconds kRenewEvery{5};
 inline constexpr milliseconds kLookEvery{2'500};
-/// A lease that showed the same counter for so long is over: six renewals did not come.
+/// A lease that kept its counter for so long is over: it missed six renewals.
 inline constexpr std::chrono::seconds kSilentMax{30};
-/// Looks that lie further apart prove nothing of the time between: it was we who did not look.
+/// Looks further apart than this prove nothing about the time between them.
 inline constexpr std::chrono::seconds kLookGapMax{6};
-/// A process that told nothing for so long is late: a renewal of its lease did not come.
+/// A process that was silent for so long is late: it missed a renewal.
 inline constexpr std::chrono::seconds kLateAfter{7};
 
-/// Whether a process still judges the robots that it holds, and why not.
+/// Whether a process no longer judges the robots that it holds, and why.
 enum class Over : std::uint8_t {
   kNo,
-  /// It gave its robots up when it stopped.
+  /// It gave up its robots when it stopped.
   kReleased,
-  /// It ran on this machine and is not there any more.
+  /// It ran on this machine, and has ended.
   kGone,
-  /// It did not renew its lease, or never had one. It may live, and be cut off from the store
-  /// alone.
+  /// It did not renew its lease, or never had one. It may live, and only be cut off from the store.
   kSilent,
 };
 [[nodiscard]] std::string_view ToText(Over over);
-/// What that means for those who adopt its robots. Of a process that is over.
+/// What that means for the adopter of its robots. For processes that are over.
 [[nodiscard]] storage::HolderEnd EndOf(Over over);
 
-/// Judges the leases of the other processes by what repeated looks at the store show, on this
-/// process's own steady clock: no clock of another machine is compared.
+/// Judges the leases of the other processes by repeated looks at the store, on this process's
+/// steady clock. It compares no clock of another machine.
 ///
-/// Limits: one entry per process that is named (storage::kLeasesMax, and holders of robots without
-///         a lease).
+/// Limits: one entry per named process (storage::kLeasesMax, and holders of robots without a
+///         lease).
 /// Thread: confined to one thread; no clock of its own.
 class LeaseJudge final {
  public:
   struct Rules {
     /// This process.
     storage::ProcessId self{};
-    /// How long the robots of a process that was seen to stop may take to come by themselves
-    /// (presence.timeout: until then they count as heard).
+    /// How long robots may take to come to this process after theirs stopped (presence.timeout:
+    /// until then they count as heard).
     milliseconds time_to_move{0};
-    /// Whether a process that ran there is not there any more (process_life.h).
+    /// Whether the process with this life has ended (process_life.h).
     std::function<bool(std::string_view life)> is_gone;
-    /// How long a process that tells nothing may live, and be cut off from the store alone
-    /// (presence.adopted_grace).
+    /// How long a silent process may live, cut off only from the store (presence.adopted_grace).
     milliseconds cut_off_max{0};
   };
   explicit LeaseJudge(Rules rules) : rules_(std::move(rules)) {}
 
-  /// A look at `now` failed: silence is counted anew from the next one.
+  /// A look at `now` failed: silence counts from the next one.
   void NoteFailure(SteadyTime now);
-  /// The next look is at a store that may lack renewals of the former: silence is counted anew.
+  /// The next look is at a store that may have lost renewals: silence counts from then.
   void NoteReplaced() { looked_.reset(); }
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
-  /// The process wrote to the store since the last look, or opened a stream: it lives, though its
-  /// lease may not show it.
+  /// The process wrote to the store since the last look, or opened a stream: it lives, even if its
+  /// lease does not show it.
   void NoteSign(const storage::ProcessId& process);
-  /// A robot of the process was written at this time: a sign, if that is later than all of it that
-  /// lists showed before. The first list of it shows none, however long ago it was written.
+  /// A robot of the process was written at this time. That is a sign of life if it is later than
+  /// all writes that earlier lists showed. The first list shows none.
   void NoteWritten(const storage::ProcessId& process, SystemTime at);
-  /// A list of all robots that others hold ends. Forgets processes without a lease that were not
+  /// Ends a list of all robots that others hold. Forgets processes without a lease that were not
   /// asked for since the last call: they hold no robot.
   void EndList();
 
   struct Verdict {
     Over over = Over::kNo;
-    /// Of the lease as it was seen last; 0 if there is none.
+    /// The counter of its lease as last seen; 0 if it has none.
     std::uint64_t counter = 0;
-    /// For people: the card's name, or the process's number.
+    /// For people: the name in its lease, or the process's number.
     std::string name;
   };
-  /// Of a process that holds a robot, as of the last look.
+  /// The verdict on a process that holds a robot, as of the last look.
   [[nodiscard]] Verdict Of(const storage::ProcessId& process);
-  /// Other processes that are not over, as far as that can be told: one that was silent counts
-  /// again only after a sign of it.
+  /// Other processes that are not known to be over: one that was silent counts again only after a
+  /// sign of life.
   [[nodiscard]] std::size_t others();
-  /// Other processes that may live and hear robots of which they cannot tell, since they are late,
-  /// as of the last look. For people: the card's name by process.
+  /// Late processes, as of the last look: they may live and hear robots, and cannot tell. For
+  /// people: the name in the lease by process.
   [[nodiscard]] std::map<storage::ProcessId, std::string> Late() const;
-  /// Looks have failed since, for at most Rules::cut_off_max: any other process may hear robots,
-  /// one that came meanwhile too.
+  /// Looks are failing, for at most Rules::cut_off_max: any other process may hear robots, even one
+  /// that came meanwhile.
   [[nodiscard]] bool blind() const;
 
  private:
   struct Known {
     std::optional<storage::Lease> lease;
-    /// The first look of an unbroken row that showed this counter.
+    /// The first of the uninterrupted looks that showed this counter.
     SteadyTime same_since;
-    /// When it told the store last that it lives: not before, and not after.
+    /// When it last renewed: the earliest and the latest time.
     SteadyTime told_at;
     SteadyTime told_by;
-    /// When it was first seen released or gone; nothing if it is neither.
+    /// When it was first seen released or gone; empty if it is neither.
     std::optional<SteadyTime> left_at;
-    /// It had left when this process came, and its robots had nobody else to go to.
+    /// It had left when this process came, and its robots had no other process to go to.
     bool left_before = false;
-    /// It was silent for its time, and nothing came since.
+    /// It was silent for too long, and has shown no sign since.
     bool was_silent = false;
-    /// The latest write of its robots in lists that have ended, and in all.
+    /// The latest write of its robots in ended lists, and in all.
     std::optional<SystemTime> written_before;
     std::optional<SystemTime> written;
     /// It was asked for since EndList.
@@ -128,10 +126,10 @@ class LeaseJudge final {
   const Rules rules_;
   std::optional<SteadyTime> looked_;
   SteadyTime now_;
-  /// What a look shows as new came no earlier: the look itself, or after a gap the one before.
+  /// News of a look is no older than this: the look itself, or after a gap the one before.
   SteadyTime news_since_;
   bool first_look_ = true;
-  /// The first and the last of the looks that failed since one did not.
+  /// The first and the last of the failed looks since a successful one.
   struct Blind {
     SteadyTime from;
     SteadyTime to;

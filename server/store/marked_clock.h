@@ -9,12 +9,12 @@
 
 namespace uplink::store {
 
-/// A clock that stands before the store's mark by no more than this counts as right: servers that
-/// share a mark differ a little.
+/// A clock that is behind the store's mark by no more than this counts as right: servers that share
+/// a mark differ a little.
 inline constexpr std::chrono::minutes kBeforeMarkMax{1};
 
-/// The machine's clocks, but that civil time does not stand well before the store's mark: what a
-/// clock that was behind stamped would be too old, and deleted, as soon as the clock is right.
+/// The machine's clocks, except that civil time is never well before the store's mark: rows stamped
+/// by a clock that is behind would be too old, and be deleted, once the clock is right.
 ///
 /// Thread: thread-safe. NoteMark by one thread.
 class MarkedClock final : public Clock {
@@ -23,8 +23,8 @@ class MarkedClock final : public Clock {
   explicit MarkedClock(const Clock& machine) : machine_(machine) {}
 
   [[nodiscard]] SteadyTime Steady() const override { return machine_.Steady(); }
-  /// The machine's, or from the mark on by the monotonic clock, if the machine's is before that by
-  /// more than kBeforeMarkMax.
+  /// The machine's time. If that is before the mark by more than kBeforeMarkMax, the mark's,
+  /// advanced by the monotonic clock.
   [[nodiscard]] SystemTime System() const override;
   /// The store's mark as it was read at `at`; it may have gone back.
   void NoteMark(SystemTime mark, SteadyTime at);

@@ -12,19 +12,19 @@
 
 namespace uplink::store {
 
-/// How long something else has kept the store from cleaning up, asked for again and again.
+/// How long another program has kept the store from cleaning up; asked repeatedly.
 ///
 /// Thread: AskOn on one; age from any.
 class OldestSnapshot final {
  public:
-  /// `ask` may wait; it is called by one job at a time. Where there is none, the age is zero.
+  /// `ask` may wait; one job at a time calls it. If it is empty, the age is zero.
   using Ask = std::function<absl::StatusOr<milliseconds>()>;
   explicit OldestSnapshot(Ask ask) : ask_(std::move(ask)) {}
   OldestSnapshot(const OldestSnapshot&) = delete;
   OldestSnapshot& operator=(const OldestSnapshot&) = delete;
 
-  /// Asks by a job on a thread that may wait, unless one is under way. While the store does not
-  /// answer, the last answer stays.
+  /// Posts the question to a thread that may wait, unless one is under way. While the store does
+  /// not answer, the last answer stays.
   void AskOn(const loop::Post& post) {
     if (!ask_) return;
     asks_.PostBy(post, [this] {

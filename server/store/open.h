@@ -29,25 +29,25 @@ namespace uplink::store {
 
 /// The store that the configuration names: a writer per shard, and the query side.
 struct Stores {
-  /// The judgement of the civil clock, which the writers go by, and the mark that it rests on.
+  /// The judgement of the civil clock, which the writers use, and the mark that it relies on.
   std::unique_ptr<VouchedClock> clock;
   std::unique_ptr<storage::ClockMarks> marks;
   std::unique_ptr<storage::ForgetStore> forget;
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;
-  /// Null for a store that one process has at a time.
+  /// Null for a store of one process at a time.
   std::unique_ptr<storage::Leases> leases;
   /// Who reads which topics of a broker; null where no broker is read.
   std::unique_ptr<storage::TopicLeases> topic_leases;
   /// What robots of a fleet share.
   std::unique_ptr<storage::SharedItems> shared;
-  /// Null for a store that one process has at a time.
+  /// Null for a store of one process at a time.
   std::unique_ptr<storage::ChangeSignal> change_signal;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
   /// As they are now. Any thread, while the writers live.
   std::function<storage::StoreFacts()> facts = [] { return storage::StoreFacts(); };
-  /// What its disk has left; nothing where that cannot be known. May wait; uses the reader.
+  /// What its disk has left; empty if that cannot be known. May wait; uses the reader.
   std::function<absl::StatusOr<std::optional<storage::DiskSpace>>()> space = [] {
     return std::optional<storage::DiskSpace>();
   };
@@ -63,10 +63,9 @@ struct Stores {
 /// password.
 [[nodiscard]] std::string NameOf(const config::StoreConfig& store);
 
-/// Opens it. `clock` must outlive the stores. The log is told where a whole SQLite file has to be
-/// read first.
+/// Opens the store. `clock` must outlive it. Logs if a whole SQLite file must be read first.
 ///
-/// Errors: a store that is there and cannot be used as it is; the message says what to do.
+/// Errors: a store that exists and cannot be used as it is; the message says what to do.
 [[nodiscard]] absl::StatusOr<Stores> OpenStores(const config::Config& config,
                                                 const storage::ProcessId& process,
                                                 const Clock& clock, const log::Logger& logger);

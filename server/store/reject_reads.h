@@ -8,7 +8,7 @@
 
 namespace uplink::store {
 
-/// Reads Rejects from the store by jobs on a thread that may wait for it. Thread-safe.
+/// Reads Rejects from the store on a thread that may wait for it. Thread-safe.
 class RejectReads final : public session::RejectSource {
  public:
   /// `post` drops what waits when it ends. Both outlive this, and this outlives the jobs.

@@ -11,8 +11,8 @@
 
 namespace uplink::store {
 
-/// What stored durable reports say of these robots now, by RURI: for their series. Robots of which
-/// nothing is stored are left out.
+/// What stored durable reports say of these robots now, by RURI, for their series. Robots without a
+/// stored report are left out.
 ///
 /// Errors: of the reader.
 [[nodiscard]] absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(

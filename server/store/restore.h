@@ -15,9 +15,9 @@ namespace uplink::store {
 /// Robots that are restored at a time.
 inline constexpr std::size_t kRestoredAtOnceMax = 500;
 
-/// Gives robots that this process has begun to hold what their last holder kept of them in the
-/// store: live state, and what durable reports say for their series. What was heard here meanwhile
-/// is newer and stays.
+/// Restores robots that this process has begun to hold from what their last holder stored: live
+/// state, and durable reports for their series. What this process has heard meanwhile is newer and
+/// stays.
 ///
 /// Thread: due: any; Run by one thread at a time.
 class Restore final {
@@ -25,11 +25,11 @@ class Restore final {
   /// Both outlive it.
   Restore(const fleet::Fleet& fleet, storage::Reader& reader) : fleet_(fleet), reader_(reader) {}
 
-  /// Some robot is to be restored.
+  /// A robot must be restored.
   [[nodiscard]] bool due() const;
   /// Restores all that are due. Errors: of the reader, and then it may be run again.
   [[nodiscard]] absl::Status Run();
-  /// Messages of checkpoints that this version does not pass, in the last run. On Run's thread.
+  /// Checkpoint messages of the last run that this version does not accept. On Run's thread.
   [[nodiscard]] std::size_t left_out() const { return left_out_; }
 
  private:

@@ -9,9 +9,9 @@
 
 namespace uplink::store {
 
-/// What is known of what lies behind the store, for a page of metrics. Any thread.
+/// Facts of the store, for a page of metrics. Any thread.
 void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
-/// What its disk has left, and what is done about it. Any thread.
+/// The state of its disk, and what is done about it. Any thread.
 void AddSamples(const SpaceView& view, metrics::Exposition& page);
 /// Whether the civil clock is vouched for, and by how much it jumped. Any thread.
 void AddSamples(const VouchedClock& clock, metrics::Exposition& page);

@@ -16,13 +16,13 @@
 
 namespace uplink::store {
 
-/// Fleets that are read by name alone, where limits.robots_max leaves no room for all robots: those
+/// Fleets of which only the name is read, if limits.robots_max leaves no room for all robots: those
 /// with a name beyond ASCII, since such a name may be odd (fleet::OddFleets).
 inline constexpr std::uint32_t kFleetsReadMax = 10'000;
 
-/// Takes the robots that the store knows into the fleet, each as its last holder wrote it, with
-/// its last session: at the start, or as soon as the store can be reached. A robot that has come by
-/// itself in the meantime stays as it is.
+/// Takes the robots that the store knows into the fleet, as their last holders wrote them, with
+/// their last sessions: at the start, or once the store can be reached. A robot that came by itself
+/// meanwhile stays as it is.
 ///
 /// Thread: Run by one thread at a time.
 class Seed final {
@@ -32,16 +32,16 @@ class Seed final {
     fleet::Fleet& fleet;
     const journal::Shards& journals;
     storage::Reader& reader;
-    /// Set where nobody else can have the store: every earlier holder has ended, so its robots are
-    /// adopted, and may be unheard for so long before they are offline.
+    /// Set if no other process can have the store. Then every earlier holder has ended, so its
+    /// robots are adopted, and may be silent for so long before they are offline.
     std::optional<milliseconds> adopt_grace;
-    /// Whether a robot that was heard last then is to be in memory no more.
+    /// Whether a robot that was last heard then must not be in memory.
     std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
   explicit Seed(const Context& context) : context_(context) {}
 
-  /// Those that were heard last first, as many as there is room for. Returns how many were left
-  /// out: they are there when they speak. Errors: of the reader, and then it may be run again.
+  /// Reads the robots, most recently heard first, up to the room. Returns how many were left out:
+  /// they come into memory when they speak. Errors: of the reader; it may then be run again.
   [[nodiscard]] absl::StatusOr<std::size_t> Run(std::size_t robots_max);
   [[nodiscard]] bool done() const { return done_.load(); }
 

@@ -17,8 +17,8 @@
 
 namespace uplink::store {
 
-/// Runs the seed at the start, again and again while the store is away, and restores robots that
-/// this process has begun to hold. Logs what came of it.
+/// Runs the seed at the start, and repeatedly while the store is away; restores robots that this
+/// process has begun to hold. Logs the results.
 ///
 /// Thread: Begin on main before the rest; ReadOn on one thread; done from any.
 class SeedRounds final {
@@ -43,13 +43,13 @@ class SeedRounds final {
   SeedRounds(const SeedRounds&) = delete;
   SeedRounds& operator=(const SeedRounds&) = delete;
 
-  /// Takes the robots that the store knows into the fleet, unless it is away; `away` says why it
-  /// is. What cannot be read now is read by ReadOn.
+  /// Takes the robots that the store knows into the fleet, unless the store is away; `away` says
+  /// why. ReadOn then reads the rest.
   void Begin(const absl::Status& away);
-  /// Reads the robots, or what those that are ours had, by a job on a thread that may wait, if
-  /// there is something to read and no such job is under way.
+  /// Reads the robots, or restores those that are ours, on a thread that may wait; only if there is
+  /// something to read and no such job is under way.
   void ReadOn(const loop::Post& post);
-  /// The robots were read; until then they cannot be, as the log says.
+  /// The robots were read. Until then the log says why not.
   [[nodiscard]] bool done() const { return seed_.done(); }
 
  private:
@@ -62,7 +62,7 @@ class SeedRounds final {
   Seed seed_;
   Restore restore_;
   loop::OneAtATime reads_;
-  /// As of the last time; on main, then on the thread of the jobs.
+  /// The last result; on main, then on the thread of the jobs.
   absl::Status unread_;
   bool restores_ = true;
 };

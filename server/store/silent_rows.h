@@ -17,7 +17,7 @@
 
 namespace uplink::store {
 
-/// How often rows are looked for of robots that were silent for longer than anything is kept.
+/// How often rows of robots that were silent for longer than anything is kept are searched.
 inline constexpr std::chrono::hours kRemoveSilentEvery{1};
 /// The same after the store failed.
 inline constexpr std::chrono::minutes kRemoveSilentAgainAfter{1};
@@ -28,8 +28,8 @@ struct RowsRule {
   milliseconds retain_history{0};
   milliseconds retain_quarantine{0};
 
-  /// Robots of which nothing was heard since then have no row any more. Nothing if they keep it:
-  /// while any of these is zero, for ever.
+  /// Robots that were last heard before this time have no row any more. Empty if they keep it for
+  /// ever: if any of these is zero.
   [[nodiscard]] std::optional<SystemTime> Until(SystemTime now) const;
 };
 
@@ -51,13 +51,13 @@ class SilentRows final {
     /// This process.
     storage::ProcessId process{};
     RowsRule rule;
-    /// While nobody vouches for civil time, nobody was silent for long.
+    /// While civil time is not vouched for, no robot counts as silent.
     const VouchedClock& trust;
   };
   explicit SilentRows(Context context) : context_(std::move(context)) {}
 
-  /// If a look is due: one answer of the store, and removes those that it names. Calls that follow
-  /// take the next ones, until all were looked at. Returns how the last look went.
+  /// If a look is due, reads one answer of the store and removes the robots in it. Further calls
+  /// take the next ones, until all were looked at. Returns the result of the last look.
   absl::Status Round();
 
  private:
@@ -67,7 +67,7 @@ class SilentRows final {
 
   const Context context_;
   std::optional<SteadyTime> due_;
-  /// The RURI that was looked at last; empty at the beginning.
+  /// The RURI that was last looked at; empty at the beginning.
   std::string after_;
   absl::Status outcome_;
 };

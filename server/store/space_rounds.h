@@ -21,16 +21,16 @@
 
 namespace uplink::store {
 
-/// How often it is looked at what each robot stored, and who stores too much.
+/// How often what each robot stored is measured.
 inline constexpr std::chrono::seconds kWritersEvery{10};
-/// Robots that a line of the log names, at most.
+/// Most robots that a line of the log names.
 inline constexpr std::size_t kHeaviestNamedMax = 5;
 
-/// Looks at the store's disk again and again. While little is left, robots that store far more than
-/// the others are slowed down (HeavyWriters), and once half of that little is used nobody stores
-/// anything. Who is slowed down stays so until there is space again.
+/// Checks the store's disk repeatedly. Below store.free_min, robots that store far more than the
+/// others are slowed down (HeavyWriters); below half of it, no robot stores anything. A robot that
+/// is slowed down stays so until there is space again.
 ///
-/// While the disk cannot be asked, what was judged last holds.
+/// While the disk cannot be asked, the last judgement holds.
 ///
 /// Thread: Round by one at a time, one that may wait; LookOn by one; view by any.
 class SpaceRounds final {
@@ -40,7 +40,7 @@ class SpaceRounds final {
     const fleet::Fleet& fleet;
     const Clock& clock;
     const log::Logger& logger;
-    /// Asks for it; nothing where it cannot be known.
+    /// Measures the disk; empty if it cannot be known.
     std::function<absl::StatusOr<std::optional<storage::DiskSpace>>()> space;
     /// store.free_min.
     std::uint64_t free_min = 0;
@@ -50,7 +50,7 @@ class SpaceRounds final {
   SpaceRounds& operator=(const SpaceRounds&) = delete;
 
   void Round();
-  /// A Round by a job on a thread that may wait, unless one is under way.
+  /// Posts a Round to a thread that may wait, unless one is under way.
   void LookOn(const loop::Post& post) {
     looks_.PostBy(post, [this] { Round(); });
   }
@@ -62,18 +62,18 @@ class SpaceRounds final {
 
   /// Asks, and judges.
   void Judge();
-  /// Looks at what robots stored since the last look, in which time they may have been `stopped`.
-  /// Returns those that are too heavy since now.
+  /// Measures what robots stored since the last look, during which they may have been `stopped`.
+  /// Returns those that are newly too heavy.
   Writers Sample(std::span<const fleet::RobotPtr> robots, bool stopped);
   /// Tells each robot what it may store.
   void Apply(std::span<const fleet::RobotPtr> robots) const;
-  /// Of a change, with who stored most.
+  /// Logs a change, with the robots that stored most.
   void Tell(std::size_t limited_before) const;
 
   const Context context_;
   loop::OneAtATime looks_;
   fleet::HeavyWriters writers_;
-  /// What view() says once the round is over.
+  /// The result for view() when the round ends.
   SpaceView now_;
   SteadyTime sampled_;
   mutable std::mutex mutex_;

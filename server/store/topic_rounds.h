@@ -22,20 +22,20 @@
 
 namespace uplink::store {
 
-/// How often it is looked who has the lease of our topics, where nobody asks for it sooner.
+/// How often the lease of our topics is checked, unless LookSoon asks for it sooner.
 inline constexpr std::chrono::seconds kTopicLookEvery{2};
-/// The same while it is not judged yet whether their holder is over.
+/// The same while its holder is not judged yet.
 inline constexpr milliseconds kUnjudgedLookEvery{100};
-/// While the store cannot be asked, a lease that was ours counts as ours for so long: less than
-/// another process needs to find us silent (kSilentMax).
+/// While the store cannot be asked, a lease of ours counts for so long: less than another process
+/// needs to find us silent (kSilentMax).
 inline constexpr std::chrono::seconds kLeaseTrusted{20};
 
-/// Takes the lease of our topics when nobody has it, looks whether it is ours still, and tells the
+/// Takes the lease of our topics when it is free, checks that it is still ours, and tells the
 /// broker's reader.
 ///
 /// Errors:  of the store: the next look tries again, and tells nothing.
-/// Thread:  constructed, started and stopped by main; looks on a thread of its own. What LeaseView
-///          says, from any.
+/// Thread:  constructed, started and stopped by main; looks on a thread of its own. LeaseView's
+///          functions from any.
 class TopicRounds final : public broker::LeaseView {
  public:
   /// The references outlive it.
@@ -47,13 +47,13 @@ class TopicRounds final : public broker::LeaseView {
     storage::ProcessId process{};
     std::string client_id;
     std::vector<std::string> prefixes;
-    /// Whether a process that has a lease is over, and where it is; empty: it was not judged yet.
+    /// The verdict on a process with a lease, and where it is; empty: not judged yet.
     std::function<std::optional<LeaseJudge::Verdict>(const storage::ProcessId& process)> judge;
-    /// Told on the thread of the looks.
+    /// These are called on the thread of the looks.
     std::function<void(broker::Grant grant)> taken;
     std::function<void()> lost;
     std::function<void(broker::Remembered remembered)> reread;
-    /// The store was connected to anew, and may lack what it had.
+    /// The store was connected to anew, and may have lost something.
     std::function<void()> reconnected;
   };
   TopicRounds(std::unique_ptr<storage::TopicLeases> leases, Context context);
@@ -63,7 +63,7 @@ class TopicRounds final : public broker::LeaseView {
   void Start() { rounds_.Start(); }
   /// Ends the looks. Idempotent.
   void Stop() { rounds_.Stop(); }
-  /// Ends the looks and gives the lease up, so that another process has it at once.
+  /// Ends the looks and gives up the lease, so that another process gets it at once.
   void Leave();
   /// One look, on the caller's thread: before Start, or instead of it.
   void Look();
@@ -85,20 +85,20 @@ class TopicRounds final : public broker::LeaseView {
 
   const std::unique_ptr<storage::TopicLeases> leases_;
   const Context context_;
-  /// The epoch of the lease that is ours; nothing: it is not.
+  /// The epoch of our lease; empty if it is not ours.
   std::optional<storage::Epoch> epoch_;
   std::string told_held_by_;
   /// TopicLeases::connections at the last look.
   std::uint64_t connections_ = 0;
-  /// At the last look somebody held them who was not judged yet.
+  /// At the last look their holder was not judged yet.
   bool unjudged_ = false;
-  /// When the last look began that found the lease ours; the last that failed.
+  /// When the last look that found the lease ours began, and when the last failed one did.
   std::atomic<SteadyTime> confirmed_{SteadyTime()};
   std::atomic<SteadyTime> failed_{SteadyTime()};
   std::atomic<bool> failing_{false};
   mutable std::mutex mutex_;
   std::string held_by_;
-  /// What is asked for and was not told yet.
+  /// The reread that was asked for and not answered yet.
   std::optional<std::uint64_t> reread_;
   loop::Rounds rounds_;
 };

@@ -8,8 +8,8 @@
 
 namespace uplink::store {
 
-/// Civil time may run ahead of the monotonic clock by so much between two looks and still count as
-/// advancing together with it. An NTP daemon slews by a tenth at most; looks are seconds apart.
+/// How far civil time may run ahead of the monotonic clock between two looks. An NTP daemon slews
+/// by a tenth at most; looks are seconds apart.
 inline constexpr std::chrono::seconds kAdvanceTolerance{5};
 
 /// Both clocks, read at one moment. A value.
@@ -25,20 +25,20 @@ struct ClockPair {
   }
 };
 
-/// The judgement of the civil clock, as of the last look. It holds no longer once civil time runs
-/// ahead of the monotonic clock, so that nothing is deleted between a jump and the next look.
+/// The judgement of the civil clock, as of the last look. It ends once civil time runs ahead of the
+/// monotonic clock, so that nothing is deleted between a jump and the next look.
 ///
 /// Thread: thread-safe.
 class VouchedClock final : public storage::ClockTrust {
  public:
-  /// Nobody vouches for it yet. `clock` must outlive this.
+  /// Starts without trust. `clock` must outlive this.
   explicit VouchedClock(const Clock& clock);
   VouchedClock(const VouchedClock&) = delete;
   VouchedClock& operator=(const VouchedClock&) = delete;
 
   [[nodiscard]] bool vouched() const override { return VouchesFor(clock_.System()); }
   [[nodiscard]] bool VouchesFor(SystemTime time) const override;
-  /// What a look judged, when both clocks stood at `at`.
+  /// Notes what a look judged, when both clocks stood at `at`.
   void Note(bool vouched, const ClockPair& at);
   /// By how much civil time ran ahead of the monotonic clock since this was made.
   [[nodiscard]] milliseconds ahead() const { return ClockPair::Of(clock_).AheadSince(made_); }

@@ -12,24 +12,24 @@
 
 namespace uplink::store {
 
-/// Tells the log how the store fares, each change once: when it begins to fail and when it works
-/// again, and what else is worth a line of it. Confined to one thread at a time.
+/// Logs each change of the store's health once: when it begins to fail, when it works again, and
+/// other facts that deserve a line. Confined to one thread at a time.
 class Watch final {
  public:
-  /// How each work of the store went last, as its journals tell.
+  /// The last result of each kind of work on the store, from its journals.
   struct Sources {
     std::function<storage::StoreFacts()> facts;
     std::function<absl::Status()> retention;
     std::function<absl::Status()> checkpoints;
     std::function<absl::Status()> store;
-    /// Robots of which the store was found to have gone back since the last call, by shard.
+    /// Robots for which the store was found to have gone back since the last call, by shard.
     std::function<std::vector<journal::WentBack>()> went_back = [] {
       return std::vector<journal::WentBack>();
     };
   };
   Watch(Sources sources, const log::Logger& logger);
 
-  /// Looks at what the store's connection told: at the start, before anything else is asked of it.
+  /// Logs facts of the store's connection: at the start, before anything else is asked of it.
   void LookAtFacts();
   /// Looks at everything.
   void Look();

@@ -23,8 +23,8 @@ class Store;
 
 namespace uplink::store {
 
-/// The journals that stand before the store, one per connection that writes, each with its share of
-/// the bounds, its writer and its part of the checkpoints.
+/// The journals before the store, one per connection that writes, each with its share of the
+/// bounds, its writer and its checkpoints.
 ///
 /// Thread: constructed, started and stopped by main; journals() from any.
 class Writers final {
@@ -38,7 +38,7 @@ class Writers final {
     storage::ProcessId process{};
     /// Evenly drawn, for the backoff's jitter; called by one thread at a time.
     std::function<std::uint64_t()> random;
-    /// Of all journals together.
+    /// For all journals together.
     journal::JournalLimits limits;
     /// journal::Journal::OnSpatial.
     std::function<void()> spatial_committed = [] {};
@@ -58,7 +58,7 @@ class Writers final {
 
   /// Starts a writer per journal.
   void Start();
-  /// Ends the writers, after the calls of the store that are under way. Idempotent.
+  /// Ends the writers once their calls of the store have returned. Idempotent.
   void Stop();
 
  private:

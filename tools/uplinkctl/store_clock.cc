@@ -52,7 +52,7 @@ store::Voucher Show(const store::ClockFacts& facts) {
   const store::Voucher voucher = store::VoucherOf(facts);
   switch (voucher) {
     case store::Voucher::kNobody:
-      fmt::print("vouched for     no: {}\n", store::WhyNobodyVouches(facts));
+      fmt::print("vouched for     no: {}\n", store::WhyNotVouched(facts));
       break;
     case store::Voucher::kMark:
       fmt::print("vouched for     yes, by the mark\n");

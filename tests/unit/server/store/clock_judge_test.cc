@@ -25,7 +25,7 @@ TEST(ClockJudge, IsVouchedForUntilADayBeforeTheMark) {
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
   facts.mark = *facts.mark + kTick;
   EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
-  EXPECT_THAT(WhyNobodyVouches(facts), HasSubstr("86400 s before the mark"));
+  EXPECT_THAT(WhyNotVouched(facts), HasSubstr("86400 s before the mark"));
   facts.kernel_synchronised = true;
   EXPECT_EQ(VoucherOf(facts), Voucher::kKernel) << "the mark is what is wrong";
 }
@@ -35,7 +35,7 @@ TEST(ClockJudge, AfterAJumpOnlyAMarkOfNowVouches) {
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "an operator set it, or one who has the time";
   facts.mark = *facts.mark - kTick;
   EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
-  EXPECT_THAT(WhyNobodyVouches(facts), HasSubstr("it jumped ahead, and is 120 s past the mark"));
+  EXPECT_THAT(WhyNotVouched(facts), HasSubstr("it jumped ahead, and is 120 s past the mark"));
 }
 
 TEST(ClockJudge, AfterAJumpTheKernelTakesAWhileToNotice) {
@@ -131,13 +131,13 @@ TEST(ClockJudge, AMarkIsNotSetAheadOfTheDatabase) {
 
 TEST(ClockJudge, SaysWhy) {
   ClockFacts facts{.now = kNow, .mark = kNow - std::chrono::days(100)};
-  EXPECT_THAT(WhyNobodyVouches(facts),
+  EXPECT_THAT(WhyNotVouched(facts),
               AllOf(HasSubstr("8640000 s past the mark"), HasSubstr("kernel")));
   facts.kernel_synchronised = true;
   facts.database = kNow - std::chrono::minutes(2);
-  EXPECT_THAT(WhyNobodyVouches(facts),
+  EXPECT_THAT(WhyNotVouched(facts),
               AllOf(HasSubstr("database's clock differs by -120 s"), Not(HasSubstr("kernel"))));
-  EXPECT_THAT(WhyNobodyVouches({.now = kNow}), HasSubstr("no mark"));
+  EXPECT_THAT(WhyNotVouched({.now = kNow}), HasSubstr("no mark"));
 }
 
 }  // namespace
