@@ -13,9 +13,9 @@
 
 namespace uplink::session {
 
-/// When a stream's next Ack is due, and what it says. It is due after kAckMessages messages, after
-/// limits.ack_interval (Timer::kAck), for a settled message that came again, once a commit moves
-/// it, at Welcome and at the end. Confined to the stream's thread.
+/// When a stream's next Ack is due, and its numbers. It is due after kAckMessages messages, after
+/// limits.ack_interval (Timer::kAck), when a settled message comes again, when a commit moves it,
+/// at Welcome and at the end. Confined to the stream's thread.
 class AckRelease final {
  public:
   AckRelease(const SessionContext& context, StreamTimers& timers)
@@ -30,13 +30,13 @@ class AckRelease final {
   void MakeDue() { due_ = true; }
   [[nodiscard]] bool due() const { return due_; }
 
-  /// The Ack of this progress. Every Reject that it may cover must have been written.
+  /// The Ack for this progress. Every Reject that it covers must have been written.
   [[nodiscard]] v1::RelayResponse Release(const robot::Progress& progress);
 
  private:
   const SessionContext& context_;
   StreamTimers& timers_;
-  /// The highest numbers that an Ack of this stream has said.
+  /// The highest numbers in an Ack of this stream.
   model::Seq acked_through_ = 0;
   model::Seq acked_judged_ = 0;
   bool due_ = false;

@@ -7,8 +7,8 @@
 
 namespace uplink::session {
 
-/// What of a stream's numbers goes to the journal besides its messages, in their order: gaps, and
-/// ranges of numbers that were limited.
+/// Appends a stream's gaps, and ranges of limited numbers, to the journal, in the order of its
+/// messages.
 ///
 /// Thread: confined to the stream's thread.
 class Appending final {
@@ -17,24 +17,24 @@ class Appending final {
   Appending(ingest::Line line, ingest::Port& port, NumberRun& numbers)
       : line_(std::move(line)), port_(port), numbers_(numbers) {}
 
-  /// What follows came with a frame that arrived at this time.
+  /// Begins a frame that arrived at this time.
   void Begin(SteadyTime arrived, SystemTime received_at) {
     arrived_ = arrived;
     received_at_ = received_at;
   }
-  /// What the numbers that are missing before the one just seen cost; of no bytes if none are.
+  /// The cost of the numbers missing before the one just seen; no bytes if none are.
   [[nodiscard]] ingest::RecordCost CostOfGap(const robot::Seen& seen) const;
-  /// The numbers that are missing before the one just seen, if any are.
+  /// Appends the numbers missing before the one just seen, if any.
   void AddGap(const robot::Seen& seen);
-  /// The number just seen, of a durable message that was limited: it goes with its range.
+  /// Adds the number just seen, of a limited durable message; it is appended with its range.
   [[nodiscard]] ingest::Numbered AddLimited(robot::RejectedSeq limited);
-  /// The number of a limited message goes on with the range at hand.
+  /// Whether the number of a limited message continues the current range.
   [[nodiscard]] bool Continues(model::Seq seq) const { return limited_.Precedes(seq); }
-  /// The range at hand goes too. Ends a pass.
+  /// Appends the current range too. Ends a pass.
   void Flush();
 
  private:
-  /// The flow counts a gap up to this number: it was not decided before.
+  /// Whether the flow counts a gap up to this number: it was not decided before.
   [[nodiscard]] bool IsNew(model::Seq seq) const {
     return seq > line_.robot.sessions.free_through();
   }

@@ -17,42 +17,41 @@
 
 namespace uplink::session {
 
-/// The robot as one stream holds it, from its Hello to its end: where it stands among the robot's
+/// One stream's attachment to its robot, from its Hello to its end: its standing among the robot's
 /// streams, and the session that it opened. Confined to the stream's thread.
 class Attachment final {
  public:
   Attachment(const SessionContext& context, loop::StreamRef self)
       : context_(context), self_(self) {}
 
-  /// Admits the robot. Returns how long the stream is to wait before it may Attach: zero unless
-  /// streams of the robot come too often (robot::Reconnects).
+  /// Admits the robot. Returns how long the stream must wait before Attach: zero unless streams of
+  /// the robot come too often (robot::Reconnects).
   ///
   /// Errors: kResourceExhausted if the server admits no more robots, or no more of the gateway's,
   ///         or no more streams of this one may wait; kPermissionDenied if the robot is of another
   ///         fleet than the gateway that speaks for it; kUnauthenticated if the fleet's name is odd
   ///         and new (fleet::OddFleets), kUnavailable while the store was not read for that.
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
-  /// With what the stream must end where it stands so; OK if it need not.
+  /// The status with which a stream of this standing must end; OK if it goes on.
   [[nodiscard]] absl::Status EndOf(robot::Standing standing) const;
-  /// Asks where the stream stands among the robot's; those that it replaces are woken. After Admit,
-  /// and after the wait.
+  /// Attaches the stream to the robot, and wakes the streams that it replaces. After Admit, and
+  /// after the wait.
   [[nodiscard]] robot::Standing Attach();
-  /// The wait has ended, or the stream does while it waits. Idempotent.
+  /// The wait has ended, or the stream ends during it. Idempotent.
   void EndWait();
-  /// Begins the session and asks the store for its cursor. Returns what goes with all that the
-  /// stream appends.
+  /// Begins the session and asks the store for its cursor. Returns what the stream appends with.
   ///
   /// Errors: kResourceExhausted if all sessions of the robot wait for the store; kPermissionDenied
   ///         if the robot came into another fleet than its gateway's since Admit.
   [[nodiscard]] absl::StatusOr<journal::AppendedBy> Open(SteadyTime now);
-  /// What Welcome says.
+  /// The contents of Welcome.
   [[nodiscard]] robot::Resume Resume();
-  /// The stream takes no more frames: the one that waits for the robot is woken.
+  /// The stream takes no more frames: wakes the one that waits for the robot.
   void Detach();
 
-  /// The robot that was named to Admit; empty before that.
+  /// The robot given to Admit; empty before.
   [[nodiscard]] const std::string& ruri() const { return terms_.claim.robot.ruri; }
-  /// The stream is one of the robot's. All below only then.
+  /// The stream is one of the robot's. The functions below need that.
   [[nodiscard]] bool attached() const { return attached_; }
   [[nodiscard]] robot::Robot& robot() { return *robot_; }
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
@@ -60,7 +59,7 @@ class Attachment final {
   /// Hello.declines_forwards.
   [[nodiscard]] bool declines_forwards() const { return terms_.declines_forwards; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
-  /// Wakes the stream once the journal has room, for its gateway too.
+  /// Wakes the stream once the journal has room for it and its gateway.
   void WakeWhenRoom() { journal().WhenRoom(self_, gateway_); }
   [[nodiscard]] robot::Standing standing() const { return robot_->sessions.StandingOf(self_); }
   /// The store has answered Open.
@@ -77,16 +76,16 @@ class Attachment final {
   [[nodiscard]] bool AwaitsRejects() const {
     return robot_->sessions.AwaitsRejects(terms_.session);
   }
-  /// How far the session is, with the store's Rejects that were not told yet.
+  /// The session's progress, with the store's Rejects that were not reported yet.
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 
  private:
-  /// Puts the robot into the fleet that its certificate names. A gateway's word for its own fleet
-  /// moves nothing: then false if the robot is in another fleet by now.
+  /// Puts the robot into the fleet of its certificate. False if a gateway speaks for it and the
+  /// robot is in another fleet by now: a gateway does not move robots.
   [[nodiscard]] bool ClaimFleet();
-  /// Whether a stream may come with the name of this fleet (fleet::OddFleets).
+  /// Whether a stream may name this fleet (fleet::OddFleets).
   [[nodiscard]] fleet::Refusal JudgeFleet() const;
-  /// Counts the refusal, and returns what the peer is told.
+  /// Counts the refusal, and returns the peer's status.
   [[nodiscard]] absl::Status Refused(fleet::Refusal refusal) const;
 
   const SessionContext& context_;
@@ -98,7 +97,7 @@ class Attachment final {
   bool waits_ = false;
   bool attached_ = false;
   std::uint64_t open_id_ = 0;
-  /// From Open on; null of a robot by itself.
+  /// From Open on; null for a robot without a gateway.
   journal::GatewayRef gateway_;
 };
 

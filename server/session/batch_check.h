@@ -10,9 +10,9 @@
 
 namespace uplink::session {
 
-/// Checks a batch whole, before any message of it is processed: the count, and that numbers are in
-/// range, increase strictly within the stream, and jump over no more than kSeqJumpMax but at the
-/// stream's first message.
+/// Checks a whole batch before any message of it is processed: the count; and the numbers, which
+/// must be in range, increase strictly within the stream, and jump by at most kSeqJumpMax, except
+/// at the stream's first message.
 ///
 /// `last_seq` is the stream's last number, 0 before the first; `frame` its frame's number from 1.
 /// Errors:  kInvalidArgument that names frame, field and rule.

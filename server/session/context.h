@@ -18,15 +18,15 @@
 
 namespace uplink::session {
 
-/// What the sessions of one thread use one after the other, so that none needs memory of its own
-/// for a frame.
+/// Buffers that the sessions of one thread use one after the other, so that none allocates for a
+/// frame.
 struct IntakeScratch {
   BatchView batch;
   FrameLive live;
 };
 
-/// What a whole server shares with its sessions, and what the sessions of one thread share: the
-/// judge, the ledger page and the scratch are that thread's.
+/// What sessions share: judge, ledger page and scratch belong to one thread, the rest to the
+/// server.
 struct SessionContext {
   const Clock& clock;
   fleet::Fleet& fleet;
@@ -38,9 +38,9 @@ struct SessionContext {
   IntakeScratch& scratch;
   const ingest::Allowances& allowances;
   RejectSource& rejects;
-  /// Who vouches for the civil clock.
+  /// Tells whether the civil clock is vouched for.
   const storage::ClockTrust& clock_trust;
-  /// Others wait for a place among the connections; null: nobody can tell.
+  /// Whether connections wait for a place; null if that is unknown.
   const std::atomic<bool>* pressed = nullptr;
   /// What robots of a fleet share; null: nothing is forwarded.
   ForwardSource* forwards = nullptr;

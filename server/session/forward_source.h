@@ -12,15 +12,15 @@ namespace uplink::session {
 /// A serialized RelayResponse that several streams share. Immutable.
 using EncodedFrame = std::shared_ptr<const std::string>;
 
-/// One stream as a receiver of its fleet's shapes and objects (protocol: Forwarding). Destroying it
-/// ends that.
+/// One stream as a receiver of its fleet's shapes and objects (protocol: Forwarding). The
+/// destructor ends that.
 ///
 /// Thread: confined to the stream's.
 class ForwardReceiver {
  public:
   virtual ~ForwardReceiver() = default;
-  /// Adds the next frames that are due to `into`, a few of them, in order; none: the stream is
-  /// woken once there are any. They count as written.
+  /// Adds the next few frames to `into`, in order; they count as written. If there are none, the
+  /// stream is woken once there are.
   virtual void Take(std::vector<EncodedFrame>& into) = 0;
 };
 
@@ -28,7 +28,7 @@ class ForwardReceiver {
 class ForwardSource {
  public:
   virtual ~ForwardSource() = default;
-  /// The robot's stream wants what the others of its fleet share, beginning with a snapshot.
+  /// Begins to send the stream what the others of its fleet share, with a snapshot first.
   [[nodiscard]] virtual std::unique_ptr<ForwardReceiver> Join(const model::RobotId& robot,
                                                               loop::StreamRef stream) = 0;
 };

@@ -13,13 +13,13 @@
 
 namespace uplink::session {
 
-/// The live messages of the frame at hand, in order, until they are applied to the robot's state
-/// together. Used again for the next frame, so that it needs no memory. Confined to its thread.
+/// The live messages of the current frame, in order, until they are applied to the robot's state
+/// together. Reused for the next frame, so that it does not allocate. Confined to its thread.
 ///
 /// Bound: the messages of one frame (limits.batch_uplinks_max).
 class FrameLive final {
  public:
-  /// Returns an older message of the frame that this one replaces whole.
+  /// Returns the older message of the frame that this one replaces completely, if any.
   [[nodiscard]] std::optional<model::Record> Add(model::Record record);
   /// Whether it replaces an older Robot State of the frame.
   enum class Before : std::uint8_t { kNone, kReplaced };

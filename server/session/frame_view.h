@@ -18,38 +18,37 @@ struct UplinkView {
   std::string_view payload;
 };
 
-/// A batch as it lies in a frame. Used again for the next frame, so that it needs no memory.
+/// A batch as it lies in a frame. Reused for the next frame, so that it does not allocate.
 struct BatchView {
   std::vector<UplinkView> uplinks;
   std::int64_t sent_unix_ms = 0;
 };
 
-/// Bytes of a frame with a Hello: it says an address, a session and a version.
+/// Bytes of a frame with a Hello, which holds an address, a session and a version.
 inline constexpr std::size_t kHelloFrameBytesMax = std::size_t{16} * 1024;
 
 /// What a frame from an agent holds.
 enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.
   kMalformed,
-  /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or is a Hello
-  /// of more than 16 KiB: no version
-  /// of the protocol sends that, and parsing it is dear.
+  /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or a Hello of
+  /// more than 16 KiB. No version of the protocol sends that, and parsing it is expensive.
   kForeign,
   kNothing,
-  /// Parse it whole: it comes once per stream.
+  /// Parse the whole frame: it comes once per stream.
   kHello,
   kBatch,
 };
 
-/// What a frame is told that has no content to be handled.
+/// The errors for frames without usable content.
 inline constexpr std::string_view kNoRequest =
     "not a RelayRequest (bad protobuf, or a text that is not UTF-8)";
 inline constexpr std::string_view kForeignRequest =
     "more than 256 unknown fields, a group, or a hello of more than 16 KiB";
 
-/// Reads a serialized RelayRequest; a batch becomes views into `bytes`, which must live as long as
-/// they do. What protobuf allows holds: unknown fields are skipped, the last of a oneof counts,
-/// parts of a message that comes in pieces are put together.
+/// Reads a serialized RelayRequest. A batch becomes views into `bytes`, which must outlive them.
+/// The rules of protobuf hold: unknown fields are skipped, the last of a oneof counts, and the
+/// pieces of a split message are merged.
 ///
 /// A batch of more than `uplinks_max` messages is only counted.
 ///

@@ -11,7 +11,7 @@
 
 namespace uplink::session {
 
-/// The contract's number of a reason; the two enumerations agree (checked at compile time).
+/// The contract's value of a reason; the two enumerations agree (checked at compile time).
 [[nodiscard]] v1::RejectReason ToWire(model::RejectReason reason);
 
 /// The frames that a session sends. Texts are made printable and cut to their limits.

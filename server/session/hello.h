@@ -9,9 +9,9 @@
 
 namespace uplink::session {
 
-/// What a Hello that is in order asks for. A value.
+/// The requests of a valid Hello. A value.
 struct HelloTerms {
-  /// The robot, and by whose word the stream speaks for it.
+  /// The robot, and on whose authority the stream speaks for it.
   fleet::Claim claim;
   model::SessionId session;
   model::Seq settled_seq = 0;
@@ -21,9 +21,9 @@ struct HelloTerms {
 
 /// Checks the first frame of a stream against the protocol and the peer's certificate.
 ///
-/// Errors:  kInvalidArgument names the field and the rule; kPermissionDenied when the certificate
-///          may not speak for robot_ruri, and no certificate for a twin's; kUnauthenticated when it
-///          is no robot's and no gateway's.
+/// Errors:  kInvalidArgument names the field and the rule; kPermissionDenied if the certificate may
+///          not speak for robot_ruri, which no certificate may for a twin's; kUnauthenticated if it
+///          is neither a robot's nor a gateway's.
 /// Thread:  pure; any thread.
 [[nodiscard]] absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello,
                                                     const identity::PeerIdentity& peer);

@@ -10,19 +10,19 @@
 
 namespace uplink::session {
 
-/// How long a stream may be without its first frame: kHelloWait, or kHelloWaitPressed while others
-/// wait for a place. Confined to the stream's thread.
+/// How long a stream may be without its first frame: kHelloWait, or kHelloWaitPressed while
+/// connections wait for a place. Confined to the stream's thread.
 class HelloWait final {
  public:
-  /// `pressed`: others wait; null if nobody can tell.
+  /// `pressed`: connections wait; null if that is unknown.
   explicit HelloWait(const std::atomic<bool>* pressed) : pressed_(pressed) {}
 
-  /// The stream begins; says when to look.
+  /// The stream begins. Returns when to check it.
   [[nodiscard]] SteadyTime Begin(SteadyTime now) {
     began_ = now;
     return now + kHelloWaitPressed;
   }
-  /// At or after such a time: what it had, if that is over.
+  /// At or after such a time: the limit that it exceeded, if any.
   [[nodiscard]] std::optional<std::chrono::seconds> Over(SteadyTime now) const {
     if (now >= began_ + kHelloWait) return kHelloWait;
     if (pressed_ != nullptr && pressed_->load(std::memory_order_relaxed)) return kHelloWaitPressed;

@@ -26,14 +26,14 @@ namespace uplink::session {
 [[nodiscard]] ingest::Block FindBlockOfAll(const robot::Robot& robot, std::size_t outgoing,
                                            SteadyTime now);
 
-/// Processes the messages of a stream one by one: a duplicate, or new with what is missing before
-/// it; a new one is judged and offered to the port. It stops in the middle of a batch where the
+/// Processes the messages of a stream one by one. It counts duplicates, and appends the gap before
+/// a new message, judges it, and offers it to the port. It stops in the middle of a batch if the
 /// server must hold the stream back, and goes on there.
 ///
 /// Thread:  confined to the stream's thread.
 class Intake final {
  public:
-  /// What outlives it, and `by` as Attachment::Open gave it.
+  /// The references outlive it; `by` as Attachment::Open returned it.
   struct Sources {
     const SessionContext& context;
     robot::Robot& robot;
@@ -45,19 +45,18 @@ class Intake final {
 
   using Processed = session::Processed;
 
-  /// A checked batch becomes the pending one. Must not be called while one is pending. The views
-  /// must hold until Keep.
+  /// Begins a checked batch. None may be pending. The views must stay valid until Keep.
   void Begin(std::span<const UplinkView> uplinks, SteadyTime arrived, SystemTime received_at);
   /// Processes messages of the pending batch until it is done or the stream must be held back.
-  /// `outgoing` is the number of frames that wait for the peer already.
+  /// `outgoing` frames already wait for the peer.
   [[nodiscard]] Processed Process(std::size_t outgoing);
   [[nodiscard]] bool pending() const { return !batch_.empty(); }
   /// Process has something to do: messages are pending, or telemetry over the rate may be decoded
   /// by now (Timer::kSurplus).
   [[nodiscard]] bool due() const { return pending() || MayDecodeSurplus(); }
-  /// Copies what is still pending: the frame's bytes are about to go.
+  /// Copies pending messages: the frame's bytes are about to go.
   void Keep() { batch_.Keep(); }
-  /// Drops what is pending, unprocessed.
+  /// Drops pending messages unprocessed.
   void Drop() {
     batch_.Drop();
     front_cost_.reset();
@@ -65,7 +64,7 @@ class Intake final {
   /// The stream ends: the latest telemetry that was over the rate is applied.
   void End();
 
-  /// No message is processed any more: the agent is to confirm Rejects first, by its next Hello.
+  /// No more messages are processed: the agent must first confirm Rejects, by its next Hello.
   [[nodiscard]] bool rejects_full() const {
     return robot_.sessions.unconfirmed() >= context_.limits.unconfirmed_rejects_max;
   }
@@ -83,7 +82,7 @@ class Intake final {
   /// Telemetry over the rate of its robot is superseded undecoded. False if it has to wait.
   [[nodiscard]] bool AddUndecoded(std::size_t kind, const UplinkView& uplink,
                                   const robot::Seen& seen);
-  /// False, and the message waits, if what it costs has no room.
+  /// False, and the message waits, if its cost has no room.
   [[nodiscard]] bool HasRoom(const ingest::RecordCost& cost);
   void WaitFor(const ingest::RecordCost& cost);
   void CountDuplicate(const robot::Seen& seen, Processed& processed);
@@ -99,7 +98,7 @@ class Intake final {
   Appending appending_;
   LiveIntake live_;
   const UplinkSources uplinks_;
-  /// What the next message costs, which had to wait.
+  /// The cost of the next message, if it had to wait.
   std::optional<ingest::RecordCost> front_cost_;
   NewUplink::Arrived arrived_;
   /// Messages of this turn that were rejected, limited, or had invalid fields.

@@ -17,13 +17,13 @@
 
 namespace uplink::session {
 
-/// What a message is, before anything is done for it: it may have to wait, and is judged again
-/// then. A value.
+/// A judged message, before anything is done for it. It may have to wait, and is judged again then.
+/// A value.
 struct Judged {
   std::variant<model::Record, model::RcanState, model::Rejection> content;
   /// A kind of the ledger.
   std::size_t kind = metrics::kUnknownKind;
-  /// Of a Robot State.
+  /// For a Robot State.
   std::vector<model::DroppedField> dropped{};
   std::vector<model::UntoldFields> untold{};
   bool sign_of_life = false;
@@ -32,14 +32,14 @@ struct Judged {
   bool expired = false;
 };
 
-/// Judges a message of the robot `ruri` that was received at that time. Nothing of the robot
-/// changes. On the thread of the context.
+/// Judges a message of the robot `ruri` that was received at that time. Changes nothing of the
+/// robot. On the thread of the context.
 [[nodiscard]] Judged JudgeUplink(const SessionContext& context, const std::string& ruri,
                                  const UplinkView& uplink, SystemTime received_at);
 
-/// Whether it is an upsert of a shape or an object whose expiry has passed at `now`: such a message
-/// is neither stored nor forwarded. Never while nobody vouches for the clock that says so: the
-/// message is stored then.
+/// Whether it is an upsert of a shape or object whose expiry has passed at `now`: such a message is
+/// neither stored nor forwarded. False while the clock is not vouched for, so that the message is
+/// stored then.
 [[nodiscard]] bool ExpiredOnArrival(const model::Body& body, SystemTime now,
                                     const storage::ClockTrust& clock_trust);
 

@@ -9,19 +9,19 @@
 
 namespace uplink::session {
 
-/// Consecutive limited numbers of a pass over messages, until they go to the journal as one range.
+/// Consecutive limited numbers of one pass, until they go to the journal as one range.
 ///
-/// Bound: one range; as many numbers as a pass takes of what is costly (kCostlyPerTurn).
+/// Bound: one range; as many numbers as a pass takes of costly messages (kCostlyPerTurn).
 /// Thread: confined to the stream's thread.
 class LimitedRun final {
  public:
   [[nodiscard]] bool empty() const { return !range_; }
   /// The last number of the range. It must not be empty.
   [[nodiscard]] model::Seq last() const { return last_; }
-  /// The number goes on with the range at hand.
+  /// Whether the number continues the current range.
   [[nodiscard]] bool Precedes(model::Seq seq) const { return range_ && seq == last_ + 1; }
-  /// Begins a range, or goes on with the one at hand. Where several kinds were limited, each by a
-  /// rate of its own, the range names none of them.
+  /// Begins a range, or continues the current one. If several kinds were limited, each by its own
+  /// rate, the range names none of them.
   void Add(model::Seq seq, const model::Rejection& rejection) {
     if (!range_) {
       range_ = storage::LimitedRange{.first = seq, .rejection = rejection};
@@ -30,7 +30,7 @@ class LimitedRun final {
     }
     last_ = seq;
   }
-  /// The range at hand, which must not be empty; the next number begins another.
+  /// Takes the current range, which must not be empty; the next number begins another.
   [[nodiscard]] storage::LimitedRange Take() { return *std::exchange(range_, std::nullopt); }
 
  private:

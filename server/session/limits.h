@@ -13,36 +13,35 @@
 
 namespace uplink::session {
 
-/// Messages after which an Ack that only live messages move is sent (protocol: Ack; measured: an
-/// ack for each paced message is a third of its cost).
+/// Messages after which an Ack is sent if only live messages moved it (protocol: Ack). An ack for
+/// each paced message would be a third of its cost (measured).
 inline constexpr std::uint32_t kAckMessages = 64;
-/// Frames that wait for a peer to read before its stream is held back.
+/// Frames that may wait for a peer to read; past them its stream is held back.
 inline constexpr std::size_t kOutgoingFramesMax = 1024;
-/// A stream whose first frame does not come within this is ended: it holds a place among the
-/// streams.
+/// A stream without its first frame ends after this, since it holds a place among the streams.
 inline constexpr std::chrono::seconds kHelloWait{10};
 /// The same while others wait for a place.
 inline constexpr std::chrono::seconds kHelloWaitPressed{3};
-/// How often a stream between the two looks whether others wait.
+/// How often a stream between the two checks whether others wait.
 inline constexpr std::chrono::seconds kHelloLook{1};
 /// Longest that Welcome waits for the store (protocol: Hello and Welcome).
 inline constexpr std::chrono::seconds kWelcomeWait{1};
-/// A peer that takes nothing for so long, while its outgoing queue is full, is ended.
+/// A peer that takes nothing for so long while its outgoing queue is full is ended.
 inline constexpr std::chrono::seconds kPeerStallMax{30};
 /// A superseded or refused call whose peer does not read is cancelled after this.
 inline constexpr std::chrono::seconds kFinishWait{1};
-/// Messages that were rejected, limited or had invalid fields, after which a stream lets others of
-/// its thread go first: each takes up to some 40 us, a good one half of one.
+/// After so many rejected, limited or partly invalid messages a stream lets others of its thread go
+/// first: such a message takes up to 40 us, a good one half a microsecond.
 inline constexpr std::size_t kCostlyPerTurn = 16;
 /// Writes of forwards in one turn of a stream, before others of its thread go first.
 inline constexpr std::size_t kForwardsPerTurn = 16;
-/// After how long Rejects are read again that could not be.
+/// After how long a failed read of Rejects is tried again.
 inline constexpr std::chrono::seconds kRejectsReadAgain{1};
-/// How long after Welcome an agent is first asked for what the store lacks of it: by then most have
-/// sent it by themselves (it takes a round trip over a mobile link, and what the agent needs to
-/// make it), and need not send it twice.
+/// How long after Welcome an agent is first asked for what the store lacks of it. By then most
+/// agents have sent it by themselves: it takes a round trip over a mobile link, and the time to
+/// make the message.
 inline constexpr std::chrono::seconds kResendGrace{1};
-/// Largest jump of numbers, but at a stream's first message.
+/// Largest jump of numbers, except at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;
 /// Arrivals that a stream keeps for the ack latency until its next Ack is written.
 inline constexpr std::size_t kReleasedMax = 4096;
@@ -68,7 +67,7 @@ struct SessionLimits {
       static_cast<std::uint32_t>(config::LimitsConfig().frame_bytes_max);
   /// Whether an RCAN Robot State is a sign of life (rcan.counts_as_life).
   bool rcan_counts_as_life = config::RcanConfig().counts_as_life;
-  /// Rejects of a session above Hello.settled_seq with which its stream ends: each is in
+  /// So many unconfirmed Rejects of a session (above Hello.settled_seq) end its stream: each is in
   /// the store, and is read for the next Welcome.
   std::size_t unconfirmed_rejects_max = storage::kQuarantineRowsPerRobotMax;
   robot::ReconnectLimits reconnects;

@@ -19,9 +19,9 @@
 
 namespace uplink::session {
 
-/// The live messages of a stream: those of a frame are applied to the robot's state together.
-/// Telemetry (metrics::kTelemetryKinds) over the rate of its robot is superseded undecoded, but for
-/// the latest of each kind, which is decoded as soon as the rate allows.
+/// The live messages of a stream. Those of one frame are applied to the robot's state together.
+/// Telemetry (metrics::kTelemetryKinds) over the robot's rate is superseded undecoded, except the
+/// latest of each kind, which is decoded once the rate allows it.
 ///
 /// Thread: confined to the stream's thread.
 class LiveIntake final {
@@ -34,7 +34,7 @@ class LiveIntake final {
   };
   explicit LiveIntake(const Sources& sources) : sources_(sources) {}
 
-  /// What follows came with a frame that arrived at this time.
+  /// Begins a frame that arrived at this time.
   void Begin(SteadyTime arrived, SystemTime received_at) {
     arrived_ = arrived;
     received_at_ = received_at;
@@ -42,44 +42,44 @@ class LiveIntake final {
 
   // --- Decoded messages, whose numbers the caller settles ---
 
-  /// A message of this kind was decoded: it takes from the rate of telemetry, if it is such.
+  /// A message of this kind was decoded: telemetry takes from its rate.
   void TakeRate(std::size_t kind, const limits::BucketSize& rate);
-  /// It is a sign of life.
+  /// The current message is a sign of life.
   void NoteLife() { sign_of_life_ = true; }
   void Add(model::Seq seq, model::Record record, Processed& processed);
-  /// What a state's time says beside the one before; changes nothing.
+  /// The age of a state beside the one before; changes nothing.
   [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
-  /// Its place in the order is noted, whatever becomes of it; returns its age.
+  /// Notes its place in the order, whatever becomes of it; returns its age.
   [[nodiscard]] RcanOrder::Age See(const model::RcanState& state);
   /// The time of the state before one that is kOlder.
   [[nodiscard]] std::int64_t last_timestamp_us() const { return rcan_order_->last_timestamp_us(); }
-  /// A Robot State that See found to be of this age, and not kOlder.
+  /// Adds a Robot State for which See returned this age, not kOlder.
   void Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed);
   // --- Telemetry over the rate ---
 
   /// The kind of a message that must not be decoded now: telemetry, over the rate of its robot.
   [[nodiscard]] std::optional<std::size_t> OverRate(const UplinkView& uplink,
                                                     const limits::BucketSize& rate) const;
-  /// Such a message, of this kind: an older one of it is superseded.
+  /// Holds such a message; an older one of its kind is superseded.
   void AddUndecoded(std::size_t kind, const UplinkView& uplink);
-  /// When the latest of those may be decoded; nothing if none is held.
+  /// When the latest held message may be decoded; empty if none is held.
   [[nodiscard]] std::optional<SteadyTime> DecodesAt(const limits::BucketSize& rate) const;
-  /// Decodes the latest of those, of each kind. One that judgement rejects is superseded.
+  /// Decodes the held message of each kind. One that judgement rejects is superseded.
   void Decode(const limits::BucketSize& rate, Processed& processed);
   /// Copies what is held: the bytes of its batch are about to go.
   void Keep() { surplus_.Keep(); }
 
-  /// All that was added is in the robot's state, and counted.
+  /// Applies everything that was added to the robot's state, and counts it.
   void Apply();
 
  private:
   void CountSuperseded();
   void DecodeOne(const UplinkView& uplink, std::size_t place, Processed& processed);
-  /// A decoded message of this kind is newer than the one that is held.
+  /// Supersedes the held message of this kind: a newer one was decoded.
   void SupersedeOlder(std::size_t kind);
-  /// The one that was held in this place is superseded, and See never saw it.
+  /// Supersedes the message held in this place, which See never saw.
   void SupersedeUnread(std::size_t place);
-  /// The one that was held in this place is counted as superseded.
+  /// Counts the message held in this place as superseded.
   void CountOverRate(std::size_t place);
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Processed& processed);

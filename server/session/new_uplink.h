@@ -29,7 +29,7 @@ struct UplinkSources {
   LiveIntake& live;
 };
 
-/// A relayed message whose number is new, as it is offered to the port.
+/// A relayed message with a new number, as it is offered to the port.
 ///
 /// Thread: confined to the stream's thread.
 class NewUplink final : public ingest::Message {
@@ -45,7 +45,7 @@ class NewUplink final : public ingest::Message {
 
   [[nodiscard]] const ingest::Arrival& arrival() const override { return arrival_; }
   [[nodiscard]] std::optional<ingest::RecordCost> Cost() override;
-  /// The same, once it was asked.
+  /// The result of Cost, once it was called.
   [[nodiscard]] const ingest::RecordCost& cost() const { return cost_; }
   void Begin() override;
   [[nodiscard]] std::optional<model::Rejection> TakeRate() override;
@@ -59,9 +59,10 @@ class NewUplink final : public ingest::Message {
   void Settle(metrics::Became /*became*/) override {}
 
  private:
-  /// It was not decided before: neither sent again, nor before the store has said how far it is.
+  /// It was not decided before: it was not sent again, and the store has said how far the session
+  /// is.
   [[nodiscard]] bool IsNew() const;
-  /// A durable record that is stored unless it is over its rate; null of anything else.
+  /// The durable record that is stored unless it exceeds its rate; null for other messages.
   [[nodiscard]] const model::Record* Durable() const;
   [[nodiscard]] ingest::Brought TakeRecord(model::Record& record);
 
@@ -72,12 +73,12 @@ class NewUplink final : public ingest::Message {
   Judged& judged_;
   Processed& processed_;
   ingest::RecordCost cost_;
-  /// Of one that is limited: when it may come again.
+  /// If it is limited: when it may come again.
   milliseconds again_{0};
   /// Of a Robot State.
   RcanOrder::Age age_ = RcanOrder::Age::kNewer;
   std::optional<model::Rejection> too_old_;
-  /// Of a record of which the store keeps the latest.
+  /// For a record of which the store keeps the latest.
   std::optional<storage::LatestKind> latest_;
 };
 

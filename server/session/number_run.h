@@ -8,8 +8,8 @@
 
 namespace uplink::session {
 
-/// The numbers of a stream as its messages are processed, with as few looks into the robot's
-/// sessions, which are locked, as the order of the numbers allows.
+/// The numbers of a stream while its messages are processed. It locks the robot's sessions as
+/// seldom as the order of the numbers allows.
 ///
 /// Thread: confined to the stream's thread.
 class NumberRun final {
@@ -18,15 +18,15 @@ class NumberRun final {
   NumberRun(robot::RobotSessions& sessions, const model::SessionId& session)
       : sessions_(sessions), session_(session) {}
 
-  /// A pass over messages begins: the robot may have been taken since the one before.
+  /// A pass over messages begins: the robot may have been taken over since the last one.
   void Begin() { new_before_ = 0; }
-  /// Sees a number, as robot::RobotSessions::See. One that follows a new one at once is new.
+  /// Sees a number, as robot::RobotSessions::See. A number directly after a new one is new.
   [[nodiscard]] robot::Seen See(model::Seq seq);
   /// The number just seen is settled; the sessions learn it by Flush at the latest.
   void AddSettled(model::Seq seq) { unsettled_ = seq; }
   /// The number just seen waits for its commit, as robot::RobotSessions::AddWaiting.
   [[nodiscard]] std::int64_t AddWaiting(model::Seq seq, std::size_t bytes);
-  /// The number just seen is not taken now: it is looked at again later.
+  /// The number just seen is not taken now, and will be seen again.
   void PutBack() { new_before_ = 0; }
   /// Tells the sessions what is settled. Ends a pass.
   void Flush();
@@ -34,9 +34,9 @@ class NumberRun final {
  private:
   robot::RobotSessions& sessions_;
   const model::SessionId session_;
-  /// The number before, if it was new; 0 otherwise.
+  /// The previous number, if it was new; otherwise 0.
   model::Seq new_before_ = 0;
-  /// The highest of the settled ones that the sessions have not been told of; 0 if there is none.
+  /// The highest settled number that the sessions were not told; 0 if there is none.
   model::Seq unsettled_ = 0;
 };
 

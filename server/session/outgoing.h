@@ -19,13 +19,12 @@
 
 namespace uplink::session {
 
-/// What one stream sends: frames in order, one write at a time, and an Ack only when no frame waits
-/// before it. So every Reject that an Ack may cover has been written before the Ack. What other
-/// robots share goes a few frames at a time, when nothing of the stream's own waits. Confined to
-/// the stream's thread.
+/// What one stream sends: frames in order, one write at a time. An Ack goes only when no frame
+/// waits, so every Reject that it covers has been written. Shared items of other robots go a few
+/// frames at a time, when nothing of the stream's own waits. Confined to the stream's thread.
 ///
-/// Bound: a stream is held back at kOutgoingFramesMax; what commits and one batch add comes on top.
-/// Forwards wait in their receiver, and hold nothing back.
+/// Bound: a stream is held back at kOutgoingFramesMax; commits and one batch may add to that.
+/// Forwards wait in their receiver, and do not count.
 class Outgoing final {
  public:
   /// All of them outlive it. `robot` is attached before anything is sent.
@@ -42,19 +41,19 @@ class Outgoing final {
         ack_(sources.context, sources.timers) {}
 
   void Push(v1::RelayResponse frame) { frames_.push_back(std::move(frame)); }
-  /// A stream begins: Welcome, the Rejects that are told once more, then an Ack; and behind these,
-  /// unless the robot declined, what the others of its fleet share.
+  /// A stream begins: Welcome, the repeated Rejects, then an Ack; after them, unless the robot
+  /// declined, what the others of its fleet share.
   void Begin(const robot::Resume& resume);
   void PushRejects(std::span<const robot::RejectedSeq> rejects);
-  /// Messages were processed: their Rejects and Notices go out, and count towards the next Ack.
+  /// Messages were processed: sends their Rejects and Notices, and counts them for the next Ack.
   void AddProcessed(Intake::Processed processed);
-  /// Commits may have settled messages: the store's Rejects go out, and an Ack that they move.
+  /// Commits may have settled messages: sends the store's Rejects, and an Ack if they move it.
   void AddProgress();
-  /// An Ack goes out behind the frames that wait.
+  /// Sends an Ack after the waiting frames.
   void MakeAckDue() { ack_.MakeDue(); }
-  /// What the others share goes out no more.
+  /// Ends forwarding.
   void EndForwards() { receiver_.reset(); }
-  /// The stream was woken: it may forward kForwardsPerTurn times more.
+  /// The stream was woken: it may make kForwardsPerTurn more writes of forwards.
   void BeginTurn() { forwards_left_ = kForwardsPerTurn; }
   /// Writes the next frame, unless a write is under way.
   void Flush();
@@ -63,7 +62,7 @@ class Outgoing final {
 
   /// Frames that wait.
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
-  /// Nothing waits, is under way or is due, but for forwards.
+  /// Nothing waits, is under way or is due, except forwards.
   [[nodiscard]] bool idle() const { return !write_under_way_ && frames_.empty() && !ack_.due(); }
 
  private:
@@ -78,7 +77,7 @@ class Outgoing final {
   bool write_under_way_ = false;
   /// Null while nothing is forwarded.
   std::unique_ptr<ForwardReceiver> receiver_;
-  /// What it gave last; empty between two writes.
+  /// The frames that it gave last; empty between two writes.
   std::vector<EncodedFrame> forwards_;
   std::size_t forwards_left_ = kForwardsPerTurn;
 };

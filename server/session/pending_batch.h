@@ -9,24 +9,24 @@
 
 namespace uplink::session {
 
-/// The messages of one batch that were not processed yet. They lie in the frame's own bytes until
-/// Keep copies what is left. Confined to the stream's thread.
+/// The unprocessed messages of one batch. They lie in the frame's own bytes until Keep copies them.
+/// Confined to the stream's thread.
 ///
 /// Bound: one frame (limits.frame_bytes_max).
 class PendingBatch final {
  public:
   [[nodiscard]] bool empty() const { return uplinks_.empty(); }
-  /// Must not be called while messages are pending. The views must hold until Keep.
+  /// No messages may be pending. The views must stay valid until Keep.
   void Begin(std::span<const UplinkView> uplinks) { uplinks_ = uplinks; }
   [[nodiscard]] const UplinkView& front() const { return uplinks_.front(); }
   void PopFront() { uplinks_ = uplinks_.subspan(1); }
-  /// Copies what is still pending: the frame's bytes are about to go.
+  /// Copies pending messages: the frame's bytes are about to go.
   void Keep();
-  /// Drops what is pending, unprocessed.
+  /// Drops pending messages unprocessed.
   void Drop();
 
  private:
-  /// What stayed of a frame that could not be processed at once.
+  /// The copy of a frame that could not be processed at once.
   struct Kept {
     std::string bytes;
     std::vector<UplinkView> uplinks;

@@ -15,7 +15,7 @@
 
 namespace uplink::session {
 
-/// How a stream ends: with one of gRPC's codes, by their number, or broken off without one. Closed.
+/// How a stream ends: with one of gRPC's codes, by number, or broken without one. A closed list.
 inline constexpr std::array<std::string_view, 18> kStreamEnds = {"ok",
                                                                  "cancelled",
                                                                  "unknown",
@@ -36,15 +36,15 @@ inline constexpr std::array<std::string_view, 18> kStreamEnds = {"ok",
                                                                  "broken"};
 inline constexpr std::size_t kStreamBroken = kStreamEnds.size() - 1;
 
-/// What sessions count besides the ledger. Thread-safe; one for all sessions.
+/// Counts of sessions beside the ledger. Thread-safe; one for all sessions.
 struct SessionProbe {
   metrics::Cell streams;
   metrics::Cell streams_total;
   metrics::Cell takeovers_total;
   metrics::Cell contested_total;
   metrics::Cell protocol_errors_total;
-  /// Streams that were refused at their Hello: no room for one more robot; or the certificate may
-  /// not do what the Hello asks for.
+  /// Streams that were refused at their Hello: for lack of room for another robot, or because the
+  /// certificate does not allow what the Hello asks for.
   metrics::Cell refused_full_total;
   metrics::Cell refused_identity_total;
   /// Streams of gateways that may bring in no more robots.
@@ -54,9 +54,10 @@ struct SessionProbe {
     const bool identity = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
     (identity ? refused_identity_total : protocol_errors_total).Add();
   }
-  /// Streams that were refused since too many of the robot's waited.
+  /// Streams that were refused because too many of the robot's already waited.
   metrics::Cell refused_waiting_total;
-  /// Streams that came too soon after others of their robot: those that wait now, and all that did.
+  /// Streams that came too soon after others of their robot: those that wait now, and all that
+  /// waited.
   metrics::Cell waiting;
   metrics::Cell delayed_total;
   metrics::CoreCell notices_total;
@@ -67,7 +68,7 @@ struct SessionProbe {
   /// Streams whose frames are not read now, and how often that began.
   metrics::Cell held_back;
   metrics::Cell held_back_total;
-  /// The same by what holds them back: by robot::HeldBack, but kNone.
+  /// The same by robot::HeldBack, without kNone.
   std::array<metrics::Cell, robot::kHeldBackReasons> held_back_by;
   std::array<metrics::Cell, robot::kHeldBackReasons> held_back_by_total;
   metrics::Cell peer_stalls_total;
@@ -75,10 +76,10 @@ struct SessionProbe {
   /// Pages of Rejects that were read for streams, and reads that failed.
   metrics::Cell reject_pages_total;
   metrics::Cell reject_reads_failed_total;
-  /// Streams that ended with limits.unconfirmed_rejects_max Rejects that were not confirmed.
+  /// Streams that ended with limits.unconfirmed_rejects_max unconfirmed Rejects.
   metrics::Cell unconfirmed_total;
   /// By storage::LatestKind: how often robots were asked for one, and streams whose robot was asked
-  /// and has not sent it.
+  /// and has not answered.
   std::array<metrics::Cell, storage::kLatestKinds> resend_requests_total;
   std::array<metrics::Cell, storage::kLatestKinds> resend_unanswered;
   /// Streams that ended, by kStreamEnds.
@@ -91,7 +92,7 @@ struct SessionProbe {
   }
   metrics::CoreCell frames_total;
   metrics::CoreCell frame_bytes_total;
-  /// Arrival to the Ack that covers it, durable messages.
+  /// Time from the arrival of a durable message to the Ack that covers it.
   metrics::LatencyDistribution ack_seconds{metrics::kLatencyBoundsSeconds};
 };
 

@@ -7,13 +7,13 @@
 
 namespace uplink::session {
 
-/// What processing messages asks of the stream.
+/// What the stream must do after messages were processed.
 struct Processed {
   /// Rejects and Notices, in order; they go out before any later Ack.
   std::vector<v1::RelayResponse> frames;
   /// Messages that were judged, found duplicates or superseded undecoded.
   std::size_t messages = 0;
-  /// A settled message came again: it is answered by an Ack even if the Ack does not grow.
+  /// A settled message came again: answer it by an Ack, even if the Ack does not grow.
   bool ack_owed = false;
   /// The robot is held by another process or stream: process nothing more.
   bool is_void = false;

@@ -13,9 +13,8 @@
 
 namespace uplink::session {
 
-/// Whether a stream's next frame is asked for, and if not, what will call it again; tells the
-/// robot's presence that its silence is ours while it is held back. Confined to the stream's
-/// thread.
+/// Requests a stream's next frame, or waits for what will allow it. While the stream is held back,
+/// it tells the robot's presence that the silence is the server's. Confined to the stream's thread.
 class ReadGate final {
  public:
   /// All of them outlive it.
@@ -36,10 +35,10 @@ class ReadGate final {
   /// robot's views show it meanwhile.
   void RequestUnless(const ingest::Block& block);
 
-  /// The peer's time to read runs (Timer::kStall) while `outgoing` frames are too many.
+  /// Runs the peer's time to read (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
-  /// Whether the robot's stream is not read now; counted once per change. Where the server itself
-  /// wants no more of it, nothing holds it back.
+  /// Notes whether the robot's stream is read; counted once per change. A stream that the server
+  /// stops reading for good is not held back.
   using Reading = robot::RobotState::Reading;
   void SetReading(Reading reading);
 

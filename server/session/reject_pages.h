@@ -15,10 +15,10 @@
 
 namespace uplink::session {
 
-/// Has the Rejects read that the store's answer to the opening left out, page by page: the next one
-/// once the one before was written. A read that fails is tried again (kRejectsReadAgain).
+/// Reads the Rejects that the store's answer to the opening left out, page by page: the next one
+/// once the last was written. A failed read is tried again (kRejectsReadAgain).
 ///
-/// Thread: confined to the stream's thread; what is read comes from another.
+/// Thread: confined to the stream's thread; the pages come from another.
 class RejectPages final {
  public:
   /// All of them outlive it.
@@ -29,14 +29,14 @@ class RejectPages final {
   };
   explicit RejectPages(const Sources& sources) : sources_(sources) {}
 
-  /// A page that was read becomes part of the stream's progress. False if there is none.
+  /// Adds a page that was read to the stream's progress. False if there is none.
   bool Collect();
-  /// Asks for the next page, unless one is asked for, or `outgoing` frames wait. From Welcome on.
+  /// Asks for the next page, unless one is under way or `outgoing` frames wait. From Welcome on.
   void Ask(std::size_t outgoing);
 
  private:
   using Page = absl::StatusOr<std::vector<storage::StoredReject>>;
-  /// Where the reading thread leaves a page; it may outlive the stream.
+  /// The reading thread puts a page here; it may outlive the stream.
   class Box final {
    public:
     void Put(Page page) {
@@ -57,7 +57,7 @@ class RejectPages final {
   void SetTry();
 
   const Sources sources_;
-  /// Of the page that is asked for; null: none is.
+  /// For the page that was asked for; null if none was.
   std::shared_ptr<Box> asked_;
   storage::RejectsQuery query_;
 };

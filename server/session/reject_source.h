@@ -9,15 +9,14 @@
 
 namespace uplink::session {
 
-/// Reads quarantined Rejects where it may take long: away from the streams' threads and from the
-/// writers. Thread-safe.
+/// Reads quarantined Rejects on a thread that may take long, apart from the streams' threads and
+/// the writers. Thread-safe.
 class RejectSource {
  public:
   using Done = std::function<void(absl::StatusOr<std::vector<storage::StoredReject>> rejects)>;
 
   virtual ~RejectSource() = default;
-  /// `done` is called once, on another thread. False, and it is never called, if too many reads
-  /// wait.
+  /// Calls `done` once, on another thread. False, without a call, if too many reads wait.
   [[nodiscard]] virtual bool Read(const storage::RejectsQuery& query, Done done) = 0;
 };
 

@@ -8,8 +8,8 @@
 
 namespace uplink::session {
 
-/// Asks the robot of one stream for the messages that the store lacks of it (robot::Resends):
-/// kResendGrace after Welcome or once the store has answered, whichever is later, and again each
+/// Asks the robot of one stream for messages that the store lacks (robot::Resends): kResendGrace
+/// after Welcome or when the store has answered, whichever is later, and again each
 /// robot::kResendEvery while one is missing. Confined to the stream's thread.
 class ResendRequests final {
  public:
@@ -24,7 +24,7 @@ class ResendRequests final {
 
   /// Welcome goes out.
   void Begin();
-  /// The stream goes on: asks if it is time to.
+  /// Asks if it is due.
   void Follow();
   /// The stream ends, or has ended.
   void End() { CountUnanswered(0); }
@@ -34,7 +34,7 @@ class ResendRequests final {
 
   const Sources sources_;
   SteadyTime first_at_;
-  /// What the probe has of this stream.
+  /// What this stream counts in the probe.
   storage::LatestKindSet unanswered_ = 0;
 };
 

@@ -6,11 +6,10 @@
 
 namespace uplink::session {
 
-/// What the sessions count, for a page of metrics. Any thread.
+/// Adds the counts of sessions to a page of metrics. Any thread.
 void AddSamples(const SessionProbe& probe, metrics::Exposition& page);
 
-/// What the listener for robots counts. Some streams are refused by it, others by their session.
-/// Any thread.
+/// Adds the counts of the robots' listener, which refuses some streams itself. Any thread.
 void AddSamples(const transport::RelayProbe& probe, const SessionProbe& sessions,
                 metrics::Exposition& page);
 

@@ -30,8 +30,8 @@ namespace uplink::session {
 ///
 /// Life: Start; then the transport calls On...; after FrameSink::Finish it calls nothing but
 /// OnBroken. May be destroyed once `done()`.
-/// Thread: confined to the stream's thread. Other threads reach it by loop::StreamRef::Wake alone,
-/// which makes the transport call OnWake there.
+/// Thread: confined to the stream's thread. Other threads only call loop::StreamRef::Wake, which
+///         makes the transport call OnWake there.
 class Session final {
  public:
   Session(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self,
@@ -42,9 +42,9 @@ class Session final {
 
   /// Asks for the first frame.
   void Start();
-  /// One frame, whole: a serialized RelayRequest.
+  /// One complete frame: a serialized RelayRequest.
   void OnFrame(std::string_view bytes);
-  /// Bytes of a frame came that is not whole yet.
+  /// Bytes of an incomplete frame came.
   void OnFrameBytes() {
     if (state_ != State::kStreaming || !slow_frame_.Add(context_.clock.Steady())) return;
     robot_.robot().state.SignOfLife(context_.clock.Steady(), context_.clock.System(),
@@ -59,8 +59,8 @@ class Session final {
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.
   void OnHalfClose();
-  /// The stream is gone: nothing can be written any more. `code` is what its peer's reset meant, or
-  /// with what the transport ended it, if it was not cut. Idempotent.
+  /// The stream is gone: nothing can be written. `code` is what its peer's reset meant, or the
+  /// transport's own status; empty if the connection was cut. Idempotent.
   void OnBroken(std::optional<absl::StatusCode> code = std::nullopt) {
     if (done()) return;
     context_.probe.CountEnd(code);
@@ -71,21 +71,20 @@ class Session final {
   void OnWake();
   /// `deadline()` has come.
   void OnTimer();
-  /// The server drains: tell the agent, read no more, settle, end within `grace`.
+  /// The server drains: tells the agent, stops reading, settles, and ends within `grace`.
   void OnDrain(milliseconds grace);
 
-  /// Bytes of the largest frame that it takes next: until the Hello came, what one may have. Past
-  /// it a transport that knows the size before the bytes calls OnFrameTooLarge.
+  /// Bytes of the largest next frame; before the Hello, those of a Hello. A transport that knows a
+  /// larger size before the bytes calls OnFrameTooLarge.
   [[nodiscard]] std::size_t frame_bytes_max() const {
     const std::size_t limit = context_.limits.frame_bytes_max;
     return state_ == State::kHello ? std::min(limit, kHelloFrameBytesMax) : limit;
   }
-  /// When OnTimer wants to be called; the transport asks after each call. Calling it early is
-  /// right.
+  /// When OnTimer is due; the transport asks after each call, and may call OnTimer early.
   [[nodiscard]] std::optional<SteadyTime> deadline() const;
-  /// The robot that a Hello in order named; empty before that.
+  /// The robot that a valid Hello named; empty before.
   [[nodiscard]] const std::string& ruri() const { return robot_.ruri(); }
-  /// It ends since its agent confirmed too few Rejects (limits.unconfirmed_rejects_max).
+  /// It ends because its agent confirmed too few Rejects (limits.unconfirmed_rejects_max).
   [[nodiscard]] bool unconfirmed() const { return settling_.unconfirmed(); }
   /// Finish was called, or the stream broke.
   [[nodiscard]] bool done() const { return state_ == State::kDone; }
@@ -94,7 +93,7 @@ class Session final {
   enum class State : std::uint8_t {
     /// Waits for Hello.
     kHello,
-    /// Waits since streams of the robot come too often; the robot's stream goes on meanwhile.
+    /// Waits because streams of the robot come too often; the robot's stream goes on meanwhile.
     kDelayed,
     /// Waits until the older stream of the robot has stopped.
     kAttaching,
@@ -105,30 +104,30 @@ class Session final {
     kSettling,
     kDone,
   };
-  /// What a call brings besides its own work, for Advance.
+  /// What an event means for Advance.
   enum class News : std::uint8_t {
     kNone,
     /// Commits may have settled messages.
     kCommits,
-    /// The stream is read no more.
+    /// The stream is not read any more.
     kLastFrame,
   };
 
   void HandleHello(std::string_view bytes);
   void Attach();
-  /// Ends the stream if it is not the robot's any more, and begins its opening if it has become so.
-  /// False unless it is the robot's and goes on.
+  /// Ends the stream if it is no longer the robot's; begins its opening if it has become the
+  /// robot's. True only if it is the robot's and goes on.
   bool FollowStanding(robot::Standing standing);
   void BeginOpening();
   void SendWelcome();
   void HandleBatch();
 
-  /// What every call ends with, in this order: process what is pending, collect what commits
-  /// brought, write, end the stream once all is settled, and ask for the next frame.
+  /// Every call ends with this: process pending messages, collect what commits settled, write, end
+  /// the stream once all is settled, and request the next frame.
   void Advance(News news);
   void ProcessAndWrite(News news);
-  /// Ends the stream if too many Rejects wait to be confirmed: what was processed is settled first.
-  /// True if it does.
+  /// Begins to end the stream if too many Rejects are unconfirmed; processed messages are settled
+  /// first. True if it does.
   bool EndForRejects();
   void EndWhenSettled();
   void Read();
@@ -142,7 +141,8 @@ class Session final {
   void Leave();
 
   const SessionContext context_;
-  /// Until its Hello: a gateway's may name hundreds of robots, and each of its streams has a copy.
+  /// Kept until its Hello: a gateway's names hundreds of robots, and each of its streams has a
+  /// copy.
   identity::PeerIdentity peer_;
   FrameSink& sink_;
 

@@ -13,11 +13,11 @@
 
 namespace uplink::session {
 
-/// With what a stream ends that the server's drain ends.
+/// The status of a stream that the server's drain ends.
 [[nodiscard]] absl::Status Drained();
 
-/// How a stream ends that is not read any more: once all that was processed is settled, with a last
-/// Ack, or when its time is over (Timer::kSettle). Confined to the stream's thread.
+/// Ends a stream that is no longer read: once everything processed is settled, with a last Ack, or
+/// when its time is over (Timer::kSettle). Confined to the stream's thread.
 class Settling final {
  public:
   /// All of them outlive it.
@@ -35,17 +35,17 @@ class Settling final {
   void BeginHalfClosed();
   /// The server drains; EndWithin follows.
   void BeginDrained();
-  /// The session has limits.unconfirmed_rejects_max Rejects that its agent did not confirm.
+  /// The session has limits.unconfirmed_rejects_max unconfirmed Rejects.
   void BeginUnconfirmed();
 
   /// BeginUnconfirmed was called, even if a drain has set another status since.
   [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
 
-  /// The server drains: it has `grace`, however it came to settle.
+  /// The server drains: the stream has `grace`, whatever it settles for.
   void EndWithin(milliseconds grace);
-  /// A write is done. An agent that takes its Rejects is given the time that it needs.
+  /// A write is done. An agent that takes its Rejects gets the time that it needs.
   void OnWritten();
-  /// The status with which the stream ends now; nothing while something waits.
+  /// The status with which the stream ends now; empty while something waits.
   [[nodiscard]] std::optional<absl::Status> Ended();
 
  private:

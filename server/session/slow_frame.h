@@ -7,17 +7,17 @@
 
 namespace uplink::session {
 
-/// So long from its first byte on do the bytes of a frame that is not whole count as signs of life:
-/// a frame of 1 MB takes 20 s over a link of 50 kB/s. A peer that only drips bytes gains no more,
-/// since its next frame begins where this one ends.
+/// For so long the bytes of an incomplete frame count as signs of life: a frame of 1 MB takes 20 s
+/// over a link of 50 kB/s. A peer that drips bytes gains nothing, since its next frame begins where
+/// this one ends.
 inline constexpr std::chrono::seconds kSlowFrameMax{60};
 
-/// The frame that a stream is in the middle of. A value; confined to the stream's thread.
+/// The incomplete frame of a stream. A value; confined to the stream's thread.
 class SlowFrame final {
  public:
-  /// Bytes of it came. True if they count.
+  /// Bytes of it came. True if they count as a sign of life.
   [[nodiscard]] bool Add(SteadyTime now);
-  /// It is whole.
+  /// The frame is complete.
   void End() { began_.reset(); }
 
  private:

@@ -9,27 +9,27 @@
 
 namespace uplink::session {
 
-/// What a stream waits for, at most until a time.
+/// What a stream waits for until a deadline.
 enum class Timer : std::uint8_t {
   /// The first frame (kHelloWait).
   kHello,
-  /// Its turn, since streams of its robot come too often (robot::Reconnects).
+  /// Its turn, because streams of its robot come too often (robot::Reconnects).
   kAttach,
   /// The store's answer, before Welcome goes out without it (kWelcomeWait).
   kWelcome,
   /// The end of a stream that settles (drain.timeout).
   kSettle,
-  /// The peer, which reads nothing while its outgoing queue is full (kPeerStallMax).
+  /// The peer to read, while its outgoing queue is full (kPeerStallMax).
   kStall,
-  /// The next Ack of messages that were not acked (limits.ack_interval).
+  /// The next Ack (limits.ack_interval).
   kAck,
-  /// The next try to read Rejects (kRejectsReadAgain).
+  /// The next attempt to read Rejects (kRejectsReadAgain).
   kReadRejects,
   /// The end of a throttle, when the stream is read again.
   kReadAgain,
   /// The next ResendRequest (kResendGrace, robot::kResendEvery).
   kResend,
-  /// The robot's rate lets the latest telemetry be decoded that was over it (Surplus).
+  /// The rate to allow the latest telemetry over it to be decoded (Surplus).
   kSurplus,
 };
 inline constexpr std::size_t kTimers = 10;
@@ -40,7 +40,7 @@ class StreamTimers final {
   void Set(Timer timer, SteadyTime at) { At(timer) = at; }
   void Clear(Timer timer) { At(timer).reset(); }
   [[nodiscard]] bool is_set(Timer timer) const { return at(timer).has_value(); }
-  /// Nothing if it is not set.
+  /// Empty if it is not set.
   [[nodiscard]] const std::optional<SteadyTime>& at(Timer timer) const {
     return at_[static_cast<std::size_t>(timer)];
   }
@@ -48,7 +48,7 @@ class StreamTimers final {
   [[nodiscard]] bool Due(Timer timer, SteadyTime now) const {
     return is_set(timer) && now >= *at(timer);
   }
-  /// The earliest of all; nothing if none is set.
+  /// The earliest deadline; empty if none is set.
   [[nodiscard]] std::optional<SteadyTime> Next() const {
     std::optional<SteadyTime> first;
     for (const std::optional<SteadyTime>& at : at_) {

@@ -11,26 +11,26 @@
 
 namespace uplink::session {
 
-/// The latest telemetry of each kind that was over its robot's rate, undecoded: it is decoded once
-/// the rate allows it, so that a burst ends with its last message. Nothing is allocated before the
-/// first one, and nothing is kept after the last.
+/// The latest telemetry of each kind over its robot's rate, undecoded. It is decoded once the rate
+/// allows it, so that a burst ends with its last message. Allocates with the first message and
+/// frees after the last.
 ///
 /// Bound:  one payload for each of metrics::kTelemetryKinds, of limits.message_bytes_max.
 /// Thread: confined to the stream's thread.
 class Surplus final {
  public:
-  /// A place in metrics::kTelemetryKinds; nothing for other kinds.
+  /// A place in metrics::kTelemetryKinds; empty for other kinds.
   [[nodiscard]] static std::optional<std::size_t> PlaceOf(std::size_t kind);
 
   [[nodiscard]] bool empty() const { return slots_ == nullptr; }
   /// Holds the message in place of an older one of its kind; true if there was one. The view must
-  /// hold until Keep.
+  /// stay valid until Keep.
   [[nodiscard]] bool Put(std::size_t place, const UplinkView& uplink);
   /// A newer one of its kind came: true if one was held.
   [[nodiscard]] bool Drop(std::size_t place);
-  /// One is taken out, and its payload holds until the next call; nothing if none is held.
+  /// Takes the message out; its payload is valid until the next call. Empty if none is held.
   [[nodiscard]] std::optional<UplinkView> Take(std::size_t place);
-  /// Copies what is held: the frame's bytes are about to go.
+  /// Copies held messages: the frame's bytes are about to go.
   void Keep();
   /// Frees the memory, if nothing is held.
   void Shrink();
