@@ -7,9 +7,9 @@
 
 namespace uplink::robot {
 
-/// Which numbers of a session wait for a commit. Confined to its owner's lock.
+/// The numbers of a session that wait for a commit. Confined to its owner's lock.
 ///
-/// Bound: the numbers that wait are at most the robot's in_flight_uplinks_max.
+/// Bound: at most the robot's in_flight_uplinks_max waiting numbers.
 class AckWindow final {
  public:
   /// Numbers up to `seen` count as seen and settled.
@@ -17,13 +17,13 @@ class AckWindow final {
 
   /// Highest number seen.
   [[nodiscard]] model::Seq seen() const { return seen_; }
-  /// Highest number seen such that nothing at or below it waits. Only grows.
+  /// The highest number seen with no waiting number at or below it. Only grows.
   [[nodiscard]] model::Seq through() const { return through_; }
   /// How many numbers wait.
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
   [[nodiscard]] bool Waits(model::Seq seq) const;
 
-  /// Numbers up to `seq` are settled elsewhere: they count as seen. Those that wait go on waiting.
+  /// Numbers up to `seq` are settled elsewhere and count as seen. Waiting ones stay.
   void Raise(model::Seq seq);
   /// A new number, above all seen, that was settled at once.
   void AddSettled(model::Seq seq);

@@ -13,43 +13,43 @@
 
 namespace uplink::robot {
 
-/// How much one robot may have stored (limits.durable_*). A value.
+/// How much one robot may store (limits.durable_*). A value.
 struct FlowLimits {
   limits::BucketSize records = limits::PolicyOf(limits::PolicyId::kRecordsOfRobot).bucket();
   limits::BucketSize bytes = limits::PolicyOf(limits::PolicyId::kBytesOfRobot).bucket();
 };
 
-/// What one robot has stored per second: past its buckets its stream is held back, and nothing is
-/// lost. A store whose disk is nearly full asks for less than that (LimitForDisk).
+/// What one robot stores per second. Past its buckets its stream is held back, and nothing is lost.
+/// If the store's disk is nearly full, less is allowed (LimitForDisk).
 ///
 /// Thread: thread-safe: a robot may speak by a stream and by calls.
 class DurableFlow final {
  public:
-  /// Whether a record of `bytes` may be stored now, and if not, when to look again.
+  /// Whether a record of `bytes` may be stored now, and otherwise when to look again.
   struct Answer {
     /// kNone, kFlow or kDisk.
     HeldBack by = HeldBack::kNone;
     SteadyTime again{};
   };
   [[nodiscard]] Answer LookAt(std::size_t bytes, const FlowLimits& limits, SteadyTime now) const;
-  /// It is stored, whatever was said.
+  /// Counts a record that is stored, whatever LookAt returned.
   void Take(std::size_t bytes, const FlowLimits& limits, SteadyTime now);
 
-  /// So many bytes are stored beside the flow, whose buckets they leave as they are: the payload of
-  /// a rejection, and what a broker delivers at QoS 1 past the flow, such as a backlog.
+  /// Counts bytes that are stored without taking from the buckets: the payload of a rejection, and
+  /// what a broker delivers past the flow, such as a backlog.
   void CountKept(std::size_t bytes) { bytes_total_.fetch_add(bytes, std::memory_order_relaxed); }
-  /// The store's disk asks for less, or for nothing: no payload of a rejection is kept.
+  /// The store's disk allows less, or nothing: payloads of rejections are not kept.
   [[nodiscard]] bool disk_limits() const { return disk_rate_.load() != kNoLimit; }
-  /// Whether anything may be stored at all, also what the flow does not count.
+  /// Whether anything may be stored at all, even what the flow does not count.
   [[nodiscard]] Answer LookAtDisk(SteadyTime now) const;
 
-  /// Bytes that were taken or kept beside the flow since the start.
+  /// Bytes that were taken or kept since the start.
   [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_.load(); }
-  /// From now on so many bytes per second at most: at 0 none; nothing: no such limit.
+  /// Allows so many bytes per second at most: at 0 none; empty: no such limit.
   void LimitForDisk(std::optional<std::uint64_t> bytes_per_second);
 
  private:
-  /// Of disk_rate_.
+  /// The value of disk_rate_ without a limit.
   static constexpr std::int64_t kNoLimit = -1;
   [[nodiscard]] limits::BucketSize DiskSize(std::int64_t rate) const;
 

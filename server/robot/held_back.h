@@ -14,11 +14,11 @@ enum class HeldBack : std::uint8_t {
   kNone,
   /// in_flight_uplinks_max of the robot's messages wait for commits.
   kInFlight,
-  /// The robot's share of the journal is full, or that of its gateway.
+  /// The robot's share of the journal is full, or its gateway's.
   kJournalShare,
-  /// The journal is full, or its gateway has twice its share; and the next message is durable.
+  /// The next message is durable, and the journal is full or the gateway has twice its share.
   kJournal,
-  /// More is to be stored of the robot than its buckets allow (DurableFlow).
+  /// The robot stores more than its buckets allow (DurableFlow).
   kFlow,
   /// The store's disk is nearly full, and the robot is among those that fill it; or no robot may
   /// store anything.
@@ -35,8 +35,9 @@ inline constexpr std::size_t kHeldBackReasons = static_cast<std::size_t>(HeldBac
 /// The word of the fleet contract (Robot.held_back); empty for kNone.
 [[nodiscard]] std::string_view ToText(HeldBack by);
 
-/// Since when a robot's stream is held back. Flow and disk let it go on record by record: who is
-/// held back again within kHeldBackAgain was so all the time. Confined to its owner.
+/// Since when a robot's stream is held back. Flow and disk release it record by record, so a stream
+/// that is held back again within kHeldBackAgain counts as held back throughout. Confined to its
+/// owner.
 class HeldBackTrack final {
  public:
   void Set(HeldBack by, SystemTime now);
@@ -48,7 +49,7 @@ class HeldBackTrack final {
  private:
   HeldBack by_ = HeldBack::kNone;
   SystemTime since_;
-  /// When it was let go on last.
+  /// When it was last released.
   SystemTime let_go_at_;
 };
 inline constexpr std::chrono::seconds kHeldBackAgain{10};

@@ -17,29 +17,29 @@ namespace uplink::robot {
 /// Memory of each live part, by storage::LivePart.
 using LivePartBytes = std::array<std::size_t, storage::kLivePartKinds>;
 
-/// The live parts of one robot, which of them changed, and their memory: counted part by part as
-/// they change, and in a total. Confined to its owner's lock.
+/// The live parts of one robot, the changed ones among them, and their memory, counted as they
+/// change, by part and in a total. Confined to its owner's lock.
 class HeldLive final {
  public:
-  /// Before the first part, and before it is shared between threads.
+  /// Call it before the first part, and before it is shared between threads.
   void CountIn(std::shared_ptr<LiveTotal> total) { share_.CountIn(std::move(total)); }
 
   [[nodiscard]] const LiveParts& parts() const { return parts_; }
   [[nodiscard]] const LivePartBytes& part_bytes() const { return part_bytes_; }
   [[nodiscard]] std::size_t bytes() const { return share_.bytes(); }
 
-  /// Returns the number of keys that had to go. A body of a durable kind is a mistake of ours.
+  /// Returns the number of evicted keys. A body of a durable kind is our bug.
   std::size_t Put(model::Body&& body, SteadyTime arrived);
   void Put(model::RcanState&& state);
-  /// Takes over what is not known better by now, and nothing of a part that was dropped: that is
-  /// older. A part that the store then has neither side whole of has changed.
+  /// Takes over older parts that have no newer value and were not dropped. A part that neither side
+  /// has completely afterwards has changed.
   void Restore(LiveParts&& before);
-  /// What the store had is restored, if it had any. Parts that were dropped until now are not older
-  /// in the store any more.
+  /// The store's parts, if any, are restored. Parts that were dropped until now are no longer older
+  /// in the store.
   void EndRestore() { dropped_.reset(); }
-  /// Lets go of one part: it has changed, to nothing.
+  /// Drops one part, which counts as a change.
   void Drop(storage::LivePart part);
-  /// Lets go of all, as if nothing had ever come.
+  /// Drops everything, as if nothing had ever come.
   void Clear();
 
   [[nodiscard]] bool changed() const { return changed_.any(); }
@@ -52,8 +52,8 @@ class HeldLive final {
 
   LiveParts parts_;
   LivePartSet changed_;
-  /// Since the last EndRestore. A part stays in it though something came since: what a restore
-  /// would bring is older than the drop.
+  /// Parts dropped since the last EndRestore. A part stays in it even if new values came: a restore
+  /// would bring values older than the drop.
   LivePartSet dropped_;
   LivePartBytes part_bytes_{};
   LiveShare share_;

@@ -11,19 +11,19 @@
 
 namespace uplink::robot {
 
-/// Memory of an item's place beside its value: the key's string, a node of the list, a node and a
-/// bucket of the index, and what the allocator adds to both nodes.
+/// Memory of an item beside its value: the key's string, a node of the list, a node and a bucket of
+/// the index, and the allocator's overhead of both nodes.
 inline constexpr std::size_t kPlaceBytes = 136;
 
 /// Bytes of one item of a part. A value.
 struct ItemBytes {
-  /// What the item says, once: about what a checkpoint writes of it.
+  /// Its content: about what a checkpoint writes of it.
   std::size_t said = 0;
   /// All of its memory.
   std::size_t held = 0;
 };
 
-/// Of a message that itself has its key.
+/// For a message that contains its key.
 template <typename Message>
 [[nodiscard]] ItemBytes BytesOfItem(const std::string& key, const Message& message) {
   const std::size_t said = sizeof(message) + model::HeldBytes(message);
@@ -31,8 +31,7 @@ template <typename Message>
 }
 
 /// A part with keys: the latest value of each, at most `kKeysMax` and kLivePartBytesMax bytes. The
-/// least recently updated goes first. It keeps count of its bytes, so that asking costs nothing. A
-/// value.
+/// least recently updated is evicted first. It counts its bytes as they change. A value.
 template <typename Value, std::size_t kKeysMax>
 class KeyedPart {
  public:
@@ -59,7 +58,7 @@ class KeyedPart {
   }
   ~KeyedPart() = default;
 
-  /// Returns the number of keys that had to go, this one too if it alone has no room.
+  /// Returns the number of evicted keys, which include this one if it alone has no room.
   std::size_t Put(std::string key, Value value) {
     if (const auto* before = latest_.FindItem(key)) {
       Uncount(*before);
@@ -67,7 +66,7 @@ class KeyedPart {
       Uncount(items().front());
     }
     std::size_t gone = latest_.Put(std::move(key), std::move(value));
-    // As it is kept: a short text may lie in the memory of the long one before it.
+    // Counts the item as kept: a short text may lie in the memory of a longer one before it.
     Count(items().back());
     while (said_bytes_ > kLivePartBytesMax) {
       Uncount(items().front());
@@ -77,7 +76,7 @@ class KeyedPart {
     return gone;
   }
 
-  /// Puts these on top of older ones, which are kept as far as there is room.
+  /// Adds older values below these, as far as there is room.
   void PutOnTopOf(KeyedPart older) {
     for (const auto& [key, value] : items()) older.Put(key, value);
     *this = std::move(older);
@@ -101,7 +100,7 @@ class KeyedPart {
     said_bytes_ -= bytes.said;
     held_bytes_ -= bytes.held;
   }
-  /// A copied text has no more memory than it needs.
+  /// A copied text takes only the memory that it needs.
   void Recount() {
     said_bytes_ = held_bytes_ = 0;
     for (const auto& item : items()) Count(item);

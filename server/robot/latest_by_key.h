@@ -10,7 +10,7 @@
 
 namespace uplink::robot {
 
-/// The latest value of each key, at most `kMax` of them: the least recently updated goes first. A
+/// The latest value of each key, at most `kMax`; the least recently updated is evicted first. A
 /// value.
 template <typename Value, std::size_t kMax>
 class LatestByKey {
@@ -30,7 +30,7 @@ class LatestByKey {
   LatestByKey& operator=(LatestByKey&&) noexcept = default;
   ~LatestByKey() = default;
 
-  /// Returns the number of keys that had to go (0 or 1).
+  /// Returns the number of evicted keys (0 or 1).
   std::size_t Put(std::string key, Value value) {
     if (const auto found = index_.find(key); found != index_.end()) {
       found->second->second = std::move(value);
@@ -53,7 +53,7 @@ class LatestByKey {
     items_.erase(item);
   }
 
-  /// Puts these on top of older ones, which are kept as far as there is room.
+  /// Adds older values below these, as far as there is room.
   void PutOnTopOf(LatestByKey older) {
     for (auto& [key, value] : items_) older.Put(key, std::move(value));
     *this = std::move(older);
@@ -64,7 +64,7 @@ class LatestByKey {
     const auto* item = FindItem(key);
     return item == nullptr ? nullptr : &item->second;
   }
-  /// The same, with the key as it is kept.
+  /// As Find, with the kept key.
   [[nodiscard]] const typename Items::value_type* FindItem(std::string_view key) const {
     const auto found = index_.find(key);
     return found == index_.end() ? nullptr : &*found->second;

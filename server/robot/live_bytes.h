@@ -10,13 +10,12 @@
 
 namespace uplink::robot {
 
-/// What changed as a row of a checkpoint. A part is the messages that make it, as its robot would
-/// send them, each behind its length (32 bits, little endian): kLivePartBytesMax of them at most.
-/// Pure.
+/// Changed parts as a row of a checkpoint. A part consists of messages as its robot would send
+/// them, each after its length (32 bits, little endian), at most kLivePartBytesMax. Pure.
 [[nodiscard]] storage::LiveRow ToRow(std::string ruri, const LiveChanges& changes);
 
-/// What a row says. Its messages are judged again: whatever the rules of this version do not pass
-/// is left out, and counted.
+/// The content of a row. Its messages are judged again; those that this version's rules do not
+/// accept are left out and counted.
 struct LiveRead {
   LiveBefore before;
   std::size_t left_out = 0;

@@ -18,21 +18,21 @@
 
 namespace uplink::robot {
 
-/// One reading of extras: the reading's own time, else its message's.
+/// One reading of extras, with its own time, or else its message's.
 struct Extra {
   model::Value value;
   std::int64_t sampled_at_ms = 0;
-  /// In this life of the server; the epoch if it was restored.
+  /// When it arrived since the server's start; the epoch if it was restored.
   SteadyTime arrived{};
 };
 
-/// A reading is kept without its key, which the checkpoint writes all the same.
+/// For a reading, which is kept without its key; the checkpoint writes the key too.
 [[nodiscard]] inline ItemBytes BytesOfItem(const std::string& key, const Extra& extra) {
   const std::size_t said = sizeof(extra) + model::HeldBytes(key) + model::HeldBytes(extra.value);
   return {.said = said, .held = said + kPlaceBytes};
 }
 
-/// What is held of one message: itself, but of extras their readings.
+/// What is held of one message: the message, or the readings of extras.
 template <typename Message>
 struct ValueOf {
   using Type = Message;
@@ -42,13 +42,13 @@ struct ValueOf<model::TelemetryExtras> {
   using Type = Extra;
 };
 
-/// A part as it is held: the latest message, or the latest of each key.
+/// The type of a part: the latest message, or the latest of each key.
 template <typename Message, std::size_t kKeysMax>
 using PartOf = std::conditional_t<kKeysMax == 1, std::optional<Message>,
                                   KeyedPart<typename ValueOf<Message>::Type, kKeysMax>>;
 
-/// The latest of each live kind (storage/live_parts.h), in stream order; no robot clock decides
-/// anything. A value.
+/// The latest of each live kind (storage/live_parts.h), in the order of the stream; robots' clocks
+/// do not matter. A value.
 struct LiveParts {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): "column" is the name that is declared
 #define UPLINK_PART(Part, column, view, Message, keys_max) PartOf<model::Message, keys_max> column;
@@ -62,8 +62,8 @@ struct PartTag {
   static constexpr storage::LivePart kLivePart = kPart;
   static constexpr std::size_t kIndex = static_cast<std::size_t>(kPart);
   using Message = Body;
-  /// Small enough to be copied wherever a robot is looked at: a message without a key. RCAN's state
-  /// holds many joints.
+  /// Small enough to copy at each look at a robot: a message without keys, except RCAN's state,
+  /// which holds many joints.
   static constexpr bool kSmall =
       storage::RowOf(kPart).keys_max == 1 && !std::is_same_v<Body, model::RcanState>;
 };
@@ -78,17 +78,17 @@ void ForEachPart(Visit visit, States&... states) {
 #undef UPLINK_PART
 }
 
-/// The part that a live message changes; nothing for durable kinds.
+/// The part that a live message changes; empty for durable kinds.
 [[nodiscard]] std::optional<storage::LivePart> PartOfVariant(model::Variant variant);
 
-/// Which live parts, by storage::LivePart.
+/// A set of live parts, by storage::LivePart.
 using LivePartSet = std::bitset<storage::kLivePartKinds>;
 
-/// Puts one live body into the parts; returns the number of keys that had to go. A body of a
-/// durable kind is a mistake of ours.
+/// Puts one live body into the parts; returns the number of evicted keys. A body of a durable kind
+/// is our bug.
 std::size_t PutInto(LiveParts& parts, model::Body&& body, SteadyTime arrived = {});
 
-/// Memory of one part beside the robot's own; nothing of one that is empty.
+/// Memory of one part beside the robot's own; 0 if it is empty.
 [[nodiscard]] std::size_t HeldBytes(const LiveParts& parts, storage::LivePart part);
 
 }  // namespace uplink::robot

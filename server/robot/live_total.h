@@ -9,19 +9,19 @@
 
 namespace uplink::robot {
 
-/// Memory of live state that many hold together, in bytes. Thread-safe.
+/// Memory of the live state of many owners, in bytes. Thread-safe.
 class LiveTotal final {
  public:
-  /// What is counted here counts in `all` too, if there is such.
+  /// What counts here also counts in `all`, unless it is null.
   explicit LiveTotal(std::shared_ptr<LiveTotal> all = nullptr) : all_(std::move(all)) {}
 
   [[nodiscard]] std::size_t bytes() const { return bytes_.load(); }
 
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
-  /// Who is called while more than the trigger is held. Before the trigger is set first.
+  /// The function to call while more than the trigger is held. Set it before the trigger.
   void OnOver(std::function<void()> over) { over_ = std::move(over); }
   void SetTrigger(std::size_t bytes) { trigger_.store(bytes); }
-  /// After each change that may have added something, with no lock held.
+  /// Call it after each change that may have added something, with no lock held.
   void Check() const {
     if (all_ != nullptr) return all_->Check();
     if (bytes_.load(std::memory_order_relaxed) > trigger_.load()) over_();
@@ -30,7 +30,7 @@ class LiveTotal final {
  private:
   friend class LiveShare;
   void Change(std::size_t before, std::size_t after) {
-    // Modulo 2^64, so that less is added as well.
+    // Modulo 2^64, so that this subtracts too.
     bytes_.fetch_add(after - before);
     if (all_ != nullptr) all_->Change(before, after);
   }
@@ -41,8 +41,8 @@ class LiveTotal final {
   std::function<void()> over_;
 };
 
-/// What one robot or twin holds, which counts in a total for as long as it is there. Confined to
-/// its owner's lock, but for Check.
+/// The bytes of one robot or twin, which count in a total while it exists. Confined to its owner's
+/// lock, except Check.
 class LiveShare final {
  public:
   LiveShare() = default;
@@ -50,7 +50,7 @@ class LiveShare final {
   LiveShare(const LiveShare&) = delete;
   LiveShare& operator=(const LiveShare&) = delete;
 
-  /// Null: in none. With a total, before the owner is shared between threads.
+  /// Null: counts in no total. Set a total before the owner is shared between threads.
   void CountIn(std::shared_ptr<LiveTotal> total) {
     if (total_ != nullptr) total_->Change(bytes_, 0);
     total_ = std::move(total);

@@ -4,7 +4,7 @@
 
 namespace uplink::robot {
 
-/// Mutations that the simulation and the crash campaign plant one at a time, to show that it would
+/// Faults that the simulation and the crash campaign plant, one at a time, to show that they would
 /// find them.
 enum class Mutation : std::uint8_t {
   kNone,
@@ -12,7 +12,7 @@ enum class Mutation : std::uint8_t {
   kAckBeforeCommit,
   /// A Reject is not told again after Welcome.
   kRejectNotRepeated,
-  /// A settlement leaves the window but no column of the conservation law.
+  /// A settlement leaves the window but changes no column of the conservation law.
   kSettleLost,
   /// A duplicate that was settled long ago gets no Ack.
   kDuplicateNotAcked,
@@ -22,21 +22,21 @@ enum class Mutation : std::uint8_t {
   kLimitedNotStored,
   /// A robot that was offline is unknown after a restart.
   kOfflineForgotten,
-  /// A process that learns that another one holds a robot goes on to judge it.
+  /// A process goes on to judge a robot after it learned that another one holds it.
   kFenceKeepsState,
-  /// A broker's message is acked when it came, before the commit.
+  /// A broker's message is acked on arrival, before the commit.
   kMessageAckedOnArrival,
-  /// A drone's sample is answered when it was taken, before the commit.
+  /// A drone's sample is answered on arrival, before the commit.
   kSampleAnsweredEarly,
   /// A message that a broker delivers again counts as new.
   kRedeliveryForgotten,
-  /// Whatever store was connected to anew counts as having all that was told before.
+  /// After a new connection, the store counts as having everything that it confirmed before.
   kReconnectTrusted,
-  /// What a broker delivers again after it was settled is acked without a look at the store.
+  /// A settled message that a broker delivers again is acked without a look at the store.
   kSettledAckedFromMemory,
-  /// The bytes of a frame that is not whole are signs of life for as long as they come.
+  /// The bytes of an incomplete frame are signs of life without a time limit.
   kSlowFrameUnbounded,
-  /// What waits while another server claims the drone counts as committed.
+  /// Waiting samples of a drone that another server claims count as committed.
   kFencedSampleAnswered,
   /// A claim does not bring what the store remembers of the drone's samples.
   kClaimMemoryForgotten,

@@ -13,13 +13,13 @@
 
 namespace uplink::robot {
 
-/// What the store has of a session.
+/// The store's state of a session.
 struct StoredSession {
   /// The cursor; 0 without an answer.
   model::Seq through = 0;
   /// Rejected numbers up to it, ascending: the first ones.
   std::vector<RejectedSeq> rejects;
-  /// How many more there are up to it, and where.
+  /// How many more there are up to it, and their range.
   std::size_t more = 0;
   UnreadRejects unread;
 };
@@ -30,27 +30,28 @@ struct StoredSession {
 /// owner's lock.
 class Opening final {
  public:
-  /// A stream asks anew, and answers to older questions are ignored. Returns the question's id.
+  /// A stream asks anew; answers to older questions are ignored. Returns the question's id.
   [[nodiscard]] std::uint64_t Ask();
-  /// The store has answered. Kept only if Welcome still waits for this one. False if it answers an
-  /// older question.
+  /// The store has answered. The answer is kept only if Welcome still waits for it. False if it
+  /// answers an older question.
   bool Answer(std::uint64_t open_id, const storage::OpenResult& result);
   [[nodiscard]] bool answered(std::uint64_t open_id) const;
   /// No newer stream has asked.
   [[nodiscard]] bool IsLast(std::uint64_t open_id) const { return open_id == open_id_; }
-  /// Welcome goes out now, with the answer if it is here; a later one is not wanted any more.
+  /// Welcome goes out now, with the answer if it has come; otherwise a later one is no longer
+  /// wanted.
   [[nodiscard]] std::optional<storage::OpenResult> Take(std::uint64_t open_id);
-  /// After a Take without an answer: it is wanted all the same, once it comes.
+  /// After a Take without an answer: it is still wanted when it comes.
   void WantLate() { wanted_ = late_ = true; }
-  /// The answer came that WantLate asked for, and was not taken.
+  /// The answer that WantLate asked for has come and was not taken.
   [[nodiscard]] bool came_late() const { return late_ && answer_.has_value(); }
-  /// Another process holds the robot: what the store said is void.
+  /// Another process holds the robot: the answer is void.
   void Forget() { answer_.reset(); }
 
  private:
   std::uint64_t open_id_ = 0;
   std::optional<storage::OpenResult> answer_;
-  /// Welcome still waits for it; or went out without it, and it is wanted late.
+  /// Welcome waits for it, or went out without it and it is wanted late.
   bool wanted_ = false;
   bool late_ = false;
 };

@@ -8,16 +8,15 @@
 
 namespace uplink::robot {
 
-/// What the store decided for one message, or for a range of so many `messages`, becomes a count
-/// and, where the store refused a message that judgement had passed, a Reject that the stream is to
-/// be told. The one place where a Reject comes from the store. `settled` is never fenced
-/// (CommitClient::OnFenced tells of that).
+/// Turns the store's decision on one message, or on a range of `messages`, into a count and, if the
+/// store refused a message that judgement had accepted, into a Reject for the stream. Only here
+/// does a Reject come from the store. `settled` is never fenced (see CommitClient::OnFenced).
 ///
 /// Thread: confined to the owner's lock of `rejects`.
 void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& rejects,
                   metrics::MessageCounts& counts);
 
-/// So many messages that waited are void.
+/// The counts of so many waiting messages that became void.
 [[nodiscard]] metrics::MessageCounts SupersededCounts(std::size_t messages);
 
 }  // namespace uplink::robot

@@ -10,16 +10,16 @@
 
 namespace uplink::robot {
 
-/// How often a robot's mistakes are answered and kept in full: each kind of mistake once per
-/// second. Confined to its owner's lock.
+/// How often a robot's mistakes are answered, and kept in full: each kind once per second. Confined
+/// to its owner's lock.
 ///
 /// Bounds: one time per reason, and one per field of at most kNoticeFieldsMax fields.
 class Pacing final {
  public:
   /// Whether the payload of a rejection for this reason is kept now: one per second.
   [[nodiscard]] bool KeepPayload(model::RejectReason reason, SteadyTime now);
-  /// Whether a Notice of this field may be sent now: one per second and field, whichever index of a
-  /// list it has.
+  /// Whether a Notice of this field may be sent now: one per second and field; all indices of a
+  /// list count as one field.
   [[nodiscard]] bool MayNotice(const std::string& field, SteadyTime now);
 
  private:

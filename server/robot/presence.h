@@ -15,7 +15,7 @@ struct PresenceLimits {
   /// A sign of life at most this old means online (presence.timeout,
   /// cyberwave.presence_timeout).
   milliseconds timeout = config::PresenceConfig().timeout;
-  /// After a start a robot that was not heard is unknown for so long (presence.startup_grace).
+  /// How long after a start a robot that was not heard is unknown (presence.startup_grace).
   milliseconds startup_grace = config::PresenceConfig().startup_grace;
 };
 
@@ -23,35 +23,36 @@ struct PresenceLimits {
 struct PresenceFacts {
   SteadyTime now;
   SteadyTime server_started;
-  /// When this process came to know the robot: at its first Hello, or from the store at the start.
+  /// When this process first knew the robot: at its first Hello, or from the store at the start.
   SteadyTime known_since;
-  /// Nothing if it was not heard since the server started.
+  /// Empty if it was not heard since the server started.
   std::optional<SteadyTime> last_sign_of_life;
   /// The server does not read its stream now.
   bool held_back = false;
-  /// When it last began to read again: after holding back, or when it had been behind itself. Ahead
-  /// of now while it makes a stream of the robot wait.
+  /// When it last resumed reading, after holding back or being behind. In the future while it makes
+  /// a stream of the robot wait.
   std::optional<SteadyTime> held_back_until;
-  /// The robot came by a stream from a process that called it so, and was not heard here since:
-  /// when it came. Its online counts as a sign of life then; its offline lasts until one.
+  /// The presence that another process gave a robot that came here by a stream, and when it came;
+  /// until it is heard here. Its online counts as a sign of life then; its offline lasts until a
+  /// sign of life.
   struct Claimed {
     Presence presence = Presence::kUnknown;
     SteadyTime at;
   };
   std::optional<Claimed> claimed;
-  /// It was adopted: until when it may be unheard and is unknown.
+  /// If it was adopted: until when it may be silent and is unknown.
   std::optional<SteadyTime> unknown_until;
 };
 
-/// Until when a stall has to last so that a robot that is not heard from `now` on is unknown for
-/// limits.startup_grace: after a stall it is so for limits.timeout anyway.
+/// The end of a stall that makes a robot that is silent from `now` on unknown for
+/// limits.startup_grace; after a stall it is unknown for limits.timeout anyway.
 [[nodiscard]] SteadyTime EndOfStallWithGrace(SteadyTime now, const PresenceLimits& limits);
 
-/// Until when a robot that is not held back is not offline, if it is not heard any more; of one
-/// that came as offline it means nothing.
+/// Until when a robot that is not held back cannot become offline if it stays silent. Meaningless
+/// for a robot that came as offline.
 [[nodiscard]] SteadyTime NotOfflineUntil(const PresenceFacts& facts, const PresenceLimits& limits);
 
-/// Whether the robot is there: a pure function. A stream that opens or closes changes nothing.
+/// The robot's presence: a pure function. A stream that opens or closes changes nothing.
 [[nodiscard]] Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits);
 
 }  // namespace uplink::robot

@@ -12,12 +12,12 @@
 
 namespace uplink::robot {
 
-/// The facts on which a robot's presence depends, and what PresenceOf said of them last. Confined
-/// to its owner's lock.
+/// The facts on which a robot's presence depends, and its last presence. Confined to its owner's
+/// lock.
 class PresenceTrack final {
  public:
-  /// Told of each change, in order, under the owner's lock: it must be short and take no lock that
-  /// is held while the owner is asked.
+  /// Called for each change, in order, under the owner's lock. It must be short, and take no lock
+  /// that is held while the owner is called.
   using Changed = std::function<void(Presence presence, SystemTime at)>;
 
   /// `known_since` and `system_now` are the same moment.
@@ -28,59 +28,60 @@ class PresenceTrack final {
         changed_(std::move(changed)),
         since_(system_now) {}
 
-  /// The relay listens from now on: until then no robot could be heard, and none counts as silent.
+  /// The relay listens from now on; before, no robot could be heard, so none counts as silent.
   void BeginListening(SteadyTime now);
 
-  /// What a sign of life was beside those before it.
+  /// Whether a sign of life is later than those before it.
   enum class Sign : std::uint8_t { kLatest, kOlder };
-  /// A sign of life that arrived at this time. It may have waited since: presence is judged at the
+  /// A sign of life that arrived at this time, and may have waited since: presence is judged at the
   /// latest time that any call named.
   Sign AddSign(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
-  /// The server stopped (true) or began again to read the robot's stream.
+  /// The server stopped or resumed reading the robot's stream.
   enum class Reading : std::uint8_t { kHeldBack, kFlowing };
   void SetReading(Reading reading, SteadyTime now);
-  /// The server itself stood still or was behind with reading until this time, or makes a stream of
-  /// the robot wait until then: what it does not hear meanwhile proves nothing. Who was offline
-  /// before stays so until it is heard; then the same holds of it.
+  /// Until this time the server stood still, was behind with reading, or makes a stream of the
+  /// robot wait: silence until then proves nothing. A robot that was offline stays so until it is
+  /// heard; then the same holds for it.
   void AddStall(SteadyTime until);
-  /// The store was replaced by one that may lack the last commits: other processes may hear the
-  /// robot until `until`, and have heard it since `doubted`. As AddStall; and a robot that became
-  /// offline here since then is unknown again, until it is heard or a timeout after `until` ends.
+  /// The store was replaced by one that may have lost commits: other processes may hear the robot
+  /// until `until`, and may have heard it since `doubted`. As AddStall; in addition a robot that
+  /// became offline here since then is unknown again, until it is heard or a timeout after `until`
+  /// ends.
   struct Replaced {
     SteadyTime doubted;
     SteadyTime until;
     SystemTime system_now;
   };
   void NoteReplaced(const Replaced& replaced);
-  /// A stream of the robot begins here. What the robot said before, another process may have heard.
+  /// A stream of the robot begins here. Another process may have heard what the robot said before.
   void BeginStream(SteadyTime now) { stream_began_ = now; }
-  /// Other processes may hear the robot and cannot tell, and it has a stream here. It is offline
-  /// only if it said nothing on that stream for a timeout, and the stream's peer answered a ping
-  /// after that; until then it is unknown, and a timeout longer. True if the peer is to be asked
-  /// now.
+  /// Other processes may hear the robot without our knowledge, and it has a stream here. It becomes
+  /// offline only if it was silent on that stream for a timeout and the stream's peer answered a
+  /// ping after that. Until then, and for a timeout longer, it is unknown. True if the peer must be
+  /// asked now.
   bool AskBeforeOffline(SteadyTime now, const PresenceLimits& limits);
   /// The peer of the robot's stream answered a ping.
   void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
-  /// What was heard here counts no more: a robot that was online is unknown until it is heard
+  /// Earlier signs of life no longer count: a robot that was online is unknown until it is heard
   /// again, and at most until `unknown_until`.
   void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
-  /// Brings presence up to date and returns it.
+  /// Updates presence and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
-  /// What an earlier life of the server heard; it changes no presence.
+  /// The last sign of life before the server's start; changes no presence.
   void Restore(std::optional<SystemTime> last_sign);
 
   // --- Who judges ---
 
-  /// A stream of the robot is here, and another process judged it last. What was heard here in time
-  /// stands, and a robot that the other heard to the last is online for a timeout from now. Else
-  /// the presence is what the other wrote, and no change: what was told here never reached the
-  /// store, and may be older than that.
+  /// A stream of the robot is here, and another process last judged the robot. Recent signs of life
+  /// here stay valid, and a robot that the other heard to the last is online for a timeout from
+  /// now. Otherwise the presence is what the other wrote, without a change: changes here never
+  /// reached the store, and may be older.
   void Claim(const storage::StoredPresence& stored, SteadyTime now);
-  /// The robot's holder was over, and it is ours. What was heard here in time stands. Else a robot
-  /// that was offline stays so until it is heard, as the holder wrote it. Every other robot is
-  /// unknown until it is heard, and at most until `unknown_until`. If the holder only fell silent,
-  /// it may have heard since who was offline, and could not write that: such a robot is shown as
-  /// unknown for as long, and is then offline as before. None of that is told as a change.
+  /// The robot's holder was over, and the robot is ours. Recent signs of life here stay valid.
+  /// Otherwise a robot that was offline stays so until it is heard, as the holder wrote it; any
+  /// other robot is unknown until it is heard, and at most until `unknown_until`. If the holder
+  /// only fell silent, it may have heard offline robots without writing that: they are shown as
+  /// unknown for as long, and are then offline as before. None of this counts as a change.
   struct Adoption {
     storage::StoredPresence stored;
     storage::HolderEnd end = storage::HolderEnd::kEnded;
@@ -89,8 +90,8 @@ class PresenceTrack final {
     SystemTime system_now;
   };
   void Adopt(const Adoption& adoption);
-  /// Another process judges the robot, and wrote this. What was heard here counts again only if the
-  /// robot is claimed or adopted in time; what is told until then changes nothing.
+  /// Another process judges the robot, and wrote this. Earlier signs of life here count again only
+  /// if the robot is claimed or adopted in time; calls until then change nothing.
   void Follow(const storage::StoredPresence& stored);
 
   [[nodiscard]] Presence presence() const { return presence_; }
@@ -108,15 +109,15 @@ class PresenceTrack final {
   void Show(Presence presence, SystemTime since);
   /// Shows and tells it.
   void Change(Presence presence, SystemTime at);
-  /// But for silence that needs an answer of the peer.
+  /// The facts, without silence that needs an answer of the peer.
   [[nodiscard]] PresenceFacts Facts() const;
-  /// From when on an answer of the stream's peer shows that the robot itself is silent.
+  /// From when an answer of the stream's peer shows that the robot itself is silent.
   [[nodiscard]] SteadyTime AnswerCountsFrom(const PresenceLimits& limits) const;
-  /// A sign of life came here, and not too long ago.
+  /// A recent sign of life came here.
   [[nodiscard]] bool HeardInTime(SteadyTime now) const;
-  /// The store has `stored`, and what was heard here in time stands: the robot is online.
+  /// The store has `stored`, and a recent sign of life came here: the robot is online.
   void GoOnFrom(const storage::StoredPresence& stored);
-  /// The store has `stored`, and nothing was heard here.
+  /// The store has `stored`, and no recent sign of life came here.
   void BeginFrom(const storage::StoredPresence& stored);
 
   SteadyTime server_started_;
@@ -131,22 +132,22 @@ class PresenceTrack final {
   std::optional<SystemTime> last_sign_system_;
   /// When this process last judged it offline.
   std::optional<SteadyTime> judged_offline_;
-  /// Means nothing without a last sign.
+  /// Meaningless without a last sign.
   SteadyTime online_until_;
   bool held_back_ = false;
-  /// Also until when the server itself stood still, was behind, or makes a stream wait: the latest.
+  /// The latest end of holding back, of a stall of the server, or of a stream's wait.
   std::optional<SteadyTime> held_back_until_;
   std::optional<SteadyTime> stream_held_back_until_;
-  /// The same as held_back_until_, of a robot that is offline and was not heard since.
+  /// As held_back_until_, for a robot that is offline and was not heard since.
   std::optional<SteadyTime> stall_while_offline_;
-  /// When the robot's present or last stream began, when its peer answered last, and until when the
+  /// When the robot's current or last stream began, when its peer last answered, and until when the
   /// robot's silence had no such answer.
   std::optional<SteadyTime> stream_began_;
   std::optional<SteadyTime> peer_answered_;
   std::optional<SteadyTime> unanswered_until_;
   std::optional<PresenceFacts::Claimed> claimed_;
   std::optional<SteadyTime> unknown_until_;
-  /// Unknown is in place of offline since then, as the store has it, until the robot is heard.
+  /// Since when unknown stands for the offline that the store has, until the robot is heard.
   std::optional<SystemTime> offline_since_;
   /// Another process judges it.
   bool foreign_ = false;

@@ -12,33 +12,34 @@
 // What the stream of a session is told of it: when it starts, and for each Ack.
 namespace uplink::robot {
 
-/// How far a session is, for an Ack, with the Rejects that must be written before it.
+/// How far a session is, for an Ack, with the Rejects to write before it.
 struct Progress {
   model::Seq through = 0;
   model::Seq judged = 0;
   std::vector<RejectedSeq> rejects;
-  /// Arrivals of the durable messages that commits released since the last look, for ack latency.
+  /// Arrival times of the durable messages that commits released since the last look, for ack
+  /// latency.
   std::vector<SteadyTime> released;
 };
-/// Taken once: what it returns is told. Confined to the owner's lock of `memory`.
+/// What it returns counts as reported. Confined to the owner's lock of `memory`.
 [[nodiscard]] Progress TakeProgress(SessionMemory& memory);
 
-/// What a stream learns when it starts on a session.
+/// What a stream learns when it begins a session.
 struct Resume {
   /// Welcome.committed_seq.
   model::Seq committed = 0;
-  /// Rejects above Hello.settled_seq, ascending, to be told once more.
+  /// Rejects above Hello.settled_seq, ascending, to repeat.
   std::vector<RejectedSeq> rejects;
 };
 
-/// What the stream said in its Hello, and the id under which the store was asked. A value.
+/// The Hello's numbers, and the id under which the store was asked. A value.
 struct ResumeFor {
   std::uint64_t open_id = 0;
   model::Seq settled_seq = 0;
   model::Seq judged_seq = 0;
 };
-/// From what is known now: session memory, and the store's answer if it is here. Confined to the
-/// owner's lock of both.
+/// Computes it from session memory and, if it has come, the store's answer. Confined to the owner's
+/// lock of both.
 [[nodiscard]] Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello);
 
 }  // namespace uplink::robot

@@ -8,16 +8,16 @@
 
 namespace uplink::robot {
 
-/// A number that was rejected, as the agent is told. A value.
+/// A rejected number, as the agent is told. A value.
 struct RejectedSeq {
   model::Seq seq = 0;
   model::Rejection rejection;
-  /// Of kRateLimited: after so long the content may come again, under a new number.
+  /// For kRateLimited: after so long the content may come again, under a new number.
   std::int64_t retry_after_ms = 0;
 };
 
-/// What a Reject of kRateLimited says that comes from the store: the time that it said first is not
-/// kept. A message that comes too soon after it is limited again, with a time of its own.
+/// The retry_after_ms of a kRateLimited Reject from the store, which does not keep the original
+/// time. A message that comes too soon is limited again, with its own time.
 inline constexpr std::int64_t kStoredRetryAfterMs = 1'000;
 
 /// A rejection as the store has it.

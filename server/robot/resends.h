@@ -17,44 +17,43 @@ struct SentMessage {
   model::Seq seq = 0;
 };
 
-/// What a stream of a robot has to look at. A value.
+/// What a stream of a robot looks at. A value.
 struct ResendView {
-  /// Kinds of which the store has no message, nor is one on its way there.
+  /// Kinds of which the store has no message, and none is on its way.
   storage::LatestKindSet missing = 0;
   /// Those of them for which the robot was asked.
   storage::LatestKindSet unanswered = 0;
 };
 
-/// Of which kinds the store lacks a robot's latest message, and when the robot was asked for them:
-/// for each at most once in kResendEvery, over all its streams.
+/// The kinds of which the store lacks a robot's latest message, and when the robot was asked for
+/// each: at most once in kResendEvery, over all its streams.
 ///
-/// Thread: confined to its owner's lock, but for view(), which any thread may call.
+/// Thread: confined to its owner's lock, except view(), which any thread may call.
 class Resends final {
  public:
-  /// A stream begins: what the store lacks is not known until it answers.
+  /// A stream begins: what the store lacks is unknown until it answers.
   void Begin() { Set(0, asked_); }
-  /// The store has answered that it has messages of `held`, and told every commit before. `waits`
-  /// says whether a message waits for its commit.
+  /// The store has messages of `held`, and has reported every earlier commit. `waits` says whether
+  /// a message waits for its commit.
   void Answer(storage::LatestKindSet held, const std::function<bool(const SentMessage&)>& waits);
-  /// A good message of the kind waits for its commit, or has it already: that is what was asked
-  /// for.
+  /// A good message of the kind waits for its commit or has it: the request is answered.
   void AddGood(storage::LatestKind kind, const SentMessage& message);
 
-  /// For which kinds the robot is to be asked now, which counts as done; and when to look again,
-  /// while any is missing.
+  /// The kinds to ask the robot for now, which counts as done, and when to look again while any is
+  /// missing.
   struct Due {
     storage::LatestKindSet kinds = 0;
     std::optional<SteadyTime> next;
   };
   [[nodiscard]] Due Take(SteadyTime now);
-  /// Spares a stream the lock where nothing is missing.
+  /// Spares a stream the lock while nothing is missing.
   [[nodiscard]] ResendView view() const { return view_.load(); }
 
  private:
   void Set(storage::LatestKindSet missing, storage::LatestKindSet asked);
 
   storage::LatestKindSet missing_ = 0;
-  /// Kinds for which the robot was asked, and that did not come since.
+  /// Kinds that the robot was asked for and has not sent since.
   storage::LatestKindSet asked_ = 0;
   std::atomic<ResendView> view_{};
   std::array<std::optional<SteadyTime>, storage::kLatestKinds> asked_at_;

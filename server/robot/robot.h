@@ -24,43 +24,42 @@
 
 namespace uplink::robot {
 
-/// Told of each change of a robot's presence, a robot's in order. Called on any thread, under a
-/// lock of the robot: short, and never back into the fleet.
+/// Called for each change of a robot's presence, in order for one robot, on any thread, under a
+/// lock of the robot. It must be short, and never call back into the fleet.
 using PresenceChanged =
     std::function<void(const storage::RobotRef& robot, Presence presence, SystemTime at)>;
 
-/// One robot that this process knows. Shared: whoever keeps it beyond one look keeps it alive. Its
-/// parts are thread-safe. As a CommitClient it passes on what the journal tells: to its sessions,
-/// and to its state what is news of its holder. What waits of its calls has a client of its own
-/// (ClaimClient).
+/// One robot that this process knows. Shared: a pointer keeps it alive beyond one look. Its parts
+/// are thread-safe. As a CommitClient it passes the journal's calls to its sessions, and news of
+/// its holder to its state. Records of its calls have a client of their own (ClaimClient).
 class Robot final : public CommitClient {
  public:
   /// `changed` outlives the robot.
   Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
         const PresenceChanged& changed);
 
-  /// Identity now. The fleet part may change when the robot gets a certificate of another fleet.
+  /// Its identity now. The fleet changes when the robot gets a certificate of another fleet.
   [[nodiscard]] storage::RobotRef id() const;
   void SetFleet(std::string_view fleet);
-  /// The same, unless it is in another fleet than `from` by now.
+  /// As SetFleet, unless it is no longer in fleet `from`.
   void MoveFleet(std::string_view from, std::string_view to);
-  /// The store has it in fleet `actual`, and the word for `claimed` moves nothing: what was said of
-  /// it here meanwhile counts no more, unless this process holds it.
+  /// The store has it in fleet `actual`, and the claim of `claimed` does not move it. Unless this
+  /// process holds it, what was said here meanwhile no longer counts.
   void Disown(std::string_view claimed, std::string_view actual);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
-  /// By which way its messages come: its RURI says so.
+  /// The source of its messages, by its RURI.
   [[nodiscard]] model::MessageSource source() const { return sessions.source(); }
 
-  /// A stream of it begins: by this gateway's certificate, or by its own if that is empty. What it
-  /// holds from now on, whether it has a stream or not, is what that certificate brought.
+  /// A stream of it begins, by this gateway's certificate, or by its own if empty. What the robot
+  /// holds from now on, also between streams, came by that certificate.
   void SetSpeaker(std::string_view gateway);
-  /// That of its last stream, which may have ended. Nothing if none came in this life of the
-  /// server: who brought what was restored is not known.
+  /// The speaker of its last stream, which may have ended. Empty if none came since the server's
+  /// start: who brought restored state is unknown.
   [[nodiscard]] std::optional<std::string> speaker() const;
 
   // --- Leaving memory ---
 
-  /// When a stream of it came or ended last, or what the store says of an earlier life.
+  /// When a stream of it last came or ended, also before the server's start.
   [[nodiscard]] SystemTime heard_at() const { return FromUnixMs(heard_at_ms_.load()); }
   /// Never goes back.
   void NoteHeard(SystemTime at);
@@ -73,14 +72,15 @@ class Robot final : public CommitClient {
     kNotOnline,
     kAtOnce,
   };
-  /// What of it waits for the store: of its streams and of its calls.
+  /// What waits of it for the store, by its streams and its calls.
   [[nodiscard]] JournalUse journal_use() const { return sessions.journal_use() + calls.waiting(); }
-  /// It is to leave memory once the journal has let go of it. False if that was asked before.
+  /// Begins to remove it from memory, once the journal has let go of it. False if that has begun
+  /// before.
   bool BeginLeaving(LeaveWhen when = LeaveWhen::kNotOnline);
-  /// It stays after all. False if it was not leaving.
+  /// Cancels that. False if it was not leaving.
   bool Stay();
   [[nodiscard]] bool leaving() const { return leaving_.load() != Leaving::kNo; }
-  /// The journal knows it no more.
+  /// The journal has forgotten it.
   [[nodiscard]] bool left() const { return leaving_.load() == Leaving::kLeft; }
 
   // --- CommitClient ---
@@ -113,8 +113,7 @@ class Robot final : public CommitClient {
   Calls calls;
   DurableFlow flow;
   Rates rates;
-  /// Of its stream alone.
-  /// Of malformed messages, and of those over their rate.
+  /// For its stream alone: one for malformed messages, one for messages over their rate.
   Throttle throttle;
   Throttle limited_throttle;
 

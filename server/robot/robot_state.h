@@ -22,7 +22,7 @@
 
 namespace uplink::robot {
 
-/// A robot's state as it is now, copied for a reader. A value.
+/// A copy of a robot's current state. A value.
 struct StateSnapshot {
   LiveParts parts;
   Presence presence = Presence::kUnknown;
@@ -31,37 +31,37 @@ struct StateSnapshot {
   std::optional<std::int64_t> clock_skew_ms;
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
-  /// Set if another process holds the robot. Then parts, last sign and skew are not known here.
+  /// Set if another process holds the robot. Then parts, last sign and skew are unknown here.
   std::optional<Foreign> foreign;
 };
 
-/// A robot's state as it stands, for one look under its lock.
+/// A robot's current state, for one look under its lock.
 struct StateView {
   const LiveParts& parts;
   const Reported& reported;
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
-  /// The robot's own stream is not read now; or when that ended. Its silence is ours.
+  /// The robot's own stream is not read, or when that ended: its silence is the server's.
   bool held_back = false;
   std::optional<SteadyTime> stream_held_back_until;
-  /// In this life of the server; the epoch if they did not, or were dropped since.
+  /// Times since the server's start; the epoch if they did not come, or were dropped since.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
   /// Another process holds the robot: nothing but its presence is known here.
   bool foreign = false;
 };
 
-/// What changed of a robot's live state since that was asked last. A value.
+/// The changes of a robot's live state since the last call. A value.
 struct LiveChanges {
   LivePartSet changed;
-  /// Only those that changed are set.
+  /// Only changed parts are set.
   LiveParts parts;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
 };
 
-/// What an earlier life of the server knew of a robot. A value.
+/// A robot's state before the server's start. A value.
 struct LiveBefore {
   LiveParts parts;
   std::optional<SystemTime> last_sign_of_life;
@@ -79,19 +79,19 @@ class RobotState final {
              PresenceChanged changed = {})
       : presence_(server_started, known_since, system_now, std::move(changed)) {}
 
-  /// What it holds counts there from now on. Before its first part, and before it is shared between
-  /// threads.
+  /// Counts its memory in `total` from now on. Call it before its first part, and before it is
+  /// shared between threads.
   void CountIn(std::shared_ptr<LiveTotal> total);
 
   /// As PresenceTrack's.
   void BeginListening(SteadyTime now);
-  /// Applies live records in order. All must be live kinds. `arrived` is kept of a status, to tell
-  /// which of two sources of a value is fresher. Checks the total at its end.
+  /// Applies live records, which must be of live kinds, in order. `arrived` is kept for a status,
+  /// to tell which of two sources of a value is fresher. Checks the total at the end.
   void Apply(std::vector<model::Record>& records, SteadyTime arrived);
   void Apply(model::RcanState&& state, SteadyTime arrived);
-  /// A durable report that its robot's series look at; others change nothing.
+  /// Keeps a durable report that its robot's series need; ignores others.
   void KeepReport(const model::Body& report, SystemTime received_at);
-  /// A motion or status message that arrived at this time. It may have waited since: presence is
+  /// A motion or status message that arrived at this time, and may have waited since: presence is
   /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   using Reading = PresenceTrack::Reading;
@@ -101,64 +101,62 @@ class RobotState final {
   void NoteStall(SteadyTime until);
   /// As PresenceTrack's.
   void NoteReplaced(const PresenceTrack::Replaced& replaced);
-  /// As PresenceTrack's. If it is true, TakeAskPeer is so once.
+  /// As PresenceTrack's. If true, TakeAskPeer returns true once.
   bool AskBeforeOffline(SteadyTime now, const PresenceLimits& limits);
-  /// The robot's stream is to ask its peer for an answer.
+  /// The robot's stream must ask its peer for an answer.
   [[nodiscard]] bool TakeAskPeer() { return ask_peer_.load() && ask_peer_.exchange(false); }
   /// As PresenceTrack's.
   void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
   /// As PresenceTrack's.
   void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
   void NoteClockSkew(std::int64_t skew_ms);
-  /// Counts dropped fields from zero: a new stream begins.
+  /// Resets the count of dropped fields: a new stream begins.
   void ResetDropped();
   void CountDropped(std::size_t fields);
 
   /// Memory of its live parts.
   [[nodiscard]] std::size_t live_bytes() const;
   [[nodiscard]] LivePartBytes live_part_bytes() const;
-  /// Lets go of a live part, so that its memory is free; what comes next is held again. The store
-  /// forgets it too, and a restore that is due does not bring it back. Returns how many bytes that
-  /// was.
+  /// Drops a live part to free its memory; later values are held again. The store forgets it too,
+  /// and a pending restore does not bring it back. Returns the freed bytes.
   std::size_t DropLivePart(storage::LivePart part);
 
-  /// What changed since the last call; nothing if nothing did.
+  /// The changes since the last call; empty if there are none.
   [[nodiscard]] std::optional<LiveChanges> TakeChanges();
-  /// What was taken could not be kept: it counts as changed again.
+  /// The taken changes could not be stored: they count as changed again.
   void PutBackChanges(const LivePartSet& changed);
-  /// Takes over what is not known better by now and was not dropped. Presence stays as it is: it
-  /// was not heard.
+  /// Takes over older values that have no newer ones and were not dropped. Presence stays as it is,
+  /// since the robot was not heard.
   void Restore(LiveBefore before, storage::Epoch held_since);
 
-  /// As above; what ended meanwhile is not taken.
+  /// As above; leaves out runs that ended meanwhile.
   void Restore(Reported before, storage::Epoch held_since);
 
   // --- Who holds the robot ---
 
-  /// A stream of it began here at `now`: this process judges it from now on, whichever held it, and
+  /// A stream of it began here at `now`. From now on this process judges it, whoever held it, and
   /// counts its silence from `now` at the earliest. The store learns of that by an OpenStream.
   void Claim(SteadyTime now);
-  /// No stream of it is here any more. What the store says of its holder counts again.
+  /// No stream of it is here any more. The store's word about its holder counts again.
   void EndClaim();
-  /// This process holds it. What the former holder kept in the store is to be restored, if there is
-  /// such.
+  /// This process holds it. What the former holder stored, if anything, must be restored.
   void BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now);
-  /// Another process holds it: everything that is known of it is forgotten. Its presence stays as
-  /// it is until that process is known.
+  /// Another process holds it: forgets everything known of it. Its presence stays until that
+  /// process is known.
   void Lose();
-  /// Another process holds it and wrote this. Nothing happens if this process holds it, or if a
-  /// stream of it is here.
+  /// Another process holds it and wrote this. No effect if this process holds it or has a stream of
+  /// it.
   void FollowHolder(Foreign foreign, const storage::StoredPresence& presence);
-  /// Another process holds it: what it says live is not kept here.
+  /// Another process holds it: its live data is not kept here.
   [[nodiscard]] bool foreign() const;
   /// The epoch since which this process holds it; 0 if it does not, or the store has not said so.
   [[nodiscard]] storage::Epoch held_since() const;
-  /// What the store has of it is to be restored (Restore), and nothing is checkpointed before.
+  /// The store's state of it must be restored (Restore); nothing is checkpointed before.
   [[nodiscard]] bool needs_restore() const;
   /// It was restored under this hold.
   void SetRestored(storage::Epoch held_since);
 
-  /// Brings presence up to date and returns it; nothing if another process judges it.
+  /// Updates presence and returns it; empty if another process judges it.
   std::optional<Presence> Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
   [[nodiscard]] SystemTime presence_since() const;
@@ -167,7 +165,7 @@ class RobotState final {
   /// Which live parts a snapshot copies: none; the small ones (PartTag::kSmall); all.
   enum class Parts : std::uint8_t { kNone, kSmall, kAll };
   [[nodiscard]] StateSnapshot Snapshot(Parts parts) const;
-  /// Calls `look` with the state as it stands, under the lock: it must be short.
+  /// Calls `look` with the current state, under the lock: it must be short.
   template <typename Look>
   void LookAt(Look look) const {
     const std::lock_guard lock(mutex_);
@@ -184,21 +182,21 @@ class RobotState final {
   }
 
  private:
-  /// What was heard and told here. Under the lock.
+  /// Forgets what was heard here. Under the lock.
   void Forget();
 
   mutable std::mutex mutex_;
   HeldLive live_;
-  /// Null: it counts in none. Set before it is shared.
+  /// Null: it counts in no total. Set before it is shared.
   std::shared_ptr<LiveTotal> live_total_;
   Reports reports_;
-  /// When the parts arrived in this life of the server; the epoch if they did not, or were dropped
+  /// When the parts arrived since the server's start; the epoch if they did not, or were dropped
   /// since.
   SteadyTime status_arrived_;
   SteadyTime rcan_arrived_;
-  /// The last sign of life or the clock's skew.
+  /// The last sign of life or the clock's skew changed.
   bool signs_changed_ = false;
-  /// Outside of the lock: a stream looks at it at each wake.
+  /// Outside the lock, since a stream reads it at each wake.
   std::atomic<bool> ask_peer_{false};
   PresenceTrack presence_;
   std::optional<std::int64_t> clock_skew_ms_;
@@ -209,8 +207,8 @@ class RobotState final {
   storage::Epoch held_since_ = 0;
   /// A stream of it is here.
   bool claimed_ = false;
-  /// A claim ended before the store said that the robot is ours. It may be elsewhere since: what
-  /// was heard then is not newer than what the store has.
+  /// A claim ended before the store said that the robot is ours. It may be elsewhere since, so what
+  /// was heard then is not newer than the store's state.
   bool claim_ended_unheld_ = false;
   bool needs_restore_ = false;
 };

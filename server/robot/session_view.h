@@ -20,20 +20,19 @@ struct SessionView {
   std::optional<model::SessionId> session;
   model::Seq settled_seq = 0;
   std::uint64_t missing = 0;
-  /// Through which gateway that stream came; empty: the robot spoke by itself, or never here.
+  /// The gateway of that stream; empty: the robot spoke by itself, or never here.
   std::string gateway = {};
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   bool contested = false;
-  /// Why the robot's stream is not read now, and since when it is not.
+  /// Why and since when the robot's stream is not read.
   HeldBack held_back = HeldBack::kNone;
   SystemTime held_back_since;
 };
 
-/// What a view shows of a robot's stream; of its session nothing yet. Confined to the owner's lock
-/// of both.
+/// The view of a robot's stream, without its session. Confined to the owner's lock of both.
 [[nodiscard]] SessionView ViewOf(const Takeover& takeover, const HeldBackTrack& held_back);
 
-/// How far the session is settled; nothing if it is not held, and `memory` null.
+/// How far the session is settled; empty if it is not in memory, and `memory` null.
 [[nodiscard]] std::optional<storage::SettledSession> SettledOf(
     const SessionMemory* memory, const std::optional<model::SessionId>& session);
 

@@ -6,8 +6,8 @@
 
 namespace uplink::robot {
 
-/// By which way the messages of the robot with this RURI come; of a stand-in, which belongs to no
-/// robot, that of the broker. kUplink unless another source owns such RURIs.
+/// The source of messages of the robot with this RURI; for a stand-in, which belongs to no robot,
+/// the broker. kUplink unless another source owns such RURIs.
 ///
 /// Thread: pure; any thread.
 [[nodiscard]] model::MessageSource SourceOf(std::string_view ruri);

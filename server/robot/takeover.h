@@ -11,7 +11,7 @@
 
 namespace uplink::robot {
 
-/// Where a stream stands among the robot's streams.
+/// A stream's standing among the robot's streams.
 enum class Standing : std::uint8_t {
   /// It is the robot's stream.
   kCurrent,
@@ -21,10 +21,9 @@ enum class Standing : std::uint8_t {
   kSuperseded,
   /// It was ended on request: it must stop and Detach.
   kEnded,
-  /// The store went back: it lacks what it told of the robot. It must stop and Detach.
+  /// The store went back and lacks what it confirmed of the robot: it must stop and Detach.
   kWentBack,
-  /// The store has the robot in another fleet than the gateway that speaks for it: it must stop and
-  /// Detach.
+  /// The store has the robot in another fleet than its gateway: it must stop and Detach.
   kOtherFleet,
 };
 
@@ -40,37 +39,36 @@ class Takeover final {
     std::vector<loop::StreamRef> to_wake;
     /// This attach took over from another stream.
     bool took_over = false;
-    /// The robot changes hands more than kTakeoversPerMinuteMax times per minute, from now on.
+    /// From now on the robot is taken over more than kTakeoversPerMinuteMax times per minute.
     bool contested = false;
   };
   /// A new stream wants the robot, by itself or through this gateway.
   [[nodiscard]] Attached Attach(loop::StreamRef stream, SteadyTime now, SystemTime system_now,
                                 std::string gateway = {});
   [[nodiscard]] Standing StandingOf(loop::StreamRef stream) const;
-  /// The stream takes no more frames: the one that waits, if any, becomes the robot's. Returns the
+  /// The stream takes no more frames: the waiting one, if any, becomes the robot's. Returns the
   /// robot's stream, or none if the one that left was not it.
   loop::StreamRef Detach(loop::StreamRef stream);
-  /// The current stream must stop, for this reason: another process holds the robot, or the store
-  /// went back.
+  /// The current stream must stop because another process holds the robot, or the store went back.
   void Stop(Standing standing);
-  /// The stream may not speak for the robot, as the store has it: it must stop if it is current.
+  /// The store does not let the stream speak for the robot: it must stop if it is current.
   void Refuse(loop::StreamRef stream);
-  /// The current stream is to stop, though nothing takes its place.
+  /// The current stream must stop without a successor.
   void End();
-  /// Lets old takeovers go, so that a robot that calmed down is contested no more.
+  /// Forgets old takeovers, so that a robot that calmed down is no longer contested.
   void Sweep(SteadyTime now);
 
   /// The robot's stream; none if it has none.
   [[nodiscard]] loop::StreamRef current() const { return current_; }
   /// When the robot's stream, or the last one, came.
   [[nodiscard]] SystemTime connected_since() const { return connected_since_; }
-  /// Through which gateway that stream came; empty: the robot spoke by itself, or never here.
+  /// The gateway of that stream; empty: the robot spoke by itself, or never here.
   [[nodiscard]] const std::string& gateway() const { return gateway_; }
   /// More than kTakeoversPerMinuteMax takeovers in the last minute.
   [[nodiscard]] bool contested() const { return contested_; }
 
  private:
-  /// Returns true if the robot became contested by it.
+  /// True if the robot became contested by this.
   bool AddTakeover(SteadyTime now);
 
   loop::StreamRef current_;

@@ -34,7 +34,8 @@ class DoorBook final {
   /// A connection is turned away: counts it by cause, and logs a line that names the source. Not
   /// for a health check.
   void Note(transport::TurnedAway cause, const Origin& origin, SteadyTime now);
-  /// The same for a handshake that failed.
+  /// The same for a handshake that failed. `detail`: what the line adds to the cause; empty:
+  /// nothing.
   void NoteFailedHandshake(transport::TurnedAway cause, std::string_view detail,
                            const Origin& origin, SteadyTime now);
   /// A line alone; `kind` as SourceLines has it.
