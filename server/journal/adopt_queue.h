@@ -13,11 +13,11 @@
 
 namespace uplink::journal {
 
-/// How long an adopted robot may be unheard before it counts as offline.
+/// How long an adopted robot may be silent before it counts as offline.
 struct AdoptGrace {
-  /// presence.startup_grace: no robot streams to a former holder.
+  /// presence.startup_grace: no robot streams to a holder that ended.
   milliseconds ended{0};
-  /// presence.adopted_grace: the robot may stream to one that fell silent.
+  /// presence.adopted_grace: the robot may stream to a holder that fell silent.
   milliseconds silent{0};
 
   [[nodiscard]] milliseconds Of(storage::HolderEnd end) const;
@@ -37,27 +37,27 @@ struct LossEntry {
   storage::Epoch since = 0;
 };
 
-/// A robot that is to leave memory (CommitClient::MayLeave).
+/// A robot that should leave memory (CommitClient::MayLeave).
 struct LeaveEntry {
   robot::ClientRef client;
   storage::RobotRef robot;
 };
 
-/// What is told of robots that change hands: those to be adopted, those that were lost and those
-/// that leave memory, in order, each robot at most once in each.
+/// Robots that change hands: those to adopt, those that were lost and those that leave memory, in
+/// order, each robot at most once in each queue.
 ///
 /// Limits: three entries per robot in memory (limits.robots_max, and fleet::kLeavingMax).
 /// Thread: confined to its owner's lock.
 class AdoptQueue final {
  public:
-  /// False if the robot waits to be adopted already.
+  /// False if the robot already waits to be adopted.
   bool Push(AdoptEntry entry);
-  /// False if it waits to be let go already.
+  /// False if it already waits to be let go.
   bool Push(LossEntry entry);
-  /// False if it waits to leave already.
+  /// False if it already waits to leave.
   bool Push(LeaveEntry entry);
 
-  /// Takes the first ones, at most `most`. They may be pushed again from now on.
+  /// Takes at most `most` from the front. They may be pushed again from now on.
   [[nodiscard]] std::vector<AdoptEntry> TakeAdopts(std::size_t most);
   [[nodiscard]] std::vector<LossEntry> TakeLosses();
   [[nodiscard]] std::vector<LeaveEntry> TakeLeaves();

@@ -10,18 +10,18 @@
 
 namespace uplink::journal {
 
-/// The step for robots that change hands: lets go of those that were lost, and adopts those whose
-/// holders are over.
+/// The step for robots that change hands: lets go of lost robots, and adopts robots whose holders
+/// are over.
 ///
-/// Errors:  whatever the store tells is the store's error; the same robots are tried again, after
-///          kFailuresToHalve failures fewer at once. An answer that was lost is told again.
+/// Errors:  any error is the store's. The same robots are tried again, fewer at once after
+///          kFailuresToHalve failures. A lost answer is given again.
 /// Thread:  confined to the writer.
 class Adopting final {
  public:
   /// All outlive it.
   Adopting(const WriterContext& context, Holds& holds);
 
-  /// Nothing if no robot changes hands.
+  /// Empty if no robot changes hands.
   [[nodiscard]] std::optional<Step> Advance();
 
  private:

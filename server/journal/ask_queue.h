@@ -15,34 +15,33 @@
 
 namespace uplink::journal {
 
-/// A stream that was asked for and is not open yet.
+/// A stream that waits to be opened.
 struct OpenEntry {
   robot::ClientRef client;
   std::uint64_t open_id = 0;
   storage::OpenRequest request;
-  /// As Moved's.
+  /// As Moved::gateway.
   std::string gateway = {};
 };
 
-/// A drone that is to be claimed.
+/// A drone that waits to be claimed.
 struct ClaimEntry {
   robot::ClientRef client;
-  /// That of its robot.
+  /// Its robot's client.
   robot::ClientRef robot;
   storage::ClaimRequest request;
-  /// As Moved's.
+  /// As Moved::gateway.
   std::string gateway = {};
 };
 
-/// What the store was asked for and has not answered, in order: at most one entry per client, the
-/// newest.
+/// Unanswered requests to the store, in order: at most one per client, the newest.
 ///
 /// Limits: one entry per robot in memory (limits.robots_max, and fleet::kLeavingMax).
 /// Thread: confined to its owner's lock; unanswered() and CountAnswered: any thread.
 template <typename Entry>
 class AskQueue final {
  public:
-  /// False if it replaced one of the same client that waited already.
+  /// False if it replaced a waiting one of the same client.
   bool Push(Entry entry) {
     const auto queued = std::ranges::find(queue_, entry.client, &Entry::client);
     if (queued != queue_.end()) {
@@ -54,8 +53,8 @@ class AskQueue final {
     return true;
   }
 
-  /// Moves the first ones to the end of `taken` until it holds `most`. One whose client is in
-  /// `taken` already replaces that.
+  /// Moves entries from the front to the end of `taken` until that holds `most`. An entry whose
+  /// client is in `taken` already replaces that one.
   [[nodiscard]] std::vector<Entry> MoveTo(std::vector<Entry> taken, std::size_t most) {
     while (!queue_.empty() && taken.size() < most) {
       Entry entry = std::move(queue_.front());
@@ -71,8 +70,8 @@ class AskQueue final {
     return taken;
   }
 
-  /// What was taken waits again, ahead of the others and in its order. Where a newer one of the
-  /// same client waits, that stands for it.
+  /// Puts taken entries back to the front, in order. A waiting newer entry of the same client
+  /// replaces the older one.
   void PutBack(std::vector<Entry> taken) {
     while (!taken.empty()) {
       const auto newer = std::ranges::find(queue_, taken.back().client, &Entry::client);
@@ -85,12 +84,12 @@ class AskQueue final {
     }
   }
 
-  /// So many of those that were taken are answered.
+  /// So many taken entries are answered.
   void CountAnswered(std::size_t count) { unanswered_.fetch_sub(count); }
 
   /// None waits to be taken.
   [[nodiscard]] bool empty() const { return queue_.empty(); }
-  /// Those that wait, and those that were taken and are not answered yet.
+  /// Entries that wait, and taken ones without an answer.
   [[nodiscard]] std::size_t unanswered() const { return unanswered_.load(); }
 
  private:

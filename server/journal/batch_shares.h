@@ -10,9 +10,9 @@
 
 namespace uplink::journal {
 
-/// Shares a batch that is being filled among the robots whose entries wait, and among gateways. A
-/// robot's entries keep their order: once one was left for a later batch, so are all behind it. A
-/// robot, or gateway, with nothing in the batch may always have one entry, of any size.
+/// Shares a batch among the robots whose entries wait, and among gateways. A robot's entries keep
+/// their order: once one is left for a later batch, so are all behind it. A robot or gateway with
+/// nothing in the batch may always add one entry, of any size.
 ///
 /// Limits: one entry per robot of the batch, and one per gateway.
 /// Thread: confined to the writer.
@@ -21,15 +21,15 @@ class BatchShares final {
   BatchShares(const BatchShare& of_robot, const BatchShare& of_gateway)
       : of_robot_(of_robot), of_gateway_(of_gateway) {}
 
-  /// What becomes of a robot's next entry.
+  /// The decision on a robot's next entry.
   enum class Admission : std::uint8_t {
     kAdmitted,
-    /// The robot has its share: all that it has waits for a later batch.
+    /// The robot has its share: its other entries wait for a later batch.
     kRobotWaits,
-    /// The gateway has its share: so does all that its robots have.
+    /// The gateway has its share: all its robots' entries wait.
     kGatewayWaits,
   };
-  /// Counts the entry, if it goes into the batch.
+  /// Decides, and counts the entry if it goes into the batch.
   [[nodiscard]] Admission Admit(const Origin& origin);
 
  private:
@@ -38,7 +38,7 @@ class BatchShares final {
     std::size_t bytes = 0;
     bool full = false;
 
-    /// Notes it if there is none.
+    /// Notes that the batch is full if there is none.
     bool HasRoomFor(std::size_t more, const BatchShare& share);
     void Add(std::size_t more);
   };

@@ -8,19 +8,19 @@
 
 namespace uplink::journal {
 
-/// How the size of a store call follows its failures and successes.
+/// Rules by which the size of a store call follows its failures and successes.
 struct CallSizeRule {
-  /// What a call holds at most, and at first.
+  /// The size at most, and at first.
   std::size_t most = 1;
   /// Failures in a row that halve the call, and successes in a row that double it again.
   int failures_to_halve = kFailuresToHalve;
   int successes_to_double = kSuccessesToDouble;
-  /// A call that held less than this is not halved: its failures still count.
+  /// A call smaller than this is not halved, but its failures count.
   std::size_t halved_from = 0;
 };
 
-/// What the next store call of one kind may hold: a store that cannot do the whole in its time may
-/// do half of it, so failures halve the call and successes double it again.
+/// The size of the next store call of one kind. A store that cannot do a whole call in time may do
+/// half of it, so failures halve the call and successes double it again.
 ///
 /// Limits: at least 1, at most CallSizeRule.most.
 /// Thread: confined to the writer.
@@ -29,8 +29,8 @@ class CallSize final {
   explicit CallSize(const CallSizeRule& rule) : rule_(rule), now_(rule.most) {}
 
   [[nodiscard]] std::size_t now() const { return now_; }
-  /// The call failed; it held `held`. True if it has been halved: now() is half of `held`, and what
-  /// the call holds beyond that is to be left for later calls.
+  /// A call of size `held` failed. True if it has been halved: now() is half of `held`, and the
+  /// rest must be left for later calls.
   [[nodiscard]] bool Failed(std::size_t held);
   void Succeeded();
 
@@ -41,7 +41,7 @@ class CallSize final {
   int in_a_row_ = 0;
 };
 
-/// Takes what a call holds beyond its first `kept` entries, for later calls.
+/// Takes the entries behind the first `kept` of a call, for later calls.
 template <typename Entry>
 [[nodiscard]] std::vector<Entry> TakeRest(std::vector<Entry>& call, std::size_t kept) {
   const auto rest = call.begin() + static_cast<std::ptrdiff_t>(kept);

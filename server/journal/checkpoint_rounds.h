@@ -11,26 +11,26 @@
 
 namespace uplink::journal {
 
-/// Writes what changed of the live states to the store, in rounds of many calls. A round begins
-/// when it is due or was asked for, and ends when the source has no more rows.
+/// Writes changed live states to the store, in rounds of many calls. A round begins when it is due
+/// or was requested, and ends when the source has no more rows.
 ///
-/// A robot that the store passes over is held no more.
+/// A robot that the store skips is no longer held.
 ///
 /// Errors:  kInternal is the checkpoint's own error, perhaps of one row: the rows go back to their
-///          source, and the round goes on. Any other is the store's: the round ends, and one that
-///          was asked for is begun again.
+///          source, and the round goes on. Any other is the store's: the round ends, and a
+///          requested one begins again.
 /// Thread:  confined to the writer.
 class CheckpointRounds final {
  public:
   /// All outlive it.
   CheckpointRounds(const WriterContext& context, Holds& holds);
 
-  /// Before the first Advance: the live states that are written each `every`. `live` outlives this;
+  /// Sets the live states to write each `every`, before the first Advance. `live` outlives this;
   /// without it no round is due.
   void SetSource(fleet::LiveSource& live, milliseconds every);
 
   [[nodiscard]] const Duty& duty() const { return duty_; }
-  /// Writes the next rows of the round. Nothing if no round is under way and none is due.
+  /// Writes the next rows of the round. Empty if no round is under way and none is due.
   [[nodiscard]] std::optional<Step> Advance();
 
  private:
@@ -46,7 +46,7 @@ class CheckpointRounds final {
   milliseconds every_{0};
   SteadyTime began_;
   bool under_way_ = false;
-  /// The round that is under way was asked for.
+  /// The round under way was requested.
   bool answers_ = false;
 };
 

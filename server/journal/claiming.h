@@ -13,12 +13,11 @@
 
 namespace uplink::journal {
 
-/// The step that claims drones: ClaimDrones for those that wait, and the telling of its answers, to
-/// the drone and to its robot.
+/// The step that claims drones: calls ClaimDrones for those that wait, and reports the answers to
+/// each drone and its robot.
 ///
-/// Errors:  a store call that failed is tried again with what it held; after kFailuresToHalve of
-///          them its later half goes back to the inbox. A claim that was lost with its answer is
-///          made anew.
+/// Errors:  a failed store call is tried again as it was; after kFailuresToHalve failures its later
+///          half goes back to the inbox. A claim whose answer was lost is made anew.
 /// Limits:  remembers the drones that live and were claimed, one per robot in memory.
 /// Thread:  confined to the writer.
 class Claiming final {
@@ -26,10 +25,10 @@ class Claiming final {
   /// All outlive it.
   Claiming(const WriterContext& context, Holds& holds);
 
-  /// Nothing if no drone is to be claimed.
+  /// Empty if no drone waits to be claimed.
   [[nodiscard]] std::optional<Step> Advance();
-  /// The store was connected to anew and may remember less than it told: drones that were claimed
-  /// ask for that again.
+  /// The store was connected to anew and may remember less than it confirmed: claimed drones must
+  /// claim again.
   void DoubtAll();
 
  private:
@@ -39,7 +38,7 @@ class Claiming final {
   Holds& holds_;
   CallSize size_;
   std::vector<ClaimEntry> claiming_;
-  /// By RURI, those that were claimed since the last DoubtAll; some may be gone.
+  /// Drones that were claimed since the last DoubtAll, by RURI; some may be gone.
   std::map<std::string, std::weak_ptr<robot::CommitClient>> claimed_;
 };
 

@@ -12,9 +12,9 @@
 
 namespace uplink::journal {
 
-/// The steps of a batch: gather it from the inbox, commit it, tell its outcomes.
+/// The steps of a batch: gather it from the inbox, commit it, report its outcomes.
 ///
-/// Errors:  a commit that failed is tried again as it was, since it may have been carried out: the
+/// Errors:  a failed commit is tried again as it was, since it may have been carried out: the
 ///          cursor decides. After kFailuresToHalve failures its later half goes back to the inbox.
 /// Thread:  confined to the writer.
 class Committing final {
@@ -29,23 +29,23 @@ class Committing final {
   Committing(const WriterContext& context, Holds& holds, const Limits& limits,
              const model::SessionId& presence_session);
 
-  /// A batch was gathered, and is not committed or not told yet.
+  /// A batch was gathered, and is not committed or not reported yet.
   [[nodiscard]] bool HasBatch() const { return !batch_.empty(); }
-  /// A batch was committed, and its outcomes are not told yet.
+  /// A batch was committed, and its outcomes are not reported yet.
   [[nodiscard]] bool HasOutcomes() const { return outcomes_.has_value(); }
 
-  /// Gathers a batch from what waits, unless there is one. True if there is one now.
+  /// Gathers a batch from the inbox, unless there is one. True if there is one now.
   [[nodiscard]] bool Gather();
-  /// The batch waits again, ahead of all else.
+  /// Puts the batch back to the front.
   void PutBack();
-  /// Commits the batch, without what became void.
+  /// Commits the batch, without entries that became void.
   [[nodiscard]] Step Commit();
-  /// Tells the outcomes, makes room in the inbox, and wakes the robots' streams.
+  /// Reports the outcomes, makes room in the inbox, and wakes the robots' streams.
   void Tell();
 
  private:
   void DropVoid();
-  /// Notes of which robots rows went to quarantine.
+  /// Notes robots whose rows went to quarantine.
   void NoteQuarantined(std::span<const storage::Outcome> outcomes);
   void FinishPresence(std::span<const storage::Outcome> outcomes);
 

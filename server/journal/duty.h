@@ -9,10 +9,10 @@
 
 namespace uplink::journal {
 
-/// When work of the journal's own is due. Confined to the writer.
+/// When one of the journal's own duties is due. Confined to the writer.
 class Duty final {
  public:
-  /// Of a duty that this journal does not have.
+  /// For a duty that this journal does not have.
   static constexpr SteadyTime kNever = SteadyTime::max();
 
   explicit Duty(SteadyTime due) : due_(due) {}
@@ -25,7 +25,7 @@ class Duty final {
   SteadyTime due_;
 };
 
-/// Why a duty of the journal's own could not be done last though the store was there.
+/// Why one of the journal's own duties failed last, although the store is there.
 ///
 /// Thread: thread-safe: the writer notes it, any thread reads it.
 class DutyError final {
@@ -33,7 +33,7 @@ class DutyError final {
   /// `failing` counts the journals in which the duty has an error.
   explicit DutyError(metrics::Cell& failing) : failing_(failing) {}
 
-  /// What came of the duty; OK after a success.
+  /// Notes the duty's result; OK after a success.
   void Note(const absl::Status& status);
   [[nodiscard]] absl::Status last() const;
 

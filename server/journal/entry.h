@@ -13,28 +13,27 @@
 
 namespace uplink::journal {
 
-/// From which robot and when a record or gap came, and what it costs while it waits. Moved only.
+/// Where and when a record or gap came from, and what it costs while it waits. Moved only.
 struct Origin {
   robot::ClientRef client;
-  /// The client's when the record's stream began.
+  /// The client's generation when the record's stream began.
   std::uint64_t generation = 0;
   SteadyTime arrived;
   std::size_t bytes = 0;
   /// Counts it for the gateway that its stream came through.
   GatewayPlace place{};
-  /// It was part of a commit without an answer, which may have been carried out.
+  /// It was part of a commit without an answer, and may be stored.
   bool tried = false;
-  /// The robot's next entry comes of the same message: one commit has both.
+  /// The robot's next entry is of the same message: one commit has both.
   bool continues = false;
-  /// Of a drone, judged under a claim that the store answered (storage::SampleMark).
+  /// It is of a drone, and was judged under a claim that the store answered (storage::SampleMark).
   bool is_sample = false;
 
   /// A fence overtook it: it must not be written.
   [[nodiscard]] bool IsVoid() const { return generation != client->generation(); }
 };
 
-/// What a record holds while it waits, in bytes: its payload and its decoded body, and what the
-/// queue needs besides.
+/// Bytes of a record while it waits: its payload, its decoded body, and the queue's overhead.
 [[nodiscard]] std::size_t CostOf(const storage::CommitRecord& record);
 [[nodiscard]] std::size_t CostOf(std::size_t payload_bytes, const model::Record& record);
 [[nodiscard]] std::size_t CostOf(std::size_t payload_bytes, const model::Rejection& rejection);
@@ -45,7 +44,7 @@ struct Entry {
   std::variant<storage::CommitRecord, storage::GapItem> item;
 };
 
-/// What goes with all that one stream appends. A value.
+/// What one stream appends with. A value.
 struct AppendedBy {
   AppendedBy(std::uint64_t its_generation,  // NOLINT(google-explicit-constructor): without gateway
              GatewayRef its_gateway = nullptr)
@@ -53,7 +52,7 @@ struct AppendedBy {
 
   /// The client's when the stream began (RobotSessions::Begin).
   std::uint64_t generation;
-  /// Which gateway the stream came through (Journal::GatewayOf).
+  /// The gateway of the stream (Journal::GatewayOf).
   GatewayRef gateway;
 };
 

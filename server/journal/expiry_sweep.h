@@ -6,10 +6,9 @@
 namespace uplink::journal {
 
 /// The duty that deletes expired shapes and objects from the store, and closes mission runs that
-/// were left open for too long: each kSweepInterval, and again
-/// after kSweepAgain where more is left.
+/// were open for too long: each kSweepInterval, and again after kSweepAgain if more is left.
 ///
-/// Errors:  whatever the store tells is the store's error; the next one is due as usual.
+/// Errors:  any error is the store's; the next sweep is due as usual.
 /// Thread:  confined to the writer.
 class ExpirySweep final {
  public:

@@ -7,7 +7,7 @@
 
 namespace uplink::journal {
 
-/// What waits in one journal of all robots that one gateway speaks for.
+/// What waits in one journal of all robots of one gateway.
 ///
 /// Thread: thread-safe.
 class GatewayUse final {
@@ -23,12 +23,12 @@ class GatewayUse final {
   std::atomic<std::size_t> bytes_{0};
 };
 
-/// Null: the robot speaks by itself.
+/// Null: the robot has no gateway.
 using GatewayRef = std::shared_ptr<GatewayUse>;
 
-/// The place of one entry in its gateway's use, which counts it from its making to its end.
+/// Counts one entry in its gateway's use while it exists.
 ///
-/// Thread: confined to whoever has the entry.
+/// Thread: confined to the owner of the entry.
 class GatewayPlace final {
  public:
   GatewayPlace() = default;

@@ -15,7 +15,7 @@ namespace uplink::journal {
 
 /// A batch on its way to the store, with the origin of each of its records and gaps.
 ///
-/// Limits: as many entries as the journal's CallSize of a batch lets in.
+/// Limits: as many entries as the journal's CallSize of a batch allows.
 /// Thread: confined to the writer.
 class GatheredBatch final {
  public:
@@ -31,7 +31,7 @@ class GatheredBatch final {
     batch_.deliveries = std::move(deliveries);
   }
 
-  /// Streams that wait for its commit, whatever it holds (Journal::WhenCommitted).
+  /// Streams that wait for its commit, even of an empty batch (Journal::WhenCommitted).
   void SetAsking(std::vector<loop::StreamRef> streams) { asking_ = std::move(streams); }
 
   [[nodiscard]] bool empty() const {
@@ -41,27 +41,27 @@ class GatheredBatch final {
   [[nodiscard]] const std::vector<loop::StreamRef>& asking() const { return asking_; }
   /// Records and gaps.
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
-  /// What records and gaps cost.
+  /// Bytes of records and gaps.
   [[nodiscard]] std::size_t bytes() const;
   /// The number of records, of gaps or of changes of presence, whichever is most.
   [[nodiscard]] std::size_t longest() const;
   [[nodiscard]] const storage::Batch& batch() const { return batch_; }
-  /// Of the records and of the gaps of batch(), in their order.
+  /// The origins of the records and of the gaps of batch(), in their order.
   [[nodiscard]] const std::vector<Origin>& origins() const { return origins_; }
   [[nodiscard]] const std::vector<Origin>& gap_origins() const { return gap_origins_; }
 
   struct Dropped {
     std::size_t entries = 0;
     std::size_t bytes = 0;
-    /// Whose gaps were dropped, once per gap.
+    /// The clients of dropped gaps, once per gap.
     std::vector<robot::ClientRef> gap_clients;
   };
   /// Drops the records and gaps that became void.
   [[nodiscard]] Dropped DropVoid();
-  /// Writes into each record and gap since when its robot is held; 0 of samples, which their
-  /// claim decides. Nothing may be void.
+  /// Writes into each record and gap since when its robot is held; 0 for samples, which their claim
+  /// decides. No entry may be void.
   void SetHolds(const HeldRobots& held);
-  /// A commit of this batch had no answer: its records may be stored.
+  /// A commit of this batch had no answer, so its records may be stored.
   void MarkTried();
 
   struct Rest {
@@ -69,11 +69,11 @@ class GatheredBatch final {
     std::vector<Entry> entries;
     std::vector<storage::PresenceItem> presence;
   };
-  /// Takes out what lies behind the first `keep` records, gaps and changes of presence, and behind
-  /// the rest of the message to which the last of them belongs.
+  /// Removes the entries behind the first `keep` records, gaps and changes of presence, except the
+  /// rest of the last message.
   [[nodiscard]] Rest TakeRest(std::size_t keep);
   void ClearPresence() { batch_.presence.clear(); }
-  /// What is remembered of deliveries goes too, and who waits for the commit.
+  /// Also clears deliveries and the streams that wait for the commit.
   void ClearEntries();
 
  private:

@@ -16,11 +16,11 @@ namespace uplink::journal {
 class HeldRobots final {
  public:
   enum class Hold : std::uint8_t {
-    /// It was held since then already.
+    /// It was already held since then.
     kSame,
     /// It was not held before.
     kNew,
-    /// Another process held it after this one did last, which it learns by this.
+    /// Another process held it in between, which is news.
     kInterrupted,
   };
   /// The store answered that the robot is ours since `since`.
@@ -28,12 +28,13 @@ class HeldRobots final {
   /// Another process holds it.
   void Lose(robot::CommitClient& client) { since_.erase(&client); }
 
-  /// A robot's first OpenStream goes before its first records; what is void is only dropped. A
-  /// sample needs no hold: the store knows it by its claim, which was answered before.
+  /// Whether the entry may go into a batch. A robot's first OpenStream goes before its first
+  /// records; void entries are only dropped. A sample needs no hold, since its claim was answered
+  /// before.
   [[nodiscard]] bool MayCommit(const Origin& origin) const {
     return origin.is_sample || since_.contains(origin.client.get()) || origin.IsVoid();
   }
-  /// 0 of a robot that is not held.
+  /// 0 if the robot is not held.
   [[nodiscard]] storage::Epoch Since(robot::CommitClient& client) const {
     const auto held = since_.find(&client);
     return held == since_.end() ? 0 : held->second;

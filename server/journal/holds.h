@@ -16,21 +16,21 @@
 
 namespace uplink::journal {
 
-/// Follows what the store says of who holds a robot: keeps the account, lets its changes of
-/// presence go or drops them, and tells the robot.
+/// Follows the store's word on who holds a robot: keeps the account, releases or drops its changes
+/// of presence, and tells the robot.
 ///
 /// Thread: confined to the writer.
 class Holds final {
  public:
   explicit Holds(const WriterContext& context) : context_(context) {}
 
-  /// Whose robot it is, and what that means for its client.
+  /// The result of Begin for the client.
   struct Told {
-    /// It was not held since then before.
+    /// It was not already held since then.
     bool begun = false;
-    /// Another process held it after this one did last: its sessions are forgotten.
+    /// Another process held it in between: its sessions are forgotten.
     bool interrupted = false;
-    /// To wake then.
+    /// The stream to wake then.
     loop::StreamRef stream;
   };
   /// The store answered that the robot is ours.
@@ -39,15 +39,17 @@ class Holds final {
   /// This process does not hold the robot: another one does, or the store lost it. Returns the
   /// stream to wake.
   loop::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);
-  /// The same of a hold that began then; nothing if the robot is held since later, or not at all.
+  /// As Lose, for a hold that began then; no effect if the robot is held since later, or not at
+  /// all.
   loop::StreamRef LoseSince(const std::string& ruri, storage::Epoch since);
-  /// The store holds the robot for us, and has less of it than it told. Returns the stream to wake.
+  /// The store holds the robot for us, and has less of it than it confirmed. Returns the stream to
+  /// wake.
   loop::StreamRef WentBack(const std::string& ruri);
-  /// The store has this of the robot's presence. True if that is not what it told, or was told:
-  /// what this process last judged is written again.
+  /// The store has this presence of the robot. True if that differs from what it confirmed: what
+  /// this process last judged is then written again.
   bool FollowPresence(const std::string& ruri, const std::optional<storage::StoredPresence>& stored,
                       Reconnected to);
-  /// What the store told of the robots that are held, by RURI.
+  /// What the store has confirmed of the held robots, by RURI.
   [[nodiscard]] std::vector<storage::ToldRobot> ToldOfAll() const;
 
   [[nodiscard]] const HeldRobots& robots() const { return robots_; }
@@ -55,9 +57,8 @@ class Holds final {
  private:
   const WriterContext context_;
   HeldRobots robots_;
-  /// Those that are held, by RURI. It keeps them: a broker's stand-in for no robot has no other
-  /// owner once its stream is closed, and a robot of the fleet is let go of first
-  /// (Adopting::LetLeave).
+  /// The held robots, by RURI. It owns them: a broker's stand-in has no other owner once its stream
+  /// is closed. A robot of the fleet is let go of first (Adopting::LetLeave).
   struct Held {
     robot::ClientRef client;
     storage::RobotRef robot;

@@ -24,29 +24,29 @@
 
 namespace uplink::journal {
 
-/// Whether one more record may be appended.
+/// Whether another record may be appended.
 enum class Room : std::uint8_t {
   kFree,
-  /// The robot's share is full, or its gateway's. A robot of which nothing waits has room for one
+  /// The robot's share is full, or its gateway's. A robot with nothing waiting has room for one
   /// record of any size.
   kShareFull,
-  /// The journal is full; or its gateway has kGatewaySharesMax shares, though no entry of the
+  /// The journal is full; or the gateway has kGatewaySharesMax shares, even though nothing of the
   /// robot waits.
   kFull,
 };
 
-/// All that waits for the writer: records and gaps in a bounded queue, streams to open, drones to
-/// claim, changes of presence, and whether a checkpoint was asked for. What was taken and is not
-/// done yet still counts as waiting.
+/// Everything that waits for the writer: records and gaps in a bounded queue, streams to open,
+/// drones to claim, changes of presence, and a requested checkpoint. Taken work that is not done
+/// still counts as waiting.
 ///
-/// Limits: JournalLimits.records_max and bytes_max, kept by those who append; AskQueue's and
+/// Limits: JournalLimits.records_max and bytes_max, kept by the callers that append; AskQueue's and
 ///         PresenceLog's.
-/// Thread: thread-safe by one mutex. What the writer alone does with it is WriterInbox.
+/// Thread: thread-safe by one mutex. WriterInbox has the writer's functions.
 class Inbox final {
  public:
   Inbox(const JournalLimits& limits, const Clock& clock) : limits_(limits), clock_(clock) {}
 
-  // journal.h has the comments.
+  // Comments are in journal.h.
 
   void Open(OpenEntry entry);
   void Claim(ClaimEntry entry);
@@ -81,22 +81,22 @@ class Inbox final {
   /// Its other end.
   friend class WriterInbox;
 
-  /// A stream that waits for room, for itself and for its gateway.
+  /// A stream that waits for room, also for its gateway.
   struct Waiter {
     loop::StreamRef stream;
     GatewayRef gateway;
   };
 
   void Push(std::vector<Entry> entries);
-  /// Whether the gateway has less than `shares` times its share of the journal now, and no more
-  /// than that with `bytes` more. True for null.
+  /// Whether the gateway has less than `shares` times its share of the journal now, and at most
+  /// that with `bytes` more. True for null.
   [[nodiscard]] bool IsWithin(const GatewayUse* gateway, std::size_t shares,
                               std::size_t bytes) const;
   /// Whether a robot with nothing waiting has room.
   [[nodiscard]] bool HasRoomFor(const GatewayUse* gateway) const {
     return HasRoom() && IsWithin(gateway, kGatewaySharesMax, 0);
   }
-  /// Something waits that goes into a batch. Under the lock.
+  /// Something for a batch waits. Under the lock.
   [[nodiscard]] bool HasBatch() const {
     return !queue_.empty() || !presence_.empty() || !deliveries_.empty() ||
            !waiting_for_commit_.empty();
@@ -115,17 +115,17 @@ class Inbox final {
   /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
   std::vector<storage::Deliveries> deliveries_;
   std::vector<Waiter> waiting_for_room_;
-  /// By subject. Those without a stream and a waiting entry are removed at the next look-up.
+  /// By subject. Gateways without a stream or a waiting entry are removed at the next lookup.
   std::unordered_map<std::string, std::weak_ptr<GatewayUse>> gateways_;
   /// Each once.
   std::vector<loop::StreamRef> waiting_for_commit_;
-  /// When the first record of the batch that was taken arrived.
+  /// When the first record of the taken batch arrived.
   std::optional<SteadyTime> batch_oldest_;
 
-  // Those of the queue, and those that were taken and are not done.
+  // Entries of the queue, and taken ones that are not done.
   std::atomic<std::size_t> records_{0};
   std::atomic<std::size_t> bytes_{0};
-  /// A checkpoint was asked for and has not begun; has not ended.
+  /// A checkpoint was requested and has not begun; has not ended.
   std::atomic<bool> checkpoint_asked_{false};
   std::atomic<bool> checkpoint_open_{false};
 };

@@ -7,34 +7,34 @@
 
 namespace uplink::journal {
 
-/// Streams that one call of the store opens: it reads the quarantine of each.
+/// Streams that one store call opens: it reads the quarantine of each.
 inline constexpr std::size_t kOpensPerCallMax = 256;
-/// Robots that one call of the store adopts: their rows are locked for it.
+/// Robots that one store call adopts: it locks their rows.
 inline constexpr std::size_t kAdoptsPerCallMax = 256;
 
-/// After so many failures of the same call it is tried with half of what it held: a store that
-/// cannot do the whole in its time may do that. So many successes double it again: more than one,
-/// or a store that bears the one and not the other would spend its time on failures.
+/// After so many failures a call is halved: a store that cannot do the whole in time may do half.
+/// After so many successes it doubles again. These are more, or a store that can do the half but
+/// not the whole would spend its time on failures.
 inline constexpr int kFailuresToHalve = 3;
 inline constexpr int kSuccessesToDouble = 16;
 
-/// What one robot may have in one commit, for which all robots of the shard wait: a few
-/// milliseconds' work of a store (128 rows take PostgreSQL one to three; 256 KiB take SQLite two).
-/// What it brings as a drone has a share of its own.
+/// One robot's share of a commit, for which all robots of the shard wait: a few milliseconds of a
+/// store's work (128 rows take PostgreSQL one to three; 256 KiB take SQLite two). A drone's samples
+/// have a share of their own.
 struct BatchShare {
   std::size_t records_max = 128;
   std::size_t bytes_max = std::size_t{256} * 1024;
 };
-/// What all robots of one gateway may have in one commit: the shares of two robots. All other
-/// robots of the shard wait for that commit.
+/// The share of all robots of one gateway: that of two robots. All other robots of the shard wait
+/// for that commit.
 inline constexpr BatchShare kGatewayBatchShare = {.records_max = 256,
                                                   .bytes_max = std::size_t{512} * 1024};
-/// Robots that are passed over while a batch is filled: they have their share of it, or are not
+/// Robots that are skipped while a batch is filled, because they have their share of it or are not
 /// held.
 inline constexpr std::size_t kPassedMax = 4096;
 
-/// Past its gateway's share a robot with nothing waiting may append one record, until all robots of
-/// the gateway have this many shares.
+/// Past its gateway's share, a robot with nothing waiting may append one record, until all robots
+/// of the gateway have this many shares.
 inline constexpr std::size_t kGatewaySharesMax = 2;
 
 struct JournalLimits {
@@ -49,30 +49,30 @@ struct JournalLimits {
   BatchShare batch_gateway = kGatewayBatchShare;
   /// One robot may have 1 / robot_share of bytes_max and records_max (journal.robot_share).
   std::size_t robot_share = config::JournalConfig().robot_share;
-  /// All robots of one gateway may have 1 / gateway_share of bytes_max and records_max together, or
-  /// what one robot may have, if that is more. With kGatewaySharesMax half of the journal stays for
-  /// all others.
+  /// All robots of one gateway together may have 1 / gateway_share of bytes_max and records_max, or
+  /// one robot's share if that is more. With kGatewaySharesMax, half of the journal is left for
+  /// others.
   std::size_t gateway_share = 4;
-  /// Whether this journal sweeps the store, and keeps its histories to their age: one of a server
-  /// does.
+  /// Whether this journal sweeps the store, and keeps its histories to their age: one journal of a
+  /// server does.
   bool sweeps = true;
   bool retains = false;
 };
 
-/// Rows of deliveries without records that wait for a commit; the oldest go. There are fewer packet
-/// ids, and each stands there about once.
+/// Rows of deliveries without records that wait for a commit; the oldest go first. There are fewer
+/// packet ids, and each appears about once.
 inline constexpr std::ptrdiff_t kDeliveriesWaitingMax = 131'072;
 
-/// How often what expired is swept from the store, and how soon again where more is left.
+/// How often expired rows are swept from the store, and how soon again if more is left.
 inline constexpr std::chrono::seconds kSweepInterval{60};
 inline constexpr std::chrono::milliseconds kSweepAgain{100};
 
-/// How often the quarantine of robots that filled theirs is looked at, and how many per call.
+/// How often the quarantine of robots that filled theirs is checked, and how many robots per call.
 inline constexpr std::chrono::seconds kTrimInterval{10};
 inline constexpr std::size_t kTrimRobotsPerCall = 4;
 
 /// How often histories are kept to their age; how soon again while the store is away, and after
-/// what fails by itself.
+/// errors of its own.
 inline constexpr std::chrono::hours kRetainInterval{1};
 inline constexpr std::chrono::seconds kRetainAgain{10};
 inline constexpr std::chrono::minutes kRetainLater{5};

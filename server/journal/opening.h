@@ -9,10 +9,10 @@
 
 namespace uplink::journal {
 
-/// The step that opens streams: OpenStreams for those that wait, and the telling of its answers.
+/// The step that opens streams: calls OpenStreams for those that wait, and reports the answers.
 ///
-/// Errors:  a store call that failed is tried again with what it held; after kFailuresToHalve of
-///          them its later half goes back to the inbox.
+/// Errors:  a failed store call is tried again as it was; after kFailuresToHalve failures its later
+///          half goes back to the inbox.
 /// Thread:  confined to the writer.
 class Opening final {
  public:
@@ -20,14 +20,14 @@ class Opening final {
   Opening(const WriterContext& context, Holds& holds);
 
   struct Gathered {
-    /// There is something to open.
+    /// Streams wait to be opened.
     bool opens = false;
     /// Records, gaps or changes of presence wait in the inbox.
     bool records_wait = false;
   };
-  /// Adds what waits to the next store call.
+  /// Adds waiting streams to the next store call.
   [[nodiscard]] Gathered Gather();
-  /// Calls the store, and tells its answers.
+  /// Calls the store, and reports its answers.
   [[nodiscard]] Step Open();
 
  private:

@@ -10,12 +10,12 @@
 
 namespace uplink::journal {
 
-/// Tells each robot what became of its records and gaps in `batch`, and fences those that another
-/// process owns, or drones that another one claimed. `outcomes` are the store's, one per record.
-/// What became void meanwhile is not told. Counts go to `ledger`.
+/// Tells each robot the outcomes of its records and gaps in `batch`, and fences robots that another
+/// process owns, and drones that another one claimed. `outcomes` are the store's, one per record.
+/// Entries that became void meanwhile are not reported. Counts go to `ledger`.
 ///
-/// Returns the streams to wake, those last that wait for the commit alone: the caller does so once
-/// it has let go of the batch.
+/// Returns the streams to wake, last those that wait only for the commit. The caller wakes them
+/// once it has let go of the batch.
 /// Thread: the writer alone, with no lock held.
 [[nodiscard]] std::vector<loop::StreamRef> TellOutcomes(const GatheredBatch& batch,
                                                         std::vector<storage::Outcome> outcomes,

@@ -9,18 +9,18 @@
 
 namespace uplink::journal {
 
-/// What the operator sees of the journals: one probe for all of a server.
+/// Metrics of the journals: one probe per server.
 struct JournalProbe {
   metrics::LatencyDistribution commit_seconds{metrics::kLatencyBoundsSeconds};
   metrics::BatchDistribution commit_records{metrics::kBatchBounds};
   metrics::Cell store_errors;
-  /// The journals of which the last call of the store failed.
+  /// Journals whose last store call failed.
   metrics::Cell store_failing;
   /// Changes of presence that were committed, by model::Presence.
   std::array<metrics::Cell, 3> presence_changes;
-  /// Changes of presence that the store refused, since another process held the robot by then.
+  /// Changes of presence that the store refused because another process held the robot.
   metrics::Cell presence_refused;
-  /// Robots of which the store, connected to anew, had less than it had told.
+  /// Robots of which the store, after a new connection, had less than it had confirmed.
   metrics::Cell went_back;
   /// When that was last found; the epoch if it never was. Any thread.
   std::atomic<SteadyTime> went_back_at{SteadyTime()};
@@ -28,26 +28,26 @@ struct JournalProbe {
     went_back.Add();
     went_back_at.store(now);
   }
-  /// Robots whose holder was over, and that this process adopted.
+  /// Robots whose holder was over and that this process adopted.
   metrics::Cell adopted;
   /// Open mission runs that the server closed: for their bound, and for their age.
   metrics::Cell runs_closed_for_bound;
   metrics::Cell runs_closed_for_age;
-  /// Rows of quarantine that went for the bound of their robot; index: RejectReason.
+  /// Rows of quarantine that were deleted for their robot's bound; index: RejectReason.
   std::array<metrics::Cell, model::kRejectReasons + 1> quarantine_dropped;
   /// Shapes and objects that the sweep deleted.
   metrics::Cell expired_deleted;
-  /// Rows and partitions of days that went for their age.
+  /// Rows, and partitions of days, that were deleted for their age.
   metrics::Cell history_deleted;
-  /// Rejects of quarantine that were kept when their row went for its age.
+  /// Rejects that were kept when their quarantine row was deleted for its age.
   metrics::Cell rejects_kept;
   /// 1 while histories cannot be kept to their age.
   metrics::Cell retention_failing;
   /// Robots whose live state was checkpointed, once per checkpoint.
   metrics::Cell checkpoint_robots;
-  /// A round of checkpoints, from its first row to its last.
+  /// Duration of a round of checkpoints, from its first row to its last.
   metrics::LatencyDistribution checkpoint_seconds{metrics::kLatencyBoundsSeconds};
-  /// The journals that cannot write checkpoints though the store is there.
+  /// Journals that cannot write checkpoints although the store is there.
   metrics::Cell checkpoint_failing;
 };
 

@@ -10,15 +10,15 @@
 
 namespace uplink::journal {
 
-/// Rows of a robot that go to quarantine before it is looked at again: by so much at most it may be
-/// past its bound unseen.
+/// Rows of a robot that go to quarantine between two looks: at most so many may exceed its bound
+/// unnoticed.
 inline constexpr std::size_t kQuarantineRowsPerLook = storage::kQuarantineRowsPerRobotMax / 10;
 /// Robots of which rows are counted; past it they are counted anew, and looked at once more each.
 inline constexpr std::size_t kQuarantineRobotsMax = 32'768;
 
-/// Of which robots rows went to quarantine, so that their number is looked at: with the first that
-/// this process wrote of a robot, and with every kQuarantineRowsPerLook further ones. Confined to
-/// the writer.
+/// Robots whose rows went to quarantine, and whose number of rows must be checked: after the first
+/// row that this process wrote of a robot, and after every further kQuarantineRowsPerLook. Confined
+/// to the writer.
 class QuarantineNotes final {
  public:
   explicit QuarantineNotes(std::size_t robots_max = kQuarantineRobotsMax)
@@ -26,16 +26,16 @@ class QuarantineNotes final {
 
   /// A row of the robot went to quarantine.
   void Note(const std::string& ruri);
-  /// There are robots to look at.
+  /// There are robots to check.
   [[nodiscard]] bool any() const { return !due_.empty(); }
   /// The first `robots` of them, by RURI.
   [[nodiscard]] std::vector<std::string> First(std::size_t robots) const;
-  /// The robot was looked at.
+  /// The robot was checked.
   void Done(const std::string& ruri) { due_.erase(ruri); }
 
  private:
   const std::size_t robots_max_;
-  /// Rows since the last look began.
+  /// Rows since the last check began.
   std::unordered_map<std::string, std::size_t> rows_;
   std::set<std::string> due_;
 };

@@ -5,18 +5,18 @@
 
 namespace uplink::journal {
 
-/// The duty that keeps the quarantine of robots to its bound: each kTrimInterval those that are
-/// noted, kTrimRobotsPerCall per call, and again after kSweepAgain where more is left. It goes by
-/// no clock, and there is nothing to do where no robot is noted.
+/// The duty that keeps the quarantine of robots to its bound: each kTrimInterval for noted robots,
+/// kTrimRobotsPerCall per call, and again after kSweepAgain if more is left. It uses no clock, and
+/// does nothing if no robot is noted.
 ///
-/// Errors:  whatever the store tells is the store's error; the robots stay noted.
+/// Errors:  any error is the store's; the robots stay noted.
 /// Thread:  confined to the writer.
 class QuarantineTrim final {
  public:
   explicit QuarantineTrim(const WriterContext& context)
       : context_(context), duty_(context.clock.Steady()) {}
 
-  /// When there is something to do; Duty::kNever if there is not.
+  /// When it is due; Duty::kNever if there is nothing to do.
   [[nodiscard]] SteadyTime due() const;
   [[nodiscard]] Step Do();
 

@@ -5,8 +5,8 @@
 
 namespace uplink::journal {
 
-/// The duty that keeps histories to their age: each kRetainInterval, and again after kSweepAgain
-/// where more is left.
+/// The duty that keeps histories to their age: each kRetainInterval, and again after kSweepAgain if
+/// more is left.
 ///
 /// Errors:  kUnavailable is the store's error: tried again after kRetainAgain. Any other is the
 ///          duty's own: commits go on, and it is tried again after kRetainLater.

@@ -8,8 +8,8 @@
 
 namespace uplink::journal {
 
-/// What the journals hold now beside what they may (`limits`: of all together), each shard by
-/// itself as well, and what their writers counted, for a page of metrics. Any thread.
+/// Adds to a page of metrics what the journals hold, with their limits (`limits` is for all
+/// together) and per shard, and what their writers counted. Any thread.
 void AddSamples(const Shards& journals, const JournalLimits& limits, SteadyTime now,
                 metrics::Exposition& page);
 void AddSamples(const JournalProbe& probe, metrics::Exposition& page);

@@ -9,7 +9,7 @@
 
 namespace uplink::journal {
 
-/// The journals of a server, one per connection that writes: a robot is always in the same, so its
+/// The journals of a server, one per writing connection. A robot is always in the same one, so its
 /// order is kept. Each has its share of the bounds.
 ///
 /// Thread: thread-safe. The journals must outlive it.
@@ -47,18 +47,17 @@ class Shards final {
   [[nodiscard]] std::size_t records() const;
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
-  /// Of the journal that holds most.
+  /// For the fullest journal.
   [[nodiscard]] std::size_t records_worst() const;
   [[nodiscard]] std::size_t bytes_worst() const;
   [[nodiscard]] bool idle() const;
-  /// The first error that a journal's store told last, with its shard where there are several; OK
-  /// if none did.
+  /// The first journal's last error, with its shard if there are several; OK if none has one.
   [[nodiscard]] absl::Status last_error() const;
-  /// The first of a journal that cannot write checkpoints; OK if all can.
+  /// The error of the first journal that cannot write checkpoints; OK if all can.
   [[nodiscard]] absl::Status checkpoint_error() const;
-  /// As Journal's, of each that found any, with its shard.
+  /// As Journal's, of each journal that found any, with its shard.
   [[nodiscard]] std::vector<WentBack> TakeWentBack() const;
-  /// Of the journal that keeps the histories.
+  /// For the journal that keeps the histories.
   [[nodiscard]] absl::Status retain_error() const { return journals_.front()->retain_error(); }
 
  private:

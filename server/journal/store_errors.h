@@ -8,20 +8,20 @@
 
 namespace uplink::journal {
 
-/// The error with which the store answered last, of store calls that robots wait for and of duties.
-/// In the probe, this journal counts once among those whose store fails.
+/// The store's last error in calls that robots wait for, and in duties. The probe counts this
+/// journal once among those whose store fails.
 ///
 /// Thread: thread-safe.
 class StoreErrors final {
  public:
   explicit StoreErrors(JournalProbe& probe) : probe_(probe) {}
 
-  /// The end of a call that robots wait for. One that works shows that the store is there.
+  /// Notes the result of a call that robots wait for. A success shows that the store is there.
   void NoteCall(const absl::Status& status);
-  /// The end of a duty's call. That it works says nothing of commits that fail.
+  /// Notes the result of a duty's call. A success says nothing about failing commits.
   void NoteDuty(const absl::Status& status);
-  /// The end of a comparison after the store was connected to anew. One that works says nothing of
-  /// the call that broke the connection: that is tried again.
+  /// Notes the result of a comparison after a new connection to the store. A success says nothing
+  /// about the call that broke the connection, which is tried again.
   void NoteCompare(const absl::Status& status);
   /// OK after a success.
   [[nodiscard]] absl::Status last() const;

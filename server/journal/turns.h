@@ -35,20 +35,20 @@ class Turns final {
     checkpoints_.SetSource(live, every);
   }
 
-  /// Does the next step. OpenStreams, the commit and the telling of its outcomes are steps of
-  /// their own, so that a test can stop the process between any two.
+  /// Does the next step. OpenStreams, the commit and the report of its outcomes are separate steps,
+  /// so that a test can stop the process between any two.
   Step Advance();
   /// Waits until something is queued, until the next duty is due, or until `stop`.
   void WaitForWork(const std::stop_token& stop);
 
  private:
-  /// Opens streams, lets robots change hands, claims drones or commits; the last and the others
-  /// alternately. Nothing if nothing waits.
+  /// Opens streams, moves robots between hands, claims drones, or commits, which alternates with
+  /// the others. Empty if nothing waits.
   std::optional<Step> AdvanceWork();
-  /// Nothing if no robot changes hands, and no drone is to be claimed.
+  /// Empty if no robot changes hands and no drone waits to be claimed.
   std::optional<Step> AdvanceHands();
   bool GatherOpens();
-  /// Deletes what expired, what is too old or past its bound; nothing if none is due.
+  /// Deletes rows that expired, are too old, or exceed their bound; empty if no duty is due.
   std::optional<Step> AdvanceDuty();
 
   const Clock& clock_;
@@ -63,11 +63,11 @@ class Turns final {
   Retention retention_;
   QuarantineTrim quarantine_trim_;
   CheckpointRounds checkpoints_;
-  /// The last call opened streams, adopted or claimed while records waited: they are next.
+  /// The last call opened streams, adopted or claimed while records waited, which are next.
   bool batch_turn_ = false;
-  /// The last call was a duty's: what waits is next.
+  /// The last call was a duty's: waiting work is next.
   bool after_duty_ = false;
-  /// The last call was for what waits: a checkpoint that is due is next.
+  /// The last call was for waiting work: a checkpoint that is due is next.
   bool after_work_ = false;
 };
 

@@ -14,7 +14,7 @@ namespace uplink::journal {
 /// Robots that one line of the log names (`store_went_back`).
 inline constexpr std::size_t kWentBackNamed = 8;
 
-/// The robots of one shard of which the store had less than it had told. A value.
+/// The robots of one shard of which the store had less than it had confirmed. A value.
 struct WentBack {
   std::size_t shard = 0;
   std::size_t robots = 0;
@@ -22,8 +22,8 @@ struct WentBack {
   std::vector<std::string> named;
 };
 
-/// Counts robots of which a journal's store has less than it told, and names the first until the
-/// log has them. Thread-safe.
+/// Counts robots of which a journal's store has less than it confirmed, and keeps the first names
+/// for the log. Thread-safe.
 class WentBackNotes final {
  public:
   explicit WentBackNotes(JournalProbe& probe) : probe_(probe) {}
@@ -34,7 +34,7 @@ class WentBackNotes final {
     ++noted_.robots;
     if (noted_.named.size() < kWentBackNamed) noted_.named.push_back(ruri);
   }
-  /// Those that were noted since the last call.
+  /// Robots noted since the last call.
   [[nodiscard]] WentBack Take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(noted_, {});

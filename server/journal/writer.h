@@ -10,11 +10,11 @@
 
 namespace uplink::journal {
 
-/// The thread that drives one journal: commits what gathered, waits when there is nothing, pauses
+/// The thread that drives one journal: it commits entries, waits while there are none, and pauses
 /// with a growing backoff while the store fails.
 ///
-/// Thread: started and stopped by its owner. Stops in its destructor at the latest, after the call
-/// of the store that is under way.
+/// Thread: started and stopped by its owner. The destructor stops it at the latest, once the store
+///         call under way has returned.
 class JournalWriter final {
  public:
   /// `random` draws evenly; it is called on the writer's thread alone.
@@ -23,9 +23,9 @@ class JournalWriter final {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  /// Asks the thread to end, without waiting for it.
+  /// Asks the thread to end, and does not wait.
   void RequestStop() { rounds_.RequestStop(); }
-  /// Ends the thread; what is not committed stays in the journal. Idempotent.
+  /// Ends the thread; uncommitted entries stay in the journal. Idempotent.
   void Stop() { rounds_.Stop(); }
 
  private:

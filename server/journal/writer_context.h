@@ -22,17 +22,17 @@ class Store;
 
 namespace uplink::journal {
 
-/// What one step of the writer did.
+/// The result of one step of the writer.
 enum class Step : std::uint8_t {
   /// Nothing waits.
   kIdle,
-  /// One step of the work was done: streams opened, a batch committed, or its outcomes told.
+  /// One step was done: streams opened, a batch committed, or its outcomes reported.
   kWorked,
   /// The store failed; the same work is tried again by a later step, after a pause.
   kFailed,
 };
 
-/// What the steps and duties of one journal share. All of it outlives them.
+/// What the steps and duties of one journal share. Everything outlives them.
 struct WriterContext {
   storage::Store& store;
   const Clock& clock;
@@ -54,7 +54,7 @@ struct WriterContext {
   const std::function<void(const Moved&)>& moved;
 };
 
-/// Tells who listens that the robot moved to the fleet of `robot`, if it did.
+/// Tells the listener that the robot moved to the fleet of `robot`, if it did.
 inline void TellMove(const WriterContext& context, const model::RobotId& robot,
                      const std::optional<std::string>& moved_from, const std::string& gateway) {
   if (!moved_from || !context.moved) return;

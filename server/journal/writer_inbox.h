@@ -14,13 +14,13 @@
 
 namespace uplink::journal {
 
-/// The writer's end of an inbox: takes what waits, puts back what could not be done, and tells what
-/// is done.
+/// The writer's end of an inbox: takes waiting work, puts back what could not be done, and reports
+/// what is done.
 ///
 /// Thread: confined to the writer, while any thread uses the inbox.
 class WriterInbox final {
  public:
-  /// The inbox outlives it, and has no other.
+  /// The inbox outlives it, and has only this one.
   explicit WriterInbox(Inbox& inbox) : inbox_(inbox) {}
 
   // --- Streams ---
@@ -45,7 +45,7 @@ class WriterInbox final {
   // --- Robots that change hands ---
 
   [[nodiscard]] std::vector<AdoptEntry> TakeAdopts(std::size_t most);
-  /// One that was taken, after those that wait.
+  /// Puts a taken entry behind those that wait.
   void AdoptLater(AdoptEntry entry);
   [[nodiscard]] std::vector<LossEntry> TakeLosses();
   [[nodiscard]] std::vector<LeaveEntry> TakeLeaves();
@@ -61,30 +61,30 @@ class WriterInbox final {
 
   // --- Batches ---
 
-  /// Moves what goes first into `batch`, which is empty: changes of presence, and records and gaps
+  /// Moves the next entries into the empty `batch`: changes of presence, records and gaps
   /// (EntryQueue::MoveTo).
   [[nodiscard]] GatheredBatch Fill(GatheredBatch batch, const BatchBounds& bounds,
                                    const HeldRobots& held);
-  /// What was taken waits again, ahead of all else.
+  /// Puts taken entries back to the front.
   void PutBack(GatheredBatch::Rest rest);
 
   struct Done {
     std::size_t records = 0;
     std::size_t bytes = 0;
-    /// Nothing is left of the batch that they were taken for.
+    /// Nothing is left of their batch.
     bool batch_ended = false;
   };
-  /// Records and gaps that were taken are done; wakes those who wait for room, if there is some.
+  /// Taken records and gaps are done; wakes streams that wait for room, if there is some.
   void Release(const Done& done);
   void CountPresenceCommitted(std::size_t count) { inbox_.presence_.CountCommitted(count); }
 
   // --- Checkpoints ---
 
-  /// A checkpoint was asked for, and no round of it has begun.
+  /// A checkpoint was requested, and no round for it has begun.
   [[nodiscard]] bool checkpoint_asked() const { return inbox_.checkpoint_asked_.load(); }
   /// A round begins. True if it answers a request.
   [[nodiscard]] bool BeginCheckpoint() { return inbox_.checkpoint_asked_.exchange(false); }
-  /// The round that answered a request has failed: it is to be answered again.
+  /// The round for a request has failed: another round must answer it.
   void RenewCheckpoint() { inbox_.checkpoint_asked_.store(true); }
   /// The round has ended.
   void EndCheckpoint();
