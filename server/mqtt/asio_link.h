@@ -10,8 +10,8 @@ class io_context;
 
 namespace uplink::mqtt {
 
-/// A link over TCP, or TLS on it, on the thread of `io`. A name is resolved on Asio's own thread,
-/// one at a time for all links; each address that it has is tried in turn.
+/// A link over TCP, or TLS, on the thread of `io`. Asio's own thread resolves names, one at a time
+/// for all links; the link tries each address in turn.
 [[nodiscard]] std::shared_ptr<Link> MakeAsioLink(boost::asio::io_context& io, LinkEvents& events);
 
 }  // namespace uplink::mqtt

@@ -11,27 +11,27 @@
 
 namespace uplink::mqtt {
 
-/// SUBSCRIBE and UNSUBSCRIBE on one connection, one at a time, and what answers them. Pure.
+/// Sends SUBSCRIBE and UNSUBSCRIBE on one connection, one at a time, and takes the answers. Pure.
 ///
 /// Thread: confined to its client's; the subscriptions outlive it.
 class Asking final {
  public:
-  /// `retry`: until what was refused is asked for again.
+  /// `retry`: how long until a refused filter is asked for again.
   Asking(Version version, Subscriptions& subscriptions, ClientProbe& probe, milliseconds retry)
       : version_(version), subscriptions_(subscriptions), probe_(probe), retry_(retry) {}
 
-  /// The next packet to send; empty while an answer is waited for, or if all is said.
+  /// The next packet to send; empty while an answer is awaited, or if everything was asked.
   [[nodiscard]] std::string Next(SteadyTime now);
-  /// An answer is waited for.
+  /// An answer is awaited.
   [[nodiscard]] bool waiting() const { return waiting_; }
 
-  /// What the broker does not serve as asked. Errors: kUnexpectedAnswer.
+  /// The filters that the broker does not serve as asked. Errors: kUnexpectedAnswer.
   [[nodiscard]] Decoded<std::vector<Subscriptions::Lack>> Answered(const Suback& answer);
   [[nodiscard]] std::optional<Fault> Answered(const Unsuback& answer);
 
-  /// When Retry has something to do; nothing if no filter is refused.
+  /// When Retry is due; empty if no filter is refused.
   [[nodiscard]] std::optional<SteadyTime> retry_at() const { return retry_at_; }
-  /// What was refused is to be asked for again.
+  /// Asks again for refused filters.
   void Retry();
 
  private:
@@ -44,9 +44,9 @@ class Asking final {
   std::optional<SteadyTime> retry_at_;
 };
 
-/// For people: which filter is not served as it was asked for, and what the broker says of it.
+/// For people: the filter that is not served as asked, and the broker's reason.
 [[nodiscard]] std::string LackText(const Subscriptions::Lack& lack);
-/// True if the broker refuses it; else it serves it at a lower QoS.
+/// True if the broker refuses it; otherwise it serves it at a lower QoS.
 [[nodiscard]] bool IsRefused(const Subscriptions::Lack& lack);
 
 }  // namespace uplink::mqtt

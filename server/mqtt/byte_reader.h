@@ -7,8 +7,8 @@
 
 namespace uplink::mqtt {
 
-/// Reads MQTT's numbers and fields from bytes, and never past their end: what is not wholly there
-/// is nothing, and takes nothing. Confined to the function that has it.
+/// Reads MQTT's numbers and fields from bytes, never past their end: an incomplete one yields
+/// nothing and takes nothing. Confined to its function.
 class ByteReader final {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
@@ -22,7 +22,7 @@ class ByteReader final {
     rest_.remove_prefix(count);
     return bytes;
   }
-  /// A number of `kBytes` bytes, the highest first.
+  /// A big-endian number of `kBytes` bytes.
   template <std::size_t kBytes>
   [[nodiscard]] std::optional<std::uint32_t> Number() {
     static_assert(kBytes <= sizeof(std::uint32_t));
@@ -46,7 +46,7 @@ class ByteReader final {
     }
     return std::nullopt;
   }
-  /// A field behind its length of 16 bits.
+  /// A field after its 16-bit length.
   [[nodiscard]] std::optional<std::string_view> Field() {
     ByteReader ahead(rest_);
     const auto length = ahead.Number<2>();

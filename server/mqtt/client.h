@@ -25,16 +25,16 @@
 
 namespace uplink::mqtt {
 
-/// A subscriber: one connection to a broker, made anew whenever it ends. It gives messages to its
-/// listener and acks those at QoS 1 when they are released, in the order in which they came.
+/// A subscriber: one connection to a broker, made anew whenever it ends. It passes messages to its
+/// listener and acks those at QoS 1 once they are released, in the order in which they came.
 ///
-/// Errors:  what the broker and the network do wrong ends a connection, for a reason with a name
-///          (EndReason); none of it ends the client.
+/// Errors:  faults of the broker and the network end a connection, for a named reason (EndReason),
+///          never the client.
 /// Limits:  limits.h, and those of the settings.
-/// Thread:  confined to that of its links; status() any.
+/// Thread:  confined to that of its links; status() from any.
 class Client final : private LinkEvents, private ConversationEvents {
  public:
-  /// What it works with; all of it outlives the client.
+  /// The parts that it uses; all of them outlive the client.
   struct Parts {
     ClientListener& listener;
     ClientProbe& probe;
@@ -42,9 +42,10 @@ class Client final : private LinkEvents, private ConversationEvents {
     /// Evenly drawn numbers, for the pauses.
     std::function<std::uint64_t()> random;
     MakeLink make_link;
-    /// The same for all clients of the process.
+    /// Shared by all clients of the process.
     ConnectionNumbers& numbers;
-    /// Asked before each connection, and again each kGatePause until it may be made; empty: always.
+    /// Asked before each connection, and again each kGatePause until it returns true; empty:
+    /// always.
     std::function<bool()> may_connect{};
   };
   /// Errors: those of CheckSettings.
@@ -57,40 +58,41 @@ class Client final : private LinkEvents, private ConversationEvents {
 
   /// Connects, from now on until Stop.
   void Start();
-  /// Says farewell and ends. A kept session stays with the broker.
+  /// Disconnects and ends. The broker keeps a kept session.
   void Stop();
 
-  /// What is subscribed to from now on; `gone`: topics that a broker may hold from before our
-  /// start, and that are wanted no more.
+  /// Sets the subscriptions; `gone`: topics that a broker may hold from before our start, and that
+  /// are no longer wanted.
   ///
   /// Errors: those of CheckFilters; nothing changes.
   [[nodiscard]] absl::Status SetFilters(const std::vector<Filter>& filters,
                                         const std::vector<std::string>& gone = {});
 
-  /// The message is settled: its PUBACK goes out once those before it have. A handle of an older
-  /// connection, of another client, or one that was released, does nothing.
+  /// The message is settled: its PUBACK goes out after those before it. No effect for a handle of
+  /// an older connection or another client, or one that was released.
   void Release(const AckHandle& handle) { Release(std::span(&handle, 1)); }
-  /// All of them, whose PUBACKs are one write where they can be.
+  /// Releases all of them, with their PUBACKs in one write if possible.
   void Release(std::span<const AckHandle> handles);
 
-  /// Sends a message at QoS 0, not retained. False, and counted, if it was dropped: nobody is
-  /// connected, kQueueBytesMax wait already, or the broker takes no such size.
+  /// Sends a message at QoS 0, not retained. False, and counted, if it was dropped: there is no
+  /// connection, kQueueBytesMax already wait, or it is too large for the broker.
   bool Publish(const Outgoing& message);
 
-  /// Reads nothing until ReadAgain, over connections too; meanwhile a late PINGRESP is no failure.
+  /// Stops reading until ReadAgain, also on later connections; meanwhile a late PINGRESP is no
+  /// failure.
   void StopReading();
   void ReadAgain();
 
-  /// Ends the connection that is up, and makes another as after any end. Not within a call of the
+  /// Ends the open connection, and makes another as after any end. Not within a call of the
   /// listener.
   void ConnectAnew(const End& end) {
     if (phase_ == Phase::kUp && !settling_) Ended(end);
   }
 
-  /// Bytes that came from the broker and were not read yet (Link::unread). Its own thread.
+  /// Unread bytes from the broker (Link::unread). Its own thread.
   [[nodiscard]] std::size_t unread() const { return link_ == nullptr ? 0 : link_->unread(); }
-  /// How long the oldest ping has no answer, though other bytes may come: so far behind is what
-  /// comes. Its own thread.
+  /// How long the oldest ping has had no answer, even if other bytes come: what comes is so far
+  /// behind. Its own thread.
   [[nodiscard]] SteadyTime::duration ping_waited() const {
     return conversation_ == nullptr ? SteadyTime::duration::zero() : conversation_->ping_waited();
   }
@@ -116,10 +118,10 @@ class Client final : private LinkEvents, private ConversationEvents {
   void OnTrouble(const Trouble& trouble) override;
 
   void Attempt();
-  /// Lets the conversation work, then reads, writes and waits as it wants.
+  /// Lets the conversation work, then reads, writes and sets the timer as it wants.
   void Settle();
   void Ended(const End& end);
-  /// Ends the link and what was said over it.
+  /// Ends the link and its conversation.
   void Part(std::string farewell);
   void Arm();
   void Show(ClientState state);
@@ -133,7 +135,7 @@ class Client final : private LinkEvents, private ConversationEvents {
 
   Phase phase_ = Phase::kStopped;
   LinkPhase opening_ = LinkPhase::kResolving;
-  /// When the pause, or the step of opening, is over.
+  /// When the pause, or the step of opening, ends.
   SteadyTime due_{};
   /// When the link wakes us.
   SteadyTime armed_ = SteadyTime::max();
@@ -141,10 +143,10 @@ class Client final : private LinkEvents, private ConversationEvents {
   std::optional<std::string> password_;
   bool had_session_;
   bool stopped_reading_ = false;
-  /// Within the conversation, which must not be ended there.
+  /// Within the conversation, which must not end there.
   bool settling_ = false;
   bool reading_ = false;
-  /// Of the link's input, what was taken.
+  /// Bytes taken from the link's input.
   std::size_t taken_ = 0;
   std::shared_ptr<Link> link_;
   std::unique_ptr<Conversation> conversation_;

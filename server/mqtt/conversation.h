@@ -20,14 +20,14 @@
 
 namespace uplink::mqtt {
 
-/// What one connection says and hears, from CONNECT on: bytes in, bytes out, and when it wants to
-/// be called. It has no socket and no timer, and it never fails: it ends, and says why.
+/// The protocol of one connection, from CONNECT on: bytes in, bytes out, and when it wants to be
+/// called. It has no socket and no timer. It never fails: it ends, with a reason.
 ///
 /// Limits:  those of Wire, Unacked, Outbox and Subscriptions.
 /// Thread:  confined to its client's.
 class Conversation final {
  public:
-  /// What it works with; all of it outlives it.
+  /// The parts that it uses; all of them outlive it.
   struct Context {
     const ClientSettings& settings;
     Subscriptions& subscriptions;
@@ -38,7 +38,7 @@ class Conversation final {
   struct Beginning {
     std::uint64_t connection = 0;
     std::optional<std::string> password;
-    /// The broker ought to have a session of ours.
+    /// The broker should have a session of ours.
     bool had_session = false;
   };
   Conversation(const Context& context, Beginning beginning);
@@ -46,11 +46,11 @@ class Conversation final {
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
 
-  /// New bytes came; Take is to be given them.
+  /// New bytes came; give them to Take.
   void NoteHeard();
-  /// Takes bytes and tells the listener, until they are used up, reading is to stop or the
-  /// connection ends. Returns how many it took. It is to be called again when reading() is true
-  /// again, even with no bytes.
+  /// Takes bytes and calls the listener, until the bytes are used up, reading must stop or the
+  /// connection ends. Returns how many it took. Call it again when reading() is true again, even
+  /// without bytes.
   [[nodiscard]] std::size_t Take(std::string_view bytes);
   [[nodiscard]] bool reading() const {
     return !stopped_by_core_ && !window_is_shut() && !outbox_.full();
@@ -59,7 +59,7 @@ class Conversation final {
   void StopReading();
   void ReadAgain();
   void Release(const AckHandle& handle);
-  /// False: it was dropped.
+  /// False if it was dropped.
   bool Publish(const Outgoing& message);
   /// Takes no more bytes.
   void Leave() { Finish(EndReason::kStopped, {}); }
@@ -69,18 +69,18 @@ class Conversation final {
   /// Does what is due.
   void Tick();
   [[nodiscard]] SteadyTime Next() const;
-  /// How long the oldest ping has no answer.
+  /// How long the oldest ping has had no answer.
   [[nodiscard]] SteadyTime::duration ping_waited() const {
     return keepalive_.Waited(context_.clock.Steady());
   }
 
-  /// All that is to be written now; one write at a time. Empty: nothing, or one is under way.
+  /// The bytes to write now, one write at a time; empty if there are none or a write is under way.
   [[nodiscard]] std::string TakeOutput();
   void Written() { outbox_.Written(); }
-  /// What waits to be written, at the end of the connection.
+  /// The bytes that wait to be written, at the end of the connection.
   [[nodiscard]] std::string TakeRest() { return outbox_.Take(); }
 
-  /// Why it ended; nothing as long as it did not.
+  /// Why it ended; empty until then.
   [[nodiscard]] const std::optional<End>& end() const { return end_; }
   /// When the broker accepted us.
   [[nodiscard]] std::optional<SteadyTime> accepted_at() const { return accepted_at_; }
@@ -98,9 +98,9 @@ class Conversation final {
   void Handle(const Pingresp& answer);
   void Handle(const Disconnect& farewell);
   void Accept(const Connack& connack);
-  /// Tells what of the session is not as it was asked for.
+  /// Reports where the session is not as it was asked for.
   void TellOfSession(const Connack& connack, bool lost);
-  /// After an answer: asks on, or tells that all was answered.
+  /// After an answer: asks the next question, or reports that all were answered.
   void AskOn();
   /// Reading stopped, or began again.
   void FollowReading();
@@ -119,15 +119,15 @@ class Conversation final {
 
   std::optional<SteadyTime> accepted_at_;
   bool subscribed_ = false;
-  /// A PUBLISH at QoS 1 begins, which the window has room for or not.
+  /// A PUBLISH at QoS 1 begins, whether or not the window has room for it.
   bool at_qos1_ = false;
   bool stopped_by_core_ = false;
   bool was_reading_ = true;
-  /// Since when a CONNACK, SUBACK or UNSUBACK is waited for; nothing if none is.
+  /// Since when a CONNACK, SUBACK or UNSUBACK is awaited; empty if none is.
   std::optional<SteadyTime> asked_at_;
   SteadyTime heard_at_;
   SteadyTime wrote_at_{};
-  /// Of our packets, as the broker says.
+  /// The broker's limit for our packets.
   std::uint32_t packet_bytes_max_;
   std::optional<End> end_;
 };

@@ -23,32 +23,32 @@ struct Opening {
 };
 
 /// What is wrong with a packet by its opening alone: a type that no broker sends to a subscriber,
-/// flags that it cannot have, QoS 2, an answer over kAnswerBytesMax. Nothing if it may be read on.
+/// invalid flags, QoS 2, or an answer over kAnswerBytesMax. Empty if it may be read on.
 [[nodiscard]] std::optional<Fault> CheckOpening(Version version, const Opening& opening);
 
-/// How far a PUBLISH's head (all before its payload) reaches, as its first bytes tell.
+/// The extent of a PUBLISH's head (everything before its payload), by its first bytes.
 struct HeadExtent {
-  /// Bytes of the head if `known`, else those that are needed to know more; never past the packet.
+  /// Bytes of the head if `known`, otherwise bytes needed to know more; never past the packet.
   std::size_t bytes = 0;
   bool known = false;
-  /// It is over kHeadBytesMax by its properties: `bytes` ends before these, and nothing behind that
-  /// is to be kept.
+  /// Its properties make it larger than kHeadBytesMax: `bytes` ends before them, and nothing after
+  /// that must be kept.
   bool too_large = false;
 };
-/// `begin`: the packet's bytes behind the opening, as far as they are there.
+/// `begin`: the packet's bytes after the opening, as far as they have arrived.
 ///
 /// Errors: kMalformed if it would end past the packet.
 [[nodiscard]] Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening,
                                                std::string_view begin);
 
-/// A PUBLISH from its head, of which `extent` is known. The caller sets the payload.
+/// Decodes a PUBLISH from its head, whose `extent` is known. The caller sets the payload.
 ///
-/// What its publisher chose is no error: a topic may be none (Publish::bad_topic), and a head too
-/// large (Publish::head_unread).
+/// Its publisher's choices are no errors: the topic may be invalid (Publish::bad_topic), and the
+/// head too large (Publish::head_unread).
 [[nodiscard]] Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
                                                  const HeadExtent& extent, std::string_view head);
 
-/// Any other packet, whose opening passed CheckOpening, from all that follows it.
+/// Decodes any other packet, whose opening passed CheckOpening, from everything after it.
 [[nodiscard]] Decoded<Packet> DecodeAnswer(Version version, const Opening& opening,
                                            std::string_view body);
 

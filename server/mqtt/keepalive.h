@@ -9,12 +9,12 @@ namespace uplink::mqtt {
 
 /// When a PINGREQ is due, and when its PINGRESP is late. Pure.
 ///
-/// A PINGREQ is due each interval, whatever else is sent or comes: the broker counts on something,
-/// a connection that only writes would never find out that nobody is there, and the PINGRESP tells
-/// how far behind the connection is, since it stands behind what waits in the broker. It is late
-/// when since its request, and for `wait`, nothing came at all: bytes that come are a sign of life,
-/// and the PINGRESP may stand behind many of them. While we do not read, nothing is late; the wait
-/// begins anew when we read again.
+/// A PINGREQ is due each interval, whatever else is sent or comes. The broker counts on something
+/// being sent; a connection that only writes would never notice that its peer is gone; and the
+/// PINGRESP, which queues behind what waits in the broker, shows how far behind the connection is.
+/// It is late if since the request, and for `wait`, nothing came at all: other bytes are a sign of
+/// life, and the PINGRESP may be behind many of them. While we do not read, nothing is late; the
+/// wait starts again when we read again.
 ///
 /// Thread: confined to its connection's.
 class Keepalive final {
@@ -22,14 +22,14 @@ class Keepalive final {
   Keepalive(milliseconds interval, milliseconds wait, SteadyTime now)
       : interval_(interval), wait_(wait), sent_(now), heard_(now), asked_(now) {}
 
-  /// What the broker wants instead (Server Keep Alive). 0, which is none, and a longer one leave
-  /// ours: we may ping when we like, and are to find out in time that nobody is there.
+  /// The broker's interval (Server Keep Alive). It caps ours: 0, which means none, and longer ones
+  /// leave ours, since we must notice in time that the broker is gone.
   void SetInterval(milliseconds interval) {
     if (interval.count() > 0) interval_ = std::min(interval_, interval);
   }
   [[nodiscard]] milliseconds interval() const { return interval_; }
 
-  /// Bytes were given to the connection; bytes came from it.
+  /// Bytes were sent; bytes were received.
   void Sent(SteadyTime now) { sent_ = now; }
   void NoteHeard(SteadyTime now) { heard_ = now; }
   void Pinged(SteadyTime now) {
@@ -42,14 +42,14 @@ class Keepalive final {
   void StopReading() { reading_ = false; }
   void ReadAgain(SteadyTime now);
 
-  /// How long the oldest PINGREQ has no answer; nothing while we do not read.
+  /// How long the oldest PINGREQ has had no answer; zero while we do not read.
   [[nodiscard]] SteadyTime::duration Waited(SteadyTime now) const {
     return waiting_ && reading_ ? now - waited_since_ : SteadyTime::duration::zero();
   }
 
   enum class Due : std::uint8_t { kNothing, kPing, kLate };
   [[nodiscard]] Due At(SteadyTime now) const;
-  /// When At may say something else.
+  /// When At may return something else.
   [[nodiscard]] SteadyTime Next() const;
 
  private:

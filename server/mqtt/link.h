@@ -13,10 +13,10 @@
 
 namespace uplink::mqtt {
 
-/// What is under way before a connection is up, in this order.
+/// The steps before a connection is up, in this order.
 enum class LinkPhase : std::uint8_t { kResolving, kConnecting, kHandshaking };
 
-/// Whoever has a link. Thread: all on the link's, and never from within a method of the link.
+/// The owner of a link. Thread: all on the link's, never from within a method of the link.
 class LinkEvents {
  public:
   virtual ~LinkEvents() = default;
@@ -25,14 +25,14 @@ class LinkEvents {
   /// input() has bytes.
   virtual void OnRead() = 0;
   virtual void OnWritten() = 0;
-  /// The time of WakeAt came; it may also come for an earlier call of it.
+  /// The time of WakeAt has come; may also be called for an earlier WakeAt.
   virtual void OnDue() = 0;
-  /// It is over, and nothing follows.
+  /// The link has ended; no event follows.
   virtual void OnDown(const End& end) = 0;
 };
 
-/// One connection to a broker as bytes, and one timer: all that a client needs of the world. A
-/// shared resource: what is under way keeps it alive; its owner parts from it by Close.
+/// One connection to a broker as bytes, and one timer: everything outside that a client needs. A
+/// shared resource: pending operations keep it alive; its owner lets go of it by Close.
 ///
 /// Thread: confined to that of its event loop.
 class Link {
@@ -41,24 +41,23 @@ class Link {
 
   /// Resolves, connects, does the handshake. Once.
   virtual void Open(const Url& url, const TlsTexts& tls) = 0;
-  /// One at a time; then OnRead, or OnDown.
+  /// One at a time; OnRead or OnDown follows.
   virtual void Read() = 0;
-  /// What the last Read brought, until the next one begins.
+  /// The bytes of the last Read, until the next one begins.
   [[nodiscard]] virtual std::string_view input() const = 0;
-  /// Bytes that came and were not read yet, as far as the system tells; 0 where there is no
-  /// connection.
+  /// Unread bytes, as far as the system knows; 0 without a connection.
   [[nodiscard]] virtual std::size_t unread() const = 0;
-  /// One at a time; then OnWritten. If it cannot be written, OnDown comes from the read that is
-  /// under way, since what the broker said before may still be there, and else at once.
+  /// One at a time; OnWritten follows. If it fails, OnDown comes from the pending read, since the
+  /// broker's last bytes may still be there, or at once without one.
   virtual void Write(std::string bytes) = 0;
   /// Replaces an earlier time.
   virtual void WakeAt(SteadyTime time) = 0;
-  /// No event follows. What is being written and then `last` still leave, if they can at once
-  /// (kFarewellWait).
+  /// No event follows. The current write and then `last` are still sent, if that is possible at
+  /// once (kFarewellWait).
   virtual void Close(std::string last) = 0;
 };
 
-/// Makes links whose events go to this one, which outlives them or closes them.
+/// Makes links whose events go to this object, which outlives them or closes them.
 using MakeLink = std::function<std::shared_ptr<Link>(LinkEvents&)>;
 
 }  // namespace uplink::mqtt

@@ -14,27 +14,28 @@
 
 namespace uplink::mqtt {
 
-/// A PUBLISH, as it came. Its views hold during the call.
+/// A received PUBLISH. Its views are valid during the call.
 struct Message {
   Publish publish;
-  /// To be released once it is settled; nothing at QoS 0, and if this connection acked it already.
+  /// Release it once the message is settled; empty at QoS 0, and if this connection already acked
+  /// it.
   std::optional<AckHandle> ack;
-  /// This connection delivered it before, and `ack`, if there is one, is the handle of then: one
-  /// release is enough.
+  /// This connection delivered it before, and `ack`, if any, is the first delivery's handle:
+  /// release it once.
   bool again = false;
 };
 
 /// A connection that a broker accepted.
 struct Connected {
-  /// The number that its handles name (ConnectionNumbers).
+  /// The connection's number in its handles (ConnectionNumbers).
   std::uint64_t connection = 0;
   bool session_present = false;
-  /// There was a kept session, and the broker does not have it any more: what it held for us, and
-  /// what we had not acked, does not come again.
+  /// There was a kept session that the broker no longer has: what it held for us, and what we had
+  /// not acked, does not come again.
   bool session_lost = false;
 };
 
-/// What a broker does not do as it was asked.
+/// Something that a broker does not do as it was asked.
 struct Trouble {
   enum class Kind : std::uint8_t {
     kFilterRefused,
@@ -58,22 +59,22 @@ static_assert(static_cast<std::size_t>(Trouble::Kind::kIdTaken) + 1 == kTroubleN
   return kTroubleNames[static_cast<std::size_t>(kind)];
 }
 
-/// What one connection tells. Thread: the client's.
+/// Events of one connection. Thread: the client's.
 class ConversationEvents {
  public:
   virtual ~ConversationEvents() = default;
   /// Before any message of the connection.
   virtual void OnConnected(const Connected& connected) = 0;
-  /// All filters were answered; again when others were asked for.
+  /// All filters were answered; called again after new ones were asked for.
   virtual void OnSubscribed() = 0;
   virtual void OnMessage(const Message& message) = 0;
-  /// To be logged, and shown as degraded.
+  /// Log it, and show it as degraded.
   virtual void OnTrouble(const Trouble& trouble) = 0;
 };
 
-/// Whoever a client works for.
+/// The user of a client.
 ///
-/// Every method of the client may be called within, but Start and its destruction.
+/// All methods of the client may be called within, except Start and the destructor.
 /// Thread: all on the client's.
 class ClientListener : public ConversationEvents {
  public:

@@ -8,12 +8,12 @@
 
 namespace uplink::mqtt {
 
-/// Bytes that wait to be written, and how many are being written. What MQTT obliges us to say
-/// always joins them; a PUBLISH only while there is room.
+/// Bytes that wait to be written, and how many are being written. Packets that MQTT requires are
+/// always added; a PUBLISH only while there is room.
 ///
-/// Limits:  `bytes_max` for what waits and is being written together. Past it no PUBLISH joins, and
-///          whoever has this reads no further (full()): each PUBACK frees a place of the window, so
-///          that alone bounds nothing. PUBACKs of a whole window may still join.
+/// Limits:  `bytes_max` for waiting bytes and those being written together. Past it no PUBLISH is
+///          added, and the owner stops reading (full()): each PUBACK frees a place of the window,
+///          so the window alone bounds nothing. PUBACKs of a whole window may still be added.
 /// Thread:  confined to its connection's.
 class Outbox final {
  public:
@@ -26,7 +26,7 @@ class Outbox final {
     waiting_.append(bytes);
     return true;
   }
-  /// All that waits, which is then being written until Written.
+  /// Takes all waiting bytes, which count as being written until Written.
   [[nodiscard]] std::string Take() {
     writing_ += waiting_.size();
     return std::exchange(waiting_, {});

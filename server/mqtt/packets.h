@@ -29,12 +29,12 @@ enum class PacketType : std::uint8_t {
   kDisconnect = 14,
 };
 
-/// Zero is none: a packet that has an id has another one.
+/// Zero means none.
 using PacketId = std::uint16_t;
 
 enum class Qos : std::uint8_t { kAtMostOnce = 0, kAtLeastOnce = 1 };
 
-/// What is subscribed to. A value.
+/// A subscription. A value.
 struct Filter {
   std::string topic;
   Qos qos = Qos::kAtMostOnce;
@@ -42,17 +42,17 @@ struct Filter {
   friend bool operator==(const Filter&, const Filter&) = default;
 };
 
-// What we say.
+// Packets that we send.
 
 struct Connect {
   Version version = Version::k5;
   std::string client_id;
-  /// False: the broker's session of this id goes on, or a kept one begins.
+  /// False: resumes the broker's session of this id, or begins a kept one.
   bool clean = true;
   std::uint16_t keepalive_seconds = 60;
   std::optional<std::string> username;
   std::optional<std::string> password;
-  // These three by MQTT 5 alone; nothing: not said.
+  // These three in MQTT 5 only; empty: not sent.
   std::optional<std::uint32_t> session_expiry_seconds;
   std::optional<std::uint16_t> receive_maximum;
   std::optional<std::uint32_t> packet_bytes_max;
@@ -62,11 +62,11 @@ struct Connect {
 struct Outgoing {
   std::string topic;
   std::string payload;
-  /// By MQTT 5 alone; empty: none.
+  /// In MQTT 5 only; empty: none.
   std::string correlation;
 };
 
-// What a broker says. Views are into the bytes that were read.
+// Packets that a broker sends. Views are into the bytes that were read.
 
 struct Connack {
   bool session_present = false;
@@ -74,16 +74,16 @@ struct Connack {
   std::uint8_t code = 0;
   // By MQTT 5 alone.
   std::optional<std::uint16_t> server_keepalive_seconds;
-  /// Nothing: as long as was asked for.
+  /// Empty: as long as was asked for.
   std::optional<std::uint32_t> session_expiry_seconds;
   std::optional<std::uint32_t> packet_bytes_max;
   std::string_view reason;
 };
 
 struct Publish {
-  /// As it came, if `bad_topic`: its bytes are for nobody's eyes then.
+  /// Unchanged if `bad_topic`: do not show its bytes then.
   std::string_view topic;
-  /// It is no topic: empty, not UTF-8, or with NUL or a wildcard. Some brokers pass that on.
+  /// An invalid topic: empty, not UTF-8, or with NUL or a wildcard. Some brokers pass that on.
   bool bad_topic = false;
   Qos qos = Qos::kAtMostOnce;
   /// The broker says that it may have sent this before.
@@ -93,13 +93,13 @@ struct Publish {
   PacketId id = 0;
   /// Empty if there was none, or more than kCorrelationBytesMax.
   std::string_view correlation;
-  /// Somebody named a topic to answer on. We note it and never follow it.
+  /// The publisher named a topic for answers. We note that and never use it.
   bool has_response_topic = false;
-  /// Nothing if it was over the bound and read past, or `head_unread`.
+  /// Empty if it was over the bound and skipped, or `head_unread`.
   std::optional<std::string_view> payload;
-  /// If `head_unread`, of all that follows the packet's opening.
+  /// If `head_unread`, the bytes of everything after the packet's opening.
   std::size_t payload_bytes = 0;
-  /// Its head was over kHeadBytesMax: all behind the topic and the id was read past.
+  /// Its head was over kHeadBytesMax: everything after the topic and the id was skipped.
   bool head_unread = false;
 };
 

@@ -9,7 +9,7 @@
 
 namespace uplink::mqtt {
 
-/// What we use of a packet's properties. Views are into the packet.
+/// The properties of a packet that we use. Views are into the packet.
 struct Properties {
   std::optional<std::uint16_t> server_keepalive_seconds;
   std::optional<std::uint32_t> session_expiry_seconds;
@@ -20,13 +20,13 @@ struct Properties {
   bool has_response_topic = false;
 };
 
-/// Reads the properties of one packet of MQTT 5, its length of them first.
+/// Reads the properties of one packet of MQTT 5, beginning with their length.
 ///
-/// Each must be one that MQTT 5 has, so that its length is known. In an answer it must also be one
-/// that this packet may have, once (user properties: any number), with a value that it may take,
-/// texts in UTF-8. Those of a PUBLISH come from its publisher, whom a broker may let say anything:
-/// they are passed over by their lengths and not judged, and of one that stands twice the last
-/// counts. Of what we do not use nothing is kept.
+/// Each must be a property of MQTT 5, so that its length is known. In an answer it must also be
+/// allowed in that packet, appear once (except user properties), and have a valid value, with texts
+/// in UTF-8. Those of a PUBLISH come from its publisher, and a broker may pass anything on: they
+/// are skipped by their lengths and not checked, and the last of a repeated one counts. Properties
+/// that we do not use are not kept.
 ///
 /// Errors:  kUnknownProperty, kTopicAlias (we announced that there are none), else kMalformed.
 /// Limits:  those of the packet, which is whole.

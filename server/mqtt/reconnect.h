@@ -9,28 +9,28 @@
 
 namespace uplink::mqtt {
 
-/// When we come back to a broker. A value; tests shorten it.
+/// Rules for reconnecting to a broker. A value; tests shorten it.
 struct ReconnectLimits {
   BackoffLimits backoff{.first = milliseconds(500), .longest = std::chrono::seconds(30)};
-  /// A connection that lived so long, or that we ended for being behind, was a good one: the next
-  /// pause is a first one again.
+  /// After a connection that lived so long, or that we ended for being behind, the next pause is a
+  /// first one again.
   milliseconds soon = std::chrono::seconds(30);
-  /// Connections in a row that the broker ended sooner than that, without a word, after which
-  /// another client is taken to use our id.
+  /// After so many connections in a row that the broker ended sooner than that, without a reason,
+  /// we assume that another client uses our id.
   int soon_ends_max = 3;
-  /// The pause while another client uses our id, and up to a tenth more, so that two servers which
-  /// push each other out do not meet again.
+  /// The pause while another client uses our id, plus up to a tenth, so that two servers that push
+  /// each other out do not meet again.
   milliseconds taken_pause = std::chrono::seconds(60);
 };
 
-/// The pause before the next connection, from how the last one ended. Pure.
+/// The pause before the next connection, by how the last one ended. Pure.
 ///
-/// **When another client took our id.** A broker of MQTT 5 may say so (DISCONNECT 0x8E); by 3.1.1,
-/// and with mosquitto 2.0.11 by both, it closes the connection without a word. So we take it that
-/// somebody has our id once `soon_ends_max` connections in a row were accepted and then ended
-/// without a reason before `soon`. One that could not be made in between begins the count anew:
-/// then the broker was away. A broker that fails so itself is treated the same, and so is an ACL of
-/// a broker that closes; the text of the status names both.
+/// **Another client with our id.** A broker of MQTT 5 may report it (DISCONNECT 0x8E); with 3.1.1,
+/// and mosquitto 2.0.11 with both, it closes the connection without a reason. So we assume it once
+/// `soon_ends_max` connections in a row were accepted and then ended without a reason before
+/// `soon`. A connection that failed in between restarts the count, since the broker was away. A
+/// broker that fails in this way, or whose ACL closes connections, looks the same; the status text
+/// names both.
 ///
 /// Thread: confined to its client's.
 class Reconnect final {
@@ -41,7 +41,7 @@ class Reconnect final {
     milliseconds wait{0};
     bool id_taken = false;
   };
-  /// `lived`: since its CONNACK; nothing if none accepted us. `random`: any evenly drawn number.
+  /// `lived`: time since its CONNACK; empty if there was none. `random`: any evenly drawn number.
   [[nodiscard]] Pause After(EndReason reason, std::optional<milliseconds> lived,
                             std::uint64_t random);
 

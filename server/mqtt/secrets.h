@@ -10,14 +10,14 @@
 
 namespace uplink::mqtt {
 
-/// What a TLS connection is made with, PEM; empty where the settings name no file. A value.
+/// The PEM texts of a TLS connection; empty if the settings name no file. A value.
 struct TlsTexts {
   std::string ca;
   std::string certificate;
   std::string key;
 };
 
-/// What the files of the settings hold. A value; no log shows it.
+/// The contents of the settings' files. A value; never logged.
 struct Secrets {
   std::optional<std::string> password;
   TlsTexts tls;
@@ -31,7 +31,7 @@ struct Secrets {
 /// Thread:  any; blocks on the files.
 [[nodiscard]] absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings);
 
-/// When the client's certificate expires, as its file says now; nothing without one.
+/// When the client's certificate expires, by its file now; empty without one.
 ///
 /// Errors and thread: as ReadSecrets.
 [[nodiscard]] absl::StatusOr<std::optional<SystemTime>> CertificateExpiry(

@@ -14,10 +14,10 @@
 
 namespace uplink::mqtt {
 
-/// Where a broker is; the configuration judges it, and takes it apart.
+/// The address of a broker; the configuration checks and parses it.
 using Url = config::BrokerUrl;
 
-/// How long a client waits for what; tests shorten it. limits.h says what each is.
+/// Deadlines of a client; tests shorten them. limits.h explains each.
 struct Waits {
   milliseconds resolve;
   milliseconds connect;
@@ -31,7 +31,7 @@ struct Waits {
   Waits();
 };
 
-/// A smaller one could only be none, by which a broker never takes us for gone.
+/// A smaller one could only be 0, with which a broker never considers us gone.
 inline constexpr std::chrono::seconds kKeepaliveMin{1};
 
 /// How one connection to a broker is made. A value.
@@ -39,11 +39,11 @@ struct ClientSettings {
   Url url;
   Version version = Version::k5;
   std::string client_id;
-  /// Empty: none. A password needs one.
+  /// Empty: none. A password requires one.
   std::string username;
   /// Read at each connection; empty: no password. A line end at its end is not part of it.
   std::string password_file;
-  /// Authorities that may vouch for the broker, PEM; empty: those of the system.
+  /// Authorities for the broker's certificate, PEM; empty: those of the system.
   std::string ca_file;
   /// A client certificate and its key, PEM; both or none.
   std::string certificate_file;
@@ -51,32 +51,32 @@ struct ClientSettings {
 
   /// The broker keeps a session of ours while we are away.
   bool kept_session = false;
-  /// The broker may have one from before our start: one that is missing then is a lost one.
+  /// The broker may have a session from before our start: if it is missing then, it was lost.
   bool expect_session = false;
-  /// How long the broker is to keep it (MQTT 5; by 3.1.1 that is the broker's own affair).
+  /// How long the broker must keep it (MQTT 5; in 3.1.1 the broker decides).
   std::chrono::seconds session_expiry = std::chrono::hours(24);
   std::chrono::seconds keepalive{60};
-  /// Messages at QoS 1 that the core has not released. By MQTT 5 the broker is told (Receive
-  /// Maximum); past it we read no further.
+  /// Messages at QoS 1 that the core may leave unreleased; past them we stop reading. MQTT 5
+  /// announces it to the broker (Receive Maximum).
   std::size_t unacked_max = 1024;
-  /// Bytes of the largest payload that the core wants; larger ones are read past.
+  /// Bytes of the largest payload that the core wants; larger ones are skipped.
   std::size_t payload_bytes_max = std::size_t{64} * 1024;
-  /// Bytes of the largest packet that the broker is to send us, by MQTT 5; it drops what is larger
-  /// and tells nobody. 0: not said.
+  /// Bytes of the largest packet that the broker may send us, in MQTT 5; it silently drops larger
+  /// ones. 0: not announced.
   std::uint32_t announced_packet_bytes_max = 0;
 
   ReconnectLimits reconnect;
   Waits waits;
 };
 
-/// Whether a client can work by these.
+/// Checks whether a client can use these settings.
 ///
-/// Errors: kInvalidArgument with a sentence that begins with the key of the configuration
-///         (`mqtt.client_id`) and names the limit.
+/// Errors: kInvalidArgument, whose text begins with the key of the configuration (`mqtt.client_id`)
+///         and names the limit.
 [[nodiscard]] absl::Status CheckSettings(const ClientSettings& settings);
 
-/// Whether these can be asked for: kFiltersMax, kFilterBytesMax, UTF-8, wildcards where MQTT has
-/// them.
+/// Checks whether these can be asked for: kFiltersMax, kFilterBytesMax, UTF-8, and wildcards where
+/// MQTT allows them.
 ///
 /// Errors: kInvalidArgument names the filter.
 [[nodiscard]] absl::Status CheckFilters(const std::vector<Filter>& filters);

@@ -13,7 +13,7 @@
 
 namespace uplink::mqtt {
 
-/// Where a client stands.
+/// The state of a client.
 enum class ClientState : std::uint8_t {
   kStopped,
   kConnecting,
@@ -34,24 +34,24 @@ inline constexpr std::array<std::string_view, 6> kClientStateNames = {
 /// What operators see of a client. A value.
 struct ClientStatus {
   ClientState state = ClientState::kStopped;
-  /// Since when a broker has us; nothing while none does.
+  /// Since when we are connected; empty while we are not.
   std::optional<SystemTime> connected_since;
-  /// It went on with a session that it kept.
+  /// The broker resumed a kept session.
   bool session_present = false;
   /// PUBLISHes at QoS 1 that wait for their release.
   std::size_t unacked = 0;
-  /// Filters that the broker refused, or serves at a lower QoS than was asked for.
+  /// Filters that the broker refused, or serves at a lower QoS than asked for.
   std::size_t filters_refused = 0;
   std::size_t filters_lower = 0;
   /// When a kept session was last found to be gone.
   std::optional<SystemTime> session_lost_at;
-  /// Why the last connection ended, or what the broker refused; at most kErrorBytesMax bytes.
-  /// Stands until the next one, so that it can be read while all is well again.
+  /// Why the last connection ended, or what the broker refused; at most kErrorBytesMax bytes. It
+  /// stays until the next one, so that it can be read later.
   std::string last_error;
   std::optional<SystemTime> last_error_at;
 };
 
-/// A status that its client writes and anybody reads. Thread-safe.
+/// A status that its client writes and any thread reads. Thread-safe.
 class StatusBoard final {
  public:
   [[nodiscard]] ClientStatus Read() const {

@@ -13,23 +13,23 @@
 
 namespace uplink::mqtt {
 
-/// What a client is to be subscribed to, and what the broker is known to hold of it. Outlives the
+/// The subscriptions that a client wants, and those that the broker is known to hold. Outlives the
 /// connections. Pure.
 ///
-/// A broker's session keeps filters; so after a connection whose session goes on only those are
-/// asked for that are not known to be held: those that are new, that changed, whose answer did not
-/// come, that were refused, and after our own start all of them.
+/// A broker's session keeps filters. So when a session resumes, only filters that are not known to
+/// be held are asked for: new or changed ones, those without an answer, refused ones, and after our
+/// own start all.
 ///
-/// Limits:  kFiltersMax by whoever sets them; kFiltersPerAsk in a packet, one packet at a time;
-///          kGoneMax, past which filters stay with the broker, and their messages come for nothing.
+/// Limits:  kFiltersMax, checked by the caller; kFiltersPerAsk in a packet, one packet at a time;
+///          kGoneMax, past which old filters stay with the broker, and their messages come in vain.
 /// Thread:  confined to its client's.
 class Subscriptions final {
  public:
   /// Topics to unsubscribe from.
   static constexpr std::size_t kGoneMax = 2 * kFiltersMax;
 
-  /// What is wanted from now on, and topics that are wanted no more though a broker may hold them
-  /// from before our start. What was wanted and is not here is given up.
+  /// Sets the wanted filters, and unwanted topics that a broker may hold from before our start.
+  /// Filters that were wanted before and are missing now are given up.
   void Want(const std::vector<Filter>& wanted, const std::vector<std::string>& gone);
 
   /// A connection was accepted, or ended.
@@ -37,29 +37,29 @@ class Subscriptions final {
   void End();
 
   struct Ask {
-    /// Else to unsubscribe.
+    /// Otherwise to unsubscribe.
     bool subscribe = true;
     std::vector<Filter> filters;
   };
-  /// What is to be asked next; nothing while an answer is waited for, or if all is said.
+  /// The next request; empty while an answer is awaited, or if everything was asked.
   [[nodiscard]] std::optional<Ask> Next();
-  /// Filters whose answer is waited for.
+  /// Filters whose answer is awaited.
   [[nodiscard]] std::size_t asked() const { return asked_.size(); }
   [[nodiscard]] bool asked_to_subscribe() const { return subscribing_; }
 
-  /// What the broker said of a filter that it does not serve as asked.
+  /// The broker's answer for a filter that it does not serve as asked.
   struct Lack {
     Filter filter;
-    /// 128 and more: refused; else the lower QoS.
+    /// 128 and more: refused; otherwise the lower QoS.
     std::uint8_t code = 0;
   };
-  /// A SUBACK with as many codes as were asked for, each a QoS up to the one asked for or a
-  /// refusal; nothing if it is another one.
+  /// Takes a SUBACK. It needs one code per asked filter, each a QoS up to the one asked for or a
+  /// refusal; otherwise the result is empty.
   [[nodiscard]] std::optional<std::vector<Lack>> Answered(std::string_view codes);
-  /// An UNSUBACK. What it refuses nobody holds.
+  /// Takes an UNSUBACK. Topics that it refuses are not held.
   void Unsubscribed();
 
-  /// Asks again for what was refused.
+  /// Asks again for refused filters.
   void RetryRefused();
 
   /// Everything was answered.

@@ -16,15 +16,15 @@ struct SslContextFree {
 };
 using SslContext = std::unique_ptr<SSL_CTX, SslContextFree>;
 
-/// What a client's handshakes need: TLS 1.2 or later, a broker whose chain leads to an authority of
-/// ours (those of the system if `tls.ca` is empty), our certificate if there is one.
+/// What a client's handshakes need: TLS 1.2 or later, a broker's chain that leads to one of our
+/// authorities (those of the system if `tls.ca` is empty), and our certificate if there is one.
 ///
 /// Errors:  kFailedPrecondition names the key of the configuration whose text OpenSSL does not
 /// take. Thread:  pure; any thread.
 [[nodiscard]] absl::StatusOr<SslContext> MakeSslContext(const TlsTexts& tls);
 
-/// Has the broker prove that it is `url.host`, a name or an address, and tells it which name we
-/// want (SNI; an address has none).
+/// Requires the broker to prove that it is `url.host`, a name or an address, and sends the name
+/// (SNI; an address has none).
 ///
 /// Errors: kInternal if OpenSSL does not take the name.
 [[nodiscard]] absl::Status AskForHost(SSL* connection, const Url& url);

@@ -13,8 +13,8 @@
 
 namespace uplink::mqtt {
 
-/// Numbers for connections, from 1, each given once. One for all clients of a process: a handle
-/// names its connection by such a number, and must mean nothing to a client that is made anew.
+/// Numbers for connections, from 1, each used once. Shared by all clients of a process: a handle
+/// names its connection by such a number, and must mean nothing to a later client.
 ///
 /// Thread: any.
 class ConnectionNumbers final {
@@ -25,10 +25,10 @@ class ConnectionNumbers final {
   std::atomic<std::uint64_t> last_{0};
 };
 
-/// Which delivery of a PUBLISH at QoS 1 is to be acked, and on which connection of this process. A
-/// value; means nothing to anybody but the client that gave it out.
+/// A delivery of a PUBLISH at QoS 1 to ack, on one connection of this process. A value; only the
+/// client that made it understands it.
 struct AckHandle {
-  /// By ConnectionNumbers; 0 is none.
+  /// By ConnectionNumbers; 0 means none.
   std::uint64_t connection = 0;
   /// Deliveries of one connection are numbered from 0.
   std::uint64_t number = 0;
@@ -36,11 +36,11 @@ struct AckHandle {
   friend bool operator==(const AckHandle&, const AckHandle&) = default;
 };
 
-/// The PUBLISHes at QoS 1 of one connection that are not acked, in the order in which they came.
-/// PUBACKs go out in that order: one that is released early waits for those before it.
+/// The unacked PUBLISHes at QoS 1 of one connection, in the order in which they came. PUBACKs go
+/// out in that order: one that is released early waits for those before it.
 ///
-/// **What an id means that comes again.** A broker gives an id to another message only after it got
-/// our PUBACK for it. So:
+/// **Repeated ids.** A broker gives an id to another message only after it got our PUBACK for it.
+/// So:
 /// - with DUP, while the id is unacked: the same message again (brokers that resend by a timer). It
 ///   has the handle, and the place in order, of its first delivery, and both together get one
 ///   PUBACK. A second one could reach the broker after the id went to another message, and would
@@ -53,7 +53,7 @@ struct AckHandle {
 ///   because a PUBACK of an earlier delivery crossed with a resending, so the older one gets none;
 ///   it keeps its place in order.
 ///
-/// Limits:  `unacked_max` entries; whoever adds has asked full() before.
+/// Limits:  `unacked_max` entries; the caller checks full() before Add.
 /// Thread:  confined to its client's.
 /// Source:  MQTT 3.1.1, 4.3.2 and 4.6; MQTT 5.0, 4.3.2, 4.4 and 4.6.
 class Unacked final {
@@ -65,16 +65,16 @@ class Unacked final {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
   struct Delivery {
-    /// Nothing if there is nothing to release: this connection acked it.
+    /// Empty if this connection already acked it.
     std::optional<AckHandle> handle;
     /// This connection delivered it before.
     bool again = false;
   };
-  /// It must not be full.
+  /// Must not be called when full.
   Delivery Add(PacketId id, bool dup);
 
-  /// The core is done with a delivery. Returns the ids whose PUBACK is due now, in their order.
-  /// Handles of other connections, and those that were released before, do nothing.
+  /// The core is done with a delivery. Returns the ids whose PUBACK is due now, in order. Handles
+  /// of other connections, or released ones, have no effect.
   [[nodiscard]] std::vector<PacketId> Release(const AckHandle& handle);
   /// True if the handle is of this connection and was not released.
   [[nodiscard]] bool Holds(const AckHandle& handle) const;
@@ -92,10 +92,10 @@ class Unacked final {
   std::deque<Entry> entries_;
   /// The number of the first entry.
   std::uint64_t first_ = 0;
-  /// The numbers of those that are not replaced, by id.
+  /// The numbers of entries that are not replaced, by id.
   std::unordered_map<PacketId, std::uint64_t> number_of_;
   static constexpr std::size_t kIds = std::size_t{1} << 16U;
-  /// Ids that were acked, and did not come without DUP since.
+  /// Ids that were acked, and have not come without DUP since.
   std::bitset<kIds> acked_;
 };
 

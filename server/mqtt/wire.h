@@ -11,14 +11,14 @@
 
 namespace uplink::mqtt {
 
-/// Packets out of the bytes of a connection, however these are cut.
+/// Cuts packets out of the bytes of a connection, whose pieces may end anywhere.
 ///
-/// A packet that lies whole in the bytes is read where it lies; of one that does not, the beginning
-/// is kept until the rest comes. A PUBLISH whose payload is over `payload_bytes_max` is read past:
-/// its head is kept, of its payload the size alone. If its head is over kHeadBytesMax, its topic
-/// and id are kept, and the size of all.
+/// A packet that is complete in the given bytes is read in place; otherwise its beginning is kept
+/// until the rest comes. A PUBLISH with a payload over `payload_bytes_max` is skipped: its head and
+/// the payload's size are kept. If its head is over kHeadBytesMax, only topic, id and the whole
+/// size are kept.
 ///
-/// Errors:  what is found once is found again; a connection that is broken stays so.
+/// Errors:  a fault is final: each later call returns it again.
 /// Limits:  kHeadBytesMax, kAnswerBytesMax and `payload_bytes_max` bound what is kept.
 /// Thread:  confined to its connection's.
 class Wire final {
@@ -29,21 +29,21 @@ class Wire final {
 
   /// All bytes were taken, and more are needed.
   struct More {};
-  /// A packet begins, and has its opening: whoever has no room for one says so by taking no more.
+  /// A packet begins, and its opening is complete: a caller without room for it takes no more.
   struct Opened {
     bool is_qos1 = false;
   };
   struct Step {
-    /// Of the bytes that were given.
+    /// How many of the given bytes were taken.
     std::size_t taken = 0;
-    /// A Packet's views are into those bytes, or hold until the next call.
+    /// A Packet's views are into those bytes, or valid until the next call.
     std::variant<More, Opened, Packet, Fault> found;
   };
-  /// Takes bytes up to the next thing that is found. After Opened it must be called again even with
-  /// no bytes: there are packets without any.
+  /// Takes bytes up to the next finding. After Opened call it again even without bytes, since some
+  /// packets have none.
   [[nodiscard]] Step Take(std::string_view bytes);
 
-  /// Bytes that are kept of a packet which is not whole.
+  /// Bytes kept of an incomplete packet.
   [[nodiscard]] std::size_t kept_bytes() const { return kept_.size(); }
 
  private:
@@ -61,9 +61,9 @@ class Wire final {
   Step TakeHead(std::string_view bytes, std::size_t before);
   Step TakeBody(std::string_view bytes, std::size_t before);
   Step TakePast(std::string_view bytes, std::size_t before);
-  /// The packet is whole; `rest` is all that follows its opening.
+  /// The packet is complete; `rest` is everything after its opening.
   Step Whole(std::string_view rest, std::size_t taken);
-  /// `rest` has the whole head, and the payload behind it if that is wanted.
+  /// `rest` has the complete head, and the payload after it if that is wanted.
   Step WholePublish(std::string_view rest, const HeadExtent& head, std::size_t taken);
   [[nodiscard]] bool IsWanted(const HeadExtent& head) const;
   Step Break(const Fault& fault, std::size_t taken);
@@ -73,7 +73,7 @@ class Wire final {
   Part part_ = Part::kFirst;
   Opening opening_;
   std::size_t digits_ = 0;
-  /// The packet before it was given out: `kept_` is of no use any more.
+  /// The previous packet was given out, so `kept_` is free.
   bool given_ = false;
   std::string kept_;
   HeadExtent head_;
