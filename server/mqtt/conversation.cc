@@ -26,8 +26,8 @@ Conversation::Conversation(const Context& context, Beginning beginning)
       wire_(context.settings.version, context.settings.payload_bytes_max),
       unacked_(beginning.connection, context.settings.unacked_max),
       outbox_(kQueueBytesMax),
-      asking_(context.settings.version, context.subscriptions, context.probe,
-              context.settings.waits.refused),
+      exchange_(context.settings.version, context.subscriptions, context.probe,
+                context.settings.waits.refused),
       keepalive_(context.settings.keepalive, context.settings.waits.ping, context.clock.Steady()),
       asked_at_(context.clock.Steady()),
       heard_at_(context.clock.Steady()),
@@ -157,7 +157,7 @@ void Conversation::Handle(const mqtt::Publish& message) {
 }
 
 void Conversation::Handle(const Suback& answer) {
-  const auto found = asking_.Answered(answer);
+  const auto found = exchange_.Answered(answer);
   if (const auto* fault = std::get_if<Fault>(&found)) return Finish(fault->reason, fault->text);
   for (const Subscriptions::Lack& lack : std::get<std::vector<Subscriptions::Lack>>(found)) {
     context_.listener.OnTrouble(
@@ -168,7 +168,7 @@ void Conversation::Handle(const Suback& answer) {
 }
 
 void Conversation::Handle(const Unsuback& answer) {
-  if (const auto fault = asking_.Answered(answer)) return Finish(fault->reason, fault->text);
+  if (const auto fault = exchange_.Answered(answer)) return Finish(fault->reason, fault->text);
   AskOn();
 }
 
@@ -191,8 +191,8 @@ void Conversation::AskOn() {
 void Conversation::Ask() {
   if (!accepted_at_ || asked_at_ || end_) return;
   const SteadyTime now = context_.clock.Steady();
-  outbox_.Add(asking_.Next(now));
-  if (!asking_.waiting()) return;
+  outbox_.Add(exchange_.Next(now));
+  if (!exchange_.waiting()) return;
   subscribed_ = false;
   asked_at_ = now;
 }
@@ -260,8 +260,8 @@ SteadyTime Conversation::WriteLateAt() const {
 SteadyTime Conversation::Next() const {
   SteadyTime next = std::min(AnswerLateAt(), WriteLateAt());
   if (accepted_at_) next = std::min(next, keepalive_.Next());
-  const auto retry_at = asking_.retry_at();
-  return retry_at && !asking_.waiting() ? std::min(next, *retry_at) : next;
+  const auto retry_at = exchange_.retry_at();
+  return retry_at && !exchange_.waiting() ? std::min(next, *retry_at) : next;
 }
 
 void Conversation::Tick() {
@@ -284,9 +284,9 @@ void Conversation::Tick() {
     case Keepalive::Due::kLate:
       return Finish(EndReason::kPingLate, "no PINGRESP, and nothing else");
   }
-  const auto retry_at = asking_.retry_at();
-  if (retry_at && now >= *retry_at && !asking_.waiting()) {
-    asking_.Retry();
+  const auto retry_at = exchange_.retry_at();
+  if (retry_at && now >= *retry_at && !exchange_.waiting()) {
+    exchange_.Retry();
     Ask();
   }
 }

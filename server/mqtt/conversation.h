@@ -7,13 +7,13 @@
 #include <string_view>
 
 #include "schema/base/clock.h"
-#include "server/mqtt/asking.h"
 #include "server/mqtt/keepalive.h"
 #include "server/mqtt/listener.h"
 #include "server/mqtt/outbox.h"
 #include "server/mqtt/packets.h"
 #include "server/mqtt/probe.h"
 #include "server/mqtt/settings.h"
+#include "server/mqtt/subscribe_exchange.h"
 #include "server/mqtt/subscriptions.h"
 #include "server/mqtt/unacked.h"
 #include "server/mqtt/wire.h"
@@ -114,7 +114,7 @@ class Conversation final {
   Wire wire_;
   Unacked unacked_;
   Outbox outbox_;
-  Asking asking_;
+  SubscribeExchange exchange_;
   Keepalive keepalive_;
 
   std::optional<SteadyTime> accepted_at_;

@@ -19,8 +19,8 @@ using SslContext = std::unique_ptr<SSL_CTX, SslContextFree>;
 /// What a client's handshakes need: TLS 1.2 or later, a broker's chain that leads to one of our
 /// authorities (those of the system if `tls.ca` is empty), and our certificate if there is one.
 ///
-/// Errors:  kFailedPrecondition names the key of the configuration whose text OpenSSL does not
-/// take. Thread:  pure; any thread.
+/// Errors:  kFailedPrecondition names the key of the configuration whose text OpenSSL rejects.
+/// Thread:  pure; any thread.
 [[nodiscard]] absl::StatusOr<SslContext> MakeSslContext(const TlsTexts& tls);
 
 /// Requires the broker to prove that it is `url.host`, a name or an address, and sends the name

@@ -1,4 +1,4 @@
-#include "server/mqtt/asking.h"
+#include "server/mqtt/subscribe_exchange.h"
 
 #include <limits>
 
@@ -15,7 +15,7 @@ constexpr std::uint8_t kRefusal = 0x80;
 
 }  // namespace
 
-std::string Asking::Next(SteadyTime now) {
+std::string SubscribeExchange::Next(SteadyTime now) {
   if (waiting_) return {};
   probe_.filters_refused.Set(static_cast<std::int64_t>(subscriptions_.refused()));
   probe_.filters_lower.Set(static_cast<std::int64_t>(subscriptions_.lower()));
@@ -33,7 +33,7 @@ std::string Asking::Next(SteadyTime now) {
   return EncodeUnsubscribe(version_, id_, topics);
 }
 
-Decoded<std::vector<Subscriptions::Lack>> Asking::Answered(const Suback& answer) {
+Decoded<std::vector<Subscriptions::Lack>> SubscribeExchange::Answered(const Suback& answer) {
   if (!waiting_ || answer.id != id_ || !subscriptions_.asked_to_subscribe()) {
     return Fault{EndReason::kUnexpectedAnswer, "a SUBACK to nothing that was asked"};
   }
@@ -46,7 +46,7 @@ Decoded<std::vector<Subscriptions::Lack>> Asking::Answered(const Suback& answer)
   return *std::move(lacks);
 }
 
-std::optional<Fault> Asking::Answered(const Unsuback& answer) {
+std::optional<Fault> SubscribeExchange::Answered(const Unsuback& answer) {
   if (!waiting_ || answer.id != id_ || subscriptions_.asked_to_subscribe()) {
     return Fault{EndReason::kUnexpectedAnswer, "an UNSUBACK to nothing that was asked"};
   }
@@ -55,7 +55,7 @@ std::optional<Fault> Asking::Answered(const Unsuback& answer) {
   return std::nullopt;
 }
 
-void Asking::Retry() {
+void SubscribeExchange::Retry() {
   retry_at_.reset();
   subscriptions_.RetryRefused();
 }

@@ -14,10 +14,11 @@ namespace uplink::mqtt {
 /// Sends SUBSCRIBE and UNSUBSCRIBE on one connection, one at a time, and takes the answers. Pure.
 ///
 /// Thread: confined to its client's; the subscriptions outlive it.
-class Asking final {
+class SubscribeExchange final {
  public:
   /// `retry`: how long until a refused filter is asked for again.
-  Asking(Version version, Subscriptions& subscriptions, ClientProbe& probe, milliseconds retry)
+  SubscribeExchange(Version version, Subscriptions& subscriptions, ClientProbe& probe,
+                    milliseconds retry)
       : version_(version), subscriptions_(subscriptions), probe_(probe), retry_(retry) {}
 
   /// The next packet to send; empty while an answer is awaited, or if everything was asked.
