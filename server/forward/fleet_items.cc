@@ -96,7 +96,7 @@ bool FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame
       ++counts_.coalesced;
       return false;
     case Waiting::Added::kCancelled:
-      // This one, and the one that waited.
+      // This change, and the one that waited.
       counts_.coalesced += 2;
       return false;
     case Waiting::Added::kFull:
@@ -158,7 +158,7 @@ void FleetItems::Take(Receiver& receiver, std::vector<EncodedFrame>& into) {
     into.push_back(marks_.begin);
   }
   if (receiver.state == Receiver::State::kWalks) {
-    // The walk has the other half, so that it comes to its end.
+    // The walk has the other half, so that it ends.
     Room half = room.Split();
     GiveWaiting(receiver, Waiting::Which::kUpserts, half, into);
     room.Join(half);

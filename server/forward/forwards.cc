@@ -8,7 +8,7 @@
 namespace uplink::forward {
 namespace {
 
-/// Items that one look for expired ones removes of a fleet under its lock.
+/// Expired items that one look removes of a fleet under its lock.
 constexpr std::size_t kExpiredAtOnce = 256;
 
 std::size_t BytesOf(const ItemKey& key, const EncodedFrame& frame) {
@@ -84,7 +84,7 @@ std::size_t Forwards::Put(const ItemKey& key, const Facts& facts, const Encode& 
   const std::size_t bytes = BytesOf(key, frame);
   const Shares::Holder holder{key.ruri, facts.fleet};
   if (!TakeRoom(holder, where.bytes, bytes)) {
-    // What was forwarded of it is not true any more.
+    // Its forwarded content is no longer valid.
     const std::size_t ends = Remove(key);
     shares_.NoteLeftOut(holder);
     return ends;
@@ -139,7 +139,7 @@ bool Forwards::GiveWay(const Shares::OwnedHolder& holder) {
 std::size_t Forwards::Remove(const ItemKey& key) {
   const auto known = where_.find(key);
   if (known == where_.end()) {
-    // One that was left out may have gone.
+    // The item may have been left out before.
     shares_.NoteChanged(key.ruri);
     return 0;
   }

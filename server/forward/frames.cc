@@ -97,7 +97,7 @@ absl::StatusOr<EncodedFrame> UpsertFrame(const storage::SharedItem& item,
 std::size_t LeastFrameBytes(const storage::SharedItem& item) {
   const auto* const shape = std::get_if<storage::ShapeRow>(&item.row);
   if (shape == nullptr) return 0;
-  // One bracket for each position, and some for what holds them: half of 16 bytes for each is less.
+  // One bracket per position, and some around them, take less than half of 16 bytes per position.
   constexpr std::size_t kBytesPerBracket = 8;
   return kBytesPerBracket * static_cast<std::size_t>(std::ranges::count(shape->geometry_json, '['));
 }

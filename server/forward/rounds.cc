@@ -32,7 +32,7 @@ Rounds::Rounds(const Context& context)
       }) {}
 
 loop::Next Rounds::NextLook(SteadyTime began, SteadyTime now) {
-  // A store that is away answers nobody sooner.
+  // A store that is away does not answer sooner when asked more often.
   if (failing_) return {.within = context_.look_every, .not_before = context_.look_every};
   const SteadyTime::duration again = LookAgainAfter(woken_streams_);
   loop::Next next{.within = context_.look_every, .not_before = began + again - now};
@@ -55,7 +55,7 @@ void Rounds::WakeReceivers() { woken_streams_ += context_.forwards.WakeReceivers
 
 absl::Status Rounds::Look() {
   if (!positions_) {
-    // Ends need no store.
+    // Expiries need no store.
     Expire();
     if (absl::Status read = ReadAll(); !read.ok()) return read;
   }
@@ -76,7 +76,7 @@ absl::Status Rounds::Step() {
 
 absl::Status Rounds::WalkPages(std::optional<storage::ItemKey> after, const Walk& walk) {
   while (true) {
-    // All that fleets share may take seconds to read.
+    // Reading everything that fleets share may take seconds.
     if (stop_.stop_requested()) return absl::CancelledError("the server stops");
     const auto page = context_.items.Page(after);
     if (!page.ok()) return page.status();
@@ -91,7 +91,7 @@ absl::Status Rounds::WalkPages(std::optional<storage::ItemKey> after, const Walk
 }
 
 absl::Status Rounds::ReadAll() {
-  // Before the items: what is committed while they are read comes again as a change.
+  // Read before the items: commits during the read come again as changes.
   auto positions = context_.items.Positions();
   if (!positions.ok()) return positions.status();
   context_.forwards.shares().BeginLookAtAll();
@@ -126,10 +126,10 @@ absl::Status Rounds::LookAtLeftOut() {
       !left_out_looks_.Take(context_.clock.Steady(), kLookAtLeftOutEvery)) {
     return absl::OkStatus();
   }
-  // Each once: a robot that goes on giving room back would keep this thread for ever.
+  // Each robot once: one that keeps giving room back would keep this thread busy for ever.
   for (const std::string& robot : context_.forwards.shares().ToLookAtAgain()) {
     if (absl::Status read = ReadRobot(robot); !read.ok()) return read;
-    // What others share is not kept waiting for one robot.
+    // Do not delay the others' items for one robot.
     if (absl::Status step = Step(); !step.ok()) return step;
   }
   return absl::OkStatus();
@@ -214,7 +214,7 @@ void Rounds::Remove(const storage::ItemKey& key) {
 void Rounds::PutPaced(const storage::SharedItem& item, Paces::Turn turn) {
   const storage::ItemKey key = item.Key();
   if (paces_.Passes(key, turn, context_.clock.Steady())) return Put(item);
-  // Until it is told how the item is now, its life is what the store says.
+  // Until the item's new content follows, it expires as the store says.
   context_.forwards.Postpone(key, item.robot().fleet, item.expires_at_ms());
 }
 

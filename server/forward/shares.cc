@@ -82,7 +82,7 @@ void Shares::NoteLeftOut(const Holder& holder) {
   LeftOut& left_out = robots_left_out_[holder.ruri];
   left_out.fleet = holder.fleet;
   ++left_out.times;
-  // Whose room was the smaller one: that is what must grow.
+  // The scarcer room is the one that must grow.
   const Taken taken = TakenBy(holder);
   const std::size_t own = limits_.robot_bytes_max - taken.robot;
   const std::size_t others =

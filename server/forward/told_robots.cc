@@ -22,7 +22,7 @@ void ToldRobots::Tell(const Robots& robots) {
   std::erase_if(told_, [&](const std::string& robot) { return !robots.contains(robot); });
   for (const auto& [robot, other] : robots) {
     if (told_.contains(robot)) continue;
-    // What is kept back is counted by the next line, and tried again by the next look.
+    // A suppressed line is counted by the next one, and the next look tries again.
     if (!Write(robot, other)) return;
     told_.insert(robot);
   }

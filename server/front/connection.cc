@@ -90,7 +90,7 @@ void Connection::ReadPlain() {
     }
     if (!grpc_->Receive(*plain)) break;
     if (grpc_->turned_away() || !grpc_->http2().flooded()) continue;
-    // They go out ahead of all else: those that still wait are what the peer does not read.
+    // Answers go out first, so those that still wait are ones that the peer does not read.
     static_cast<void>(Flush());
     if (phase_ != Phase::kOpen || !grpc_->http2().flooded()) continue;
     grpc_->EndFlood();
@@ -101,7 +101,7 @@ void Connection::ReadPlain() {
 
 void Connection::OnReceiveEnd() {
   thread_.clock.Advance();
-  // A handshake for nothing, unless we sent it away.
+  // The handshake was in vain, unless we turned the peer away.
   if (phase_ == Phase::kHandshake && tls_->begun()) FailHandshake(TurnedAway::kHandshakeError);
   if (phase_ == Phase::kOpen && !grpc_->ends() && !grpc_->served() && !grpc_->answered()) {
     thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
@@ -177,14 +177,14 @@ void Connection::Linger() {
   static_cast<void>(Flush());
   if (phase_ == Phase::kClosed) return;
   const bool was_handshake = phase_ == Phase::kHandshake;
-  // An alert means nothing to who speaks no TLS; and only so many descriptors may wait.
+  // A peer that does not speak TLS cannot read an alert; and only so many descriptors may linger.
   if (tls_->failure() == TlsEngine::Failure::kNoTls) return Close();
   const auto key = grpc_ != nullptr ? std::optional(grpc_->tls_peer().key) : std::nullopt;
   if (!place_.Linger(key)) return Close();
   phase_ = Phase::kLinger;
   if (was_handshake) owner_.OnHandshakeEnded(*this);
   if (grpc_ != nullptr) grpc_->Break();
-  // A peer that has not read all yet gets the time to.
+  // A peer that has not read everything gets the time to.
   const bool blocked = socket_.blocked();
   if (!blocked) socket_.EndOutput();
   phase_by_ = thread_.clock.Steady() + (blocked ? kAgeGrace : kLingerWait);
@@ -194,7 +194,7 @@ void Connection::Close() {
   if (phase_ == Phase::kClosed) return;
   const bool was_handshake = phase_ == Phase::kHandshake;
   phase_ = Phase::kClosed;
-  // What TLS still wanted to say is this connection's, and the buffer the thread's.
+  // The bytes that TLS still wanted to send are this connection's, but the buffer is the thread's.
   thread_.tls.out.clear();
   if (grpc_ != nullptr) grpc_->Break();
   socket_.Close();
@@ -213,7 +213,7 @@ void Connection::Evict() {
     Settle();
     if (phase_ == Phase::kLinger) return;
   }
-  // One that lingered before, or does not read what it is told, has had its place for long enough.
+  // A connection that already lingered, or does not read, has had its place for long enough.
   Close();
 }
 
@@ -243,7 +243,7 @@ void Connection::OnTimer() {
 void Connection::LookAtHandshake(SteadyTime now) {
   if (now < *phase_by_) return;
   if (now < handshake_by_ && !thread_.book.pressed()) {
-    // Nobody waits for its place: it may go on, and is looked at again.
+    // No connection waits for its place: it may go on, and is checked again.
     phase_by_ = std::min(handshake_by_, now + kLookAgain);
     return;
   }
@@ -266,7 +266,7 @@ void Connection::LookAtLifetime(SteadyTime now) {
       thread_.book.Note(TurnedAway::kNotRead, origin_, now);
       return Close();
     case Lifetime::Due::kSilent:
-      // While bytes of ours are kept back, kNotRead judges how fast it takes them.
+      // While our bytes wait, kNotRead judges how fast the peer takes them.
       if (socket_.blocked() || socket_.TakesSome()) return lifetime_.StillTakes(now);
       thread_.book.Note(TurnedAway::kSilent, origin_, now);
       return Close();

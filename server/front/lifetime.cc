@@ -7,20 +7,20 @@
 namespace uplink::front {
 namespace {
 
-/// The civil clock was set if the expiry is further than this from where it was at the last look; a
-/// clock that is only slewed moves it by far less.
+/// If the expiry moved further than this since the last look, the civil clock was set; slewing
+/// moves it by far less.
 constexpr std::chrono::seconds kClockWasSet{10};
 
-/// `span` without up to a tenth, so that robots which came together do not go together.
+/// `span` less up to a tenth, so that robots which came together do not leave together.
 milliseconds Shortened(milliseconds span, std::uint16_t jitter) {
   constexpr milliseconds::rep kParts = 65'536;
   return span - span / 10 * milliseconds::rep{jitter} / kParts;
 }
 
-/// How long before its certificates' expiry a connection ends that has so much left.
+/// How long before its certificates' expiry a connection ends, if so much is left when it opens.
 milliseconds BeforeExpiry(milliseconds until_expiry, std::uint16_t jitter) {
-  // With a certificate that is nearly over already it may stay until that is: a robot that comes
-  // back with the one for which it was ended has no other, and would only be ended again.
+  // With a certificate near its expiry it may stay until then: a robot that comes back with the
+  // same one has no other, and would only be ended again.
   if (until_expiry <= kNearlyOver) return milliseconds(0);
   return until_expiry - Shortened(until_expiry - milliseconds(kBeforeExpiry), jitter);
 }
@@ -64,7 +64,7 @@ void Lifetime::SetCalls(std::size_t calls, SteadyTime now) {
   if (calls > 0) {
     empty_since_.reset();
   } else if (!empty_since_) {
-    // Calls that nobody served bought no time.
+    // Calls that were not served earn no time.
     empty_since_ = had_call_ ? now : opened_at_;
   }
 }
@@ -116,7 +116,7 @@ SteadyTime Lifetime::next(SteadyTime now) const {
 SteadyTime Lifetime::EmptyUntil(SteadyTime now) const {
   if (had_call_) return *empty_since_ + kIdleWait;
   const SteadyTime pressed = *empty_since_ + kFirstStreamWaitPressed;
-  // From then on it may stay only as long as nobody waits.
+  // From then on it may stay only while no connection waits.
   return now < pressed ? pressed : std::min(now + kLookAgain, *empty_since_ + kFirstStreamWait);
 }
 

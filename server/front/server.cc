@@ -23,13 +23,13 @@
 namespace uplink::front {
 namespace {
 
-/// Where the system does not say how many descriptors we may have: what it usually gives.
+/// The usual number of descriptors, if the system does not say how many we may have.
 constexpr std::size_t kDescriptorsDefault = 1024;
 
-/// Lines about pauses of the acceptor in a span of RateLimited.
+/// Lines about the acceptor's pauses per span of RateLimited.
 constexpr std::uint32_t kPauseLinesMax = 1;
 
-/// Cores that this process may use, which may be fewer than the machine has: two threads of streams
+/// Cores that this process may use, which may be fewer than the machine's: two threads of streams
 /// on one core cost half as much again as one (measured). At least one.
 std::size_t UsableCores() {
   cpu_set_t cores;
@@ -79,14 +79,14 @@ struct FrontServer::Impl {
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
-  /// How many connections there may be, and a warning if that is fewer than two per robot.
+  /// Computes the bounds of connections, and warns if there are fewer than two per robot.
   void TellLimits() const;
   void StartWorkers();
   void OpenDoor();
-  /// Nobody comes in any more; who waited is sent away.
+  /// Admits no more connections, and turns waiting ones away.
   void CloseDoor();
   [[nodiscard]] Worker& LeastLoaded();
-  /// Nobody is accepted for a moment: that is counted, and said once in a while.
+  /// Accepting pauses for a moment: counts it, and logs it now and then.
   void NotePause(std::error_code why);
 
   const transport::RelayOptions options;
@@ -119,7 +119,7 @@ absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
 absl::Status FrontServer::Impl::ServeFiles() {
   const auto fresh = files->Refresh();
   if (!fresh.ok()) return fresh.status();
-  // The same texts again are as good as they were.
+  // The same texts have the same result as before.
   if (*fresh) served = Serve(files->texts());
   return served;
 }
@@ -169,7 +169,7 @@ void FrontServer::Impl::StartWorkers() {
       acceptor->Post([this, id] { door->HandshakeEnded(id, context.clock.Steady()); });
     };
     setup.evict = [this](std::uint64_t id) {
-      // Whoever has it; that is rare enough to ask all.
+      // Ask all workers which one has it: this is rare.
       for (const auto& worker : workers) worker->Evict(id);
     };
     workers.push_back(
@@ -217,7 +217,7 @@ void FrontServer::Impl::NotePause(std::error_code why) {
 
 void FrontServer::Impl::CloseDoor() {
   acceptor->Stop();
-  // What workers still post is not run.
+  // Work that workers still post does not run.
   greeter.reset();
   door.reset();
 }

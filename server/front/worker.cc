@@ -140,7 +140,7 @@ void Worker::RunTimers() {
   timer_at_.reset();
   const SteadyTime now = thread_state_.clock.Steady();
   while (const std::optional<std::uint64_t> id = thread_state_.call_timers.PopDue(now)) {
-    // An entry is taken out when its call goes, so the call is there.
+    // The entry of a call is removed with it, so the call exists.
     Call& call = *thread_state_.calls.at(*id);
     CallOwner& owner = call.owner();
     call.OnTimer();

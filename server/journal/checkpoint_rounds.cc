@@ -48,7 +48,7 @@ Step CheckpointRounds::WriteRows() {
   context_.checkpoint_error.Note(absl::OkStatus());
   for (const std::size_t row : *passed_over) {
     live_->PassedOver(rows[row]);
-    // Nobody else may say so: of a robot that sends live messages alone nothing is committed.
+    // No other step may notice it: nothing is committed of a robot that sends only live messages.
     holds_.LoseSince(rows[row].ruri, rows[row].held_since).Wake();
   }
   context_.probe.checkpoint_robots.Add(
@@ -58,13 +58,13 @@ Step CheckpointRounds::WriteRows() {
 }
 
 Step CheckpointRounds::AfterFailure(const absl::Status& status) {
-  // Half of what a call might have held: a few large rows are bounded by their bytes already.
+  // Half of the call's maximum: a few large rows are bounded by their bytes already.
   static_cast<void>(rows_.Failed(rows_.now()));
   if (absl::IsInternal(status)) {
     context_.checkpoint_error.Note(status);
     return Step::kWorked;
   }
-  // One that was asked for goes on until the store is there, or nobody waits for it any more.
+  // A requested round goes on until the store is there, or it is no longer wanted.
   if (answers_) context_.inbox.RenewCheckpoint();
   EndRound();
   context_.errors.NoteDuty(status);

@@ -53,7 +53,7 @@ void Claiming::Tell(const ClaimEntry& claim, const storage::ClaimResult& result)
       claim.robot->OnHeldElsewhere(result.presence);
     }
   }
-  // Last: the drone looks at what its robot was told.
+  // Last, since the drone looks at what its robot was told.
   claim.client->OnClaimed(result).Wake();
 }
 

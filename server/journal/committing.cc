@@ -48,7 +48,7 @@ bool Committing::Gather() {
 
 Step Committing::Commit() {
   DropVoid();
-  // Nothing comes into a batch before its robot is held, and a hold that was lost made it void.
+  // No entry comes into a batch before its robot is held, and losing a hold makes entries void.
   batch_.SetHolds(holds_.robots());
   const SteadyTime began = context_.clock.Steady();
   auto outcomes = context_.store.Commit(batch_.batch());
@@ -107,7 +107,7 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
     metrics::Cell& written =
         context_.probe.presence_changes[static_cast<std::size_t>(items[i].presence)];
     (refused ? context_.probe.presence_refused : written).Add();
-    // Nobody else may say so: a robot that sends live messages alone commits nothing.
+    // No other step may notice it: nothing is committed of a robot that sends only live messages.
     if (refused) holds_.LoseSince(items[i].robot->ruri, items[i].held_since).Wake();
   }
   context_.inbox.CountPresenceCommitted(items.size());

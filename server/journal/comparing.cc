@@ -23,8 +23,8 @@ std::optional<Step> Comparing::Do() {
   context_.errors.NoteCompare(compared.status());
   if (!compared.ok()) return Step::kFailed;
   server_run_ = context_.store.ServerRun();
-  // First: what remembers more of the store than its robots must forget that before the next commit
-  // is told.
+  // First: listeners that remember more of the store than its robots must forget that before the
+  // next commit is reported.
   if (context_.store_reconnected) context_.store_reconnected(*compared);
   context_.store.EndDoubt();
   return std::nullopt;
@@ -41,7 +41,7 @@ absl::StatusOr<Reconnected> Comparing::CompareAll() {
       Planted(Mutation::kReconnectTrusted) ? std::vector<storage::ToldRobot>() : holds_.ToldOfAll();
   std::size_t first = 0;
   Reconnected to = Reconnected::kMayHaveGoneBack;
-  // Once at least: it is what connects.
+  // At least once, since this call connects.
   do {
     const auto page =
         std::span(told).subspan(first, std::min(told.size() - first, storage::kComparedMax));

@@ -15,8 +15,7 @@ std::size_t CostOf(std::size_t payload_bytes, const model::Rejection& rejection)
 
 std::size_t CostOf(const storage::CommitRecord& record) {
   std::size_t payload_bytes = record.payload.size();
-  // What a sample leaves to be remembered is shared by its records, of which the first has the
-  // payload.
+  // A sample's memory is shared by its records; the first has the payload.
   if (record.sample != nullptr && payload_bytes > 0) payload_bytes += record.sample->last.size();
   if (const auto* good = std::get_if<model::Record>(&record.content)) {
     return CostOf(payload_bytes, *good);

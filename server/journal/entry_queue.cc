@@ -13,8 +13,8 @@ struct EntryQueue::Filling {
   std::size_t bytes = 0;
   std::optional<SteadyTime> oldest{};
 
-  /// The first message of `from`, of which the first entry was admitted: all of it counts as its
-  /// robot's share.
+  /// The first message of `from`, whose first entry was admitted: all of it counts for its robot's
+  /// share.
   void AddMessage(std::deque<Entry>& from) {
     bool continues = true;
     for (bool first = true; continues; first = false) {
@@ -61,7 +61,7 @@ std::optional<SteadyTime> EntryQueue::MoveTo(GatheredBatch& batch, const BatchBo
                                              const HeldRobots& held) {
   Filling filling{
       .batch = batch, .held = held, .shares = BatchShares(bounds.robot, bounds.gateway)};
-  // A batch of one is alternately for either half.
+  // A batch of one entry goes to the halves in turn.
   old_first_ = !old_first_;
   GiveTurns(old_, filling, (bounds.records_max + (old_first_ ? 1 : 0)) / 2, bounds.bytes_max / 2);
   GiveTurns(new_, filling, bounds.records_max, bounds.bytes_max);
@@ -71,7 +71,7 @@ std::optional<SteadyTime> EntryQueue::MoveTo(GatheredBatch& batch, const BatchBo
 
 void EntryQueue::GiveTurns(Certificates& from, Filling& filling, std::size_t records_max,
                            std::size_t bytes_max) {
-  // What goes into this batch no more, until the end of this look.
+  // Lines that may not go into this batch, until the end of this look.
   Lines passed;
   Certificates done;
   const auto full = [&] {
@@ -105,7 +105,7 @@ bool EntryQueue::GiveTurn(Certificate& certificate, Filling& filling, Lines& pas
     const Origin& next = line->entries.front().origin;
     const auto admission =
         filling.held.MayCommit(next) ? filling.shares.Admit(next) : Admission::kRobotWaits;
-    // A robot may wait in the line of a gateway and come by another one now.
+    // A robot may wait in a gateway's line and come by another one now.
     if (admission == Admission::kGatewayWaits && next.place.gateway() == certificate.gateway) {
       return false;
     }

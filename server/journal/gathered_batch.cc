@@ -13,7 +13,7 @@ std::size_t BytesOf(const std::vector<Origin>& origins) {
   return bytes;
 }
 
-/// Keeps the order of what stays. Returns the origins of what went.
+/// Keeps the order of the rest. Returns the origins of removed entries.
 template <class Item>
 std::vector<Origin> DropVoidFrom(std::vector<Item>& items, std::vector<Origin>& origins) {
   std::vector<Origin> dropped;
@@ -37,7 +37,7 @@ std::vector<Origin> DropVoidFrom(std::vector<Item>& items, std::vector<Origin>& 
 template <class Item>
 void MoveRest(std::vector<Item>& items, std::vector<Origin>& origins, std::size_t keep,
               std::vector<Entry>& rest) {
-  // What comes of one message stays together.
+  // Entries of one message stay together.
   while (keep > 0 && keep < origins.size() && origins[keep - 1].continues) ++keep;
   if (origins.size() <= keep) return;
   for (std::size_t i = keep; i < origins.size(); ++i) {

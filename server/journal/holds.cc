@@ -8,7 +8,7 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
                          const robot::HoldNews& news) {
   Told told;
   Held& held = held_[robot->ruri];
-  // Another of the same name, whose owner let go of it, is held no more.
+  // Another robot of the same name, whose owner let go of it, is no longer held.
   if (held.client.get() != nullptr && held.client.get() != &client) robots_.Lose(*held.client);
   held = {&client, robot};
   switch (robots_.Begin(client, news.since)) {
@@ -22,7 +22,7 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
       told.begun = true;
       break;
   }
-  // First: what the robot notes from now on is held against what the store has.
+  // First: later notes of the robot are compared with what the store has.
   context_.inbox.HoldPresence(robot->ruri, news.since, news.presence);
   client.OnHeld(news);
   return told;
@@ -30,7 +30,7 @@ Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& r
 
 loop::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {
   robots_.Lose(client);
-  // The map's entry, to which the references may lead, goes before they are used last.
+  // The map's entry, to which the references may lead, is erased before their last use.
   const robot::ClientRef kept_client(&client);
   // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): the copy keeps it alive
   const storage::RobotRef kept = robot;
@@ -65,7 +65,7 @@ std::vector<storage::ToldRobot> Holds::ToldOfAll() const {
                     .held_since = robots_.Since(*held.client),
                     .sessions = held.client->Committed()});
   }
-  // So that a run repeats exactly.
+  // Sorted, so that a run repeats exactly.
   std::ranges::sort(told, {}, &storage::ToldRobot::ruri);
   return told;
 }

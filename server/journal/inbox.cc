@@ -83,7 +83,7 @@ void Inbox::Push(std::vector<Entry> entries) {
 void Inbox::Remember(storage::Deliveries deliveries) {
   {
     const std::lock_guard lock(mutex_);
-    // One lease at a time: what came under an older one is fenced.
+    // One lease at a time: deliveries under an older one are fenced.
     std::erase_if(deliveries_, [&](const auto& each) { return each.hold != deliveries.hold; });
     if (deliveries_.empty()) {
       deliveries_.push_back(std::move(deliveries));
@@ -150,7 +150,7 @@ void Inbox::RequestCheckpoint() {
 
 bool Inbox::IsWithin(const GatewayUse* gateway, std::size_t shares, std::size_t bytes) const {
   if (gateway == nullptr) return true;
-  // Not less than what one of its robots may have.
+  // No less than one of its robots may have.
   const std::size_t part = std::min(limits_.robot_share, limits_.gateway_share);
   const std::size_t records_max = std::max<std::size_t>(limits_.records_max / part, 1);
   return gateway->records() < shares * records_max &&
@@ -184,7 +184,7 @@ void Inbox::WhenRoom(loop::StreamRef stream, GatewayRef gateway) {
 
 milliseconds Inbox::oldest(SteadyTime now) const {
   const std::lock_guard lock(mutex_);
-  // What earlier batches left may be older than what the last one took.
+  // Entries left by earlier batches may be older than those of the last one.
   std::optional<SteadyTime> oldest = queue_.oldest();
   if (batch_oldest_ && (!oldest || *batch_oldest_ < *oldest)) oldest = batch_oldest_;
   return oldest ? std::chrono::duration_cast<milliseconds>(now - *oldest) : milliseconds(0);

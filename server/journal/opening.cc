@@ -10,7 +10,7 @@
 namespace uplink::journal {
 namespace {
 
-/// Whether the store has less of the session than it told.
+/// Whether the store has less of the session than it confirmed.
 bool HasLess(const robot::CommitClient& client, const model::SessionId& session,
              model::Seq cursor) {
   if (robot::Planted(robot::Mutation::kReconnectTrusted)) return false;
@@ -51,7 +51,7 @@ Step Opening::Open() {
   std::vector<OpenEntry> again;
   for (std::size_t i = 0; i < opened.size(); ++i) {
     const storage::OpenResult& result = (*results)[i];
-    // For a stream that came meanwhile, and may not have asked for itself: records may wait.
+    // For a stream that came meanwhile and may not have asked for itself: records may wait.
     if (!result.taken && !result.other_fleet && opened[i].client->HasStream()) {
       again.push_back(opened[i]);
     } else {

@@ -11,8 +11,8 @@ namespace uplink::journal {
 namespace {
 
 storage::Outcome OutcomeOf(const Origin& origin, storage::Outcome told) {
-  // Numbers are taken once, so what the store has already is what an earlier try of ours wrote: it
-  // was stored, once, and is counted so.
+  // A number is taken once, so a record that the store has already is from an earlier try of ours:
+  // it was stored, once, and is counted so.
   if (origin.tried && told.kind == storage::OutcomeKind::kDuplicate) {
     told.kind = storage::OutcomeKind::kStored;
   }
@@ -43,7 +43,7 @@ robot::Settled SettledOf(const storage::CommitRecord& record, const Origin& orig
 /// exactly.
 struct ByClient {
   std::vector<std::pair<robot::CommitClient*, std::vector<robot::Settled>>> settled;
-  /// Whose hold is over, with its robot; null of a drone, whose claim is over.
+  /// A client whose hold has ended, with its robot; null for a drone, whose claim has ended.
   std::vector<std::pair<robot::CommitClient*, storage::RobotRef>> fenced;
 };
 

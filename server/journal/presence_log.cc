@@ -45,16 +45,16 @@ bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put
   const bool same = stored && stored->presence == put_back->presence;
   // It was committed, and the answer was lost.
   if (same && UnixMs(stored->since) == UnixMs(put_back->at)) return false;
-  // What was handed over and is not committed yet is what the same server will have.
+  // The change that was handed over is what the same server will have.
   if (!same && to == Reconnected::kSameServer) return false;
   const storage::PresenceItem item = std::move(*put_back);
   put_back_.erase(put_back);
   uncommitted_.fetch_sub(1);
   handed_.erase(item.robot->ruri);
   if (stored) handed_[item.robot->ruri] = *stored;
-  // The store has that since an earlier time, and what was between is lost: it is no change.
+  // The store has that presence since an earlier time, and what came between is lost: no change.
   if (same) return true;
-  // What came after it may be no change any more.
+  // A later change may be none any more.
   const auto waits = waiting_.find(item.robot->ruri);
   const storage::PresenceItem last = waits == waiting_.end() ? item : waits->second;
   Note(last.robot, last.presence, last.at);

@@ -11,7 +11,7 @@ void QuarantineNotes::Note(const std::string& ruri) {
   }
   ++robot->second;
   if (!is_new && robot->second < kQuarantineRowsPerLook) return;
-  // Without room it waits for rows to come.
+  // Without room it waits for further rows.
   if (due_.size() >= robots_max_ && !due_.contains(ruri)) return;
   robot->second = 0;
   due_.insert(ruri);

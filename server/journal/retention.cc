@@ -15,7 +15,7 @@ Step Retention::Do() {
   }
   context_.retain_error.Note(deleted.status());
   if (!deleted.ok()) {
-    // Commits go on as if nothing was: it is no trouble of theirs.
+    // Commits go on: they are not affected.
     duty_.DueAt(now + kRetainLater);
     return Step::kWorked;
   }

@@ -40,13 +40,13 @@ Step Turns::Advance() {
     return Step::kWorked;
   }
   if (comparing_.Due()) {
-    // It is gathered anew afterwards: of what it holds some may be void by then.
+    // It is gathered anew afterwards, since some of its entries may be void by then.
     committing_.PutBack();
     claiming_.DoubtAll();
     if (const std::optional<Step> failed = comparing_.Do()) return *failed;
   }
-  // What waits goes between two duties, so that a long one that is followed by the next keeps no
-  // robot waiting for more than itself; and before a checkpoint, of which there are many calls.
+  // Waiting work goes between two duties, so that a robot waits for one long duty at most; and
+  // before a checkpoint, which takes many calls.
   const bool after_duty = std::exchange(after_duty_, false);
   std::optional<Step> done;
   if (!after_duty) done = AdvanceDuty();
@@ -59,7 +59,7 @@ Step Turns::Advance() {
 
 std::optional<Step> Turns::AdvanceWork() {
   after_work_ = true;
-  // Alternately, so that a storm of streams keeps no commit waiting, and no commit a Welcome.
+  // In turn, so that a storm of streams delays no commit, and no commit a Welcome.
   const bool batch_turn = std::exchange(batch_turn_, false);
   if (!batch_turn && GatherOpens()) return opening_.Open();
   if (!batch_turn) {

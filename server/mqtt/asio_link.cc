@@ -45,23 +45,23 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   void Close(std::string last) override;
 
  private:
-  /// Later, since no event comes from within a method.
+  /// Posted, since no event may come from within a method.
   void Down(EndReason reason, std::string text);
   [[nodiscard]] absl::Status PrepareTls(const Url& url, const TlsTexts& tls);
   void Connect(const tcp::resolver::results_type& found);
   void Handshake();
   void Up();
-  /// From so many bytes on that wait the system tells of them.
+  /// With so many unread bytes the system reports them.
   void WakeFrom(std::size_t bytes);
   void StartReading();
   void ReadEnded(const Error& error, std::size_t bytes);
-  /// Whether bytes came that were not given to anybody.
+  /// Whether there are bytes that were not passed on.
   [[nodiscard]] bool HasMore();
   void StartWriting();
   void WriteEnded(const Error& error);
   void CloseNow();
 
-  /// Null once its owner parted from it.
+  /// Null once its owner has let go of it.
   LinkEvents* events_;
   tcp::resolver resolver_;
   tcp::socket socket_;
@@ -69,19 +69,19 @@ class AsioLink final : public Link, public std::enable_shared_from_this<AsioLink
   asio::steady_timer read_timer_;
   std::optional<asio::ssl::context> context_;
   std::optional<asio::ssl::stream<tcp::socket&>> tls_;
-  /// Judges what is shown at the broker's address before OpenSSL reads it: anybody may answer
+  /// Checks the certificates at the broker's address before OpenSSL reads them: any peer may answer
   /// there.
   std::optional<identity::CertificateMessages> certificates_;
   bool up_ = false;
   bool reading_ = false;
   bool writing_ = false;
-  /// When the last read ended, and whether it followed closely on the one before.
+  /// When the last read ended, and whether it came soon after the one before.
   asio::steady_timer::time_point read_at_{};
   bool busy_ = false;
   std::vector<char> input_;
   std::size_t input_bytes_ = 0;
   std::string output_;
-  /// What leaves after it, at the end.
+  /// Sent after it, at the end.
   std::string last_;
 };
 
@@ -199,7 +199,7 @@ void AsioLink::ReadEnded(const Error& error, std::size_t bytes) {
     input_bytes_ = bytes;
     return events_->OnRead();
   }
-  // Without TLS's own farewell it is an end all the same: brokers often leave that out.
+  // An end without TLS's close_notify still counts as one: brokers often leave that out.
   if (error == asio::error::eof || error == asio::ssl::error::stream_truncated) {
     return events_->OnDown({EndReason::kClosed, "the broker closed the connection"});
   }

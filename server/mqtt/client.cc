@@ -227,7 +227,7 @@ void Client::Ended(const End& end) {
   if (conversation_ != nullptr && conversation_->accepted_at()) {
     lived = std::chrono::duration_cast<milliseconds>(now - *conversation_->accepted_at());
   }
-  // By MQTT 5 the broker is told what was wrong with it; by 3.1.1 there is no way to say it.
+  // MQTT 5 tells the broker what was wrong with it; 3.1.1 has no way to.
   const std::uint8_t code = settings_.version == Version::k5 ? FarewellCode(end.reason) : 0;
   Part(lived && code != 0 ? EncodeDisconnect(settings_.version, code) : "");
   const Reconnect::Pause pause = reconnect_.After(end.reason, lived, parts_.random());

@@ -14,7 +14,7 @@
 namespace uplink::mqtt {
 namespace {
 
-/// A PUBLISH of ours is never larger than this beside its fields.
+/// Our PUBLISH is never larger than this beside its fields.
 constexpr std::size_t kFrameBytes = 32;
 
 }  // namespace
@@ -215,7 +215,7 @@ void Conversation::FollowReading() {
   if (reading() == was_reading_) return;
   was_reading_ = reading();
   if (!was_reading_) return keepalive_.StopReading();
-  // What came in the meantime was not read: every wait begins anew.
+  // Bytes that came meanwhile were not read, so every wait begins anew.
   heard_at_ = context_.clock.Steady();
   keepalive_.ReadAgain(heard_at_);
 }

@@ -29,14 +29,13 @@ std::optional<Fault> CheckPublishFlags(std::uint8_t first) {
   return std::nullopt;
 }
 
-/// [MQTT-1.5.4-1], [MQTT-3.3.2-1], [MQTT-3.3.2-2]; and an empty one stands for an alias, of which
-/// there are none.
+/// [MQTT-1.5.4-1], [MQTT-3.3.2-1], [MQTT-3.3.2-2]; an empty topic stands for an alias, and there
+/// are none.
 bool IsTopic(std::string_view text) {
   return !text.empty() && text.find_first_of("+#") == std::string_view::npos && IsCleanUtf8(text);
 }
 
-/// Properties of an answer, where the version has any; those of a packet that ends before them are
-/// none.
+/// Properties of an answer, if the version has them; none if the packet ends before them.
 Decoded<Properties> PropertiesOf(Version version, PacketType type, ByteReader& from) {
   if (version == Version::k311) return Properties{};
   return ReadProperties(type, from);
@@ -52,7 +51,7 @@ Decoded<Packet> DecodeConnack(Version version, std::string_view body) {
   if (present && *code != 0) {  // [MQTT-3.2.2-6]
     return Fault{EndReason::kMalformed, "CONNACK refuses, and has a session"};
   }
-  // A broker that knows 3.1.1 alone refuses MQTT 5 in its own form, without properties.
+  // A broker with only 3.1.1 refuses MQTT 5 in its own form, without properties.
   const bool in_form_of_311 = from.empty() && IsRefusalOf311(static_cast<std::uint8_t>(*code));
   const auto found =
       PropertiesOf(in_form_of_311 ? Version::k311 : version, PacketType::kConnack, from);
@@ -67,7 +66,7 @@ Decoded<Packet> DecodeConnack(Version version, std::string_view body) {
                  .reason = properties.reason};
 }
 
-/// SUBACK or UNSUBACK: their forms are the same but for the codes.
+/// SUBACK or UNSUBACK, which differ only in their codes.
 struct AskAnswer {
   PacketId id = 0;
   std::string_view codes;
@@ -105,7 +104,7 @@ Decoded<Packet> DecodeUnsuback(Version version, std::string_view body) {
   return Unsuback{answer.id, answer.codes};
 }
 
-/// By MQTT 5 alone. It may end after each of its parts.
+/// Only in MQTT 5. It may end after each of its parts.
 Decoded<Packet> DecodeDisconnect(std::string_view body) {
   ByteReader from(body);
   const auto code = from.Number<1>();

@@ -11,7 +11,7 @@ namespace {
 constexpr unsigned kCleanFlag = 0x02;
 constexpr unsigned kPasswordFlag = 0x40;
 constexpr unsigned kUsernameFlag = 0x80;
-/// Options of a filter, by MQTT 5: no retained messages when we subscribe.
+/// Options of a filter in MQTT 5: no retained messages when we subscribe.
 constexpr unsigned kNoRetained = 0x20;
 /// SUBSCRIBE and UNSUBSCRIBE have this in the lower half of their first byte.
 constexpr unsigned kAskFlags = 0x02;

@@ -23,7 +23,7 @@ enum class Kind : std::uint8_t {
   kPair,  // two texts
 };
 
-// Who may have it.
+// The packets that may have it.
 constexpr unsigned kInConnack = 1;
 constexpr unsigned kInPublish = 2;
 constexpr unsigned kInAnswer = 4;  // SUBACK, UNSUBACK
@@ -63,7 +63,7 @@ constexpr Property kProperties[] = {
     {kSharedAvailable, Kind::kSwitch, kInConnack},
 };
 
-/// Identifiers that the table may have.
+/// The range of identifiers in the table.
 constexpr std::size_t kIds = 0x2B;
 
 /// 0 for packets that have none.
@@ -89,7 +89,7 @@ unsigned FlagOf(PacketType packet) {
   return 0;
 }
 
-/// A property's value: a number, or what its field holds, for a pair behind its name.
+/// A property's value: a number, or its field's content, for a pair the second field.
 struct Value {
   std::uint32_t number = 0;
   std::string_view field;
@@ -104,7 +104,7 @@ std::optional<Value> FieldIn(std::optional<std::string_view> field) {
   return field ? std::optional(Value{.field = *field}) : std::nullopt;
 }
 
-/// What stands there by its form alone; nothing if that ends too early.
+/// Reads a value by its form alone; empty if the bytes end too early.
 std::optional<Value> ValueIn(Kind kind, ByteReader& from) {
   switch (kind) {
     case Kind::kSwitch:
@@ -130,7 +130,7 @@ std::optional<Value> ValueIn(Kind kind, ByteReader& from) {
   return std::nullopt;
 }
 
-/// Whether MQTT 5 lets its kind have this value.
+/// Whether MQTT 5 allows this value.
 bool IsValid(Kind kind, const Value& value) {
   switch (kind) {
     case Kind::kSwitch:
@@ -168,12 +168,12 @@ Decoded<Properties> ReadProperties(PacketType packet, ByteReader& from) {
   const auto length = from.Length();
   const auto bytes = length ? from.Bytes(*length) : std::nullopt;
   if (!bytes) return Fault{EndReason::kMalformed, "the properties end past their packet"};
-  // A broker may pass on what a publisher made up, and would deliver it again, for ever.
+  // A broker may pass on invented properties, and would deliver them again for ever.
   const bool judged = packet != PacketType::kPublish;
   Properties found;
   std::bitset<kIds> seen;
   for (ByteReader rest(*bytes); !rest.empty();) {
-    // An identifier is a length by its form; each one that there is has one digit.
+    // An identifier has the form of a length; all known ones have one digit.
     const auto id = rest.Number<1>();
     const auto* const known = std::ranges::find(kProperties, *id, &Property::id);
     if (known == std::end(kProperties)) {

@@ -17,7 +17,7 @@ struct Reason {
   std::string_view name;
 };
 
-/// Those that a broker may give to a subscriber.
+/// Codes that a broker may send to a subscriber.
 constexpr Reason kReasons[] = {
     {0x00, "normal disconnection"},
     {0x80, "unspecified error"},

@@ -29,7 +29,7 @@ absl::Status InvalidUnlessOk(std::string_view key, const absl::Status& status) {
   return status.ok() ? status : Invalid(key, std::string(status.message()));
 }
 
-/// Nothing if no file is named.
+/// Empty if no file is named.
 absl::StatusOr<std::optional<identity::NamedPem>> ReadPemOf(std::string_view key,
                                                             const std::string& path) {
   if (path.empty()) return std::nullopt;
@@ -41,8 +41,8 @@ absl::StatusOr<std::optional<identity::NamedPem>> ReadPemOf(std::string_view key
   return *std::move(pem);
 }
 
-/// What ValidateFiles (config/files.cc) asks at a start: what a start refuses is not connected
-/// with either.
+/// The check of ValidateFiles (config/files.cc) at a start: files that a start refuses are not used
+/// to connect either.
 absl::Status CheckTexts(const std::optional<identity::NamedPem>& ca,
                         const std::optional<identity::NamedPem>& certificate,
                         const std::optional<identity::NamedPem>& key) {

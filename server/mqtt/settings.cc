@@ -15,7 +15,7 @@ static_assert(kUnackedMaxMax == storage::kUnackedMaxMax);
 
 constexpr std::size_t kShownBytesMax = 128;
 constexpr std::chrono::seconds kKeepaliveMax{65'535};
-/// The largest number says that a session never ends, which nobody asks for by accident.
+/// The largest number means that a session never ends, which no one asks for by accident.
 constexpr std::chrono::seconds kSessionExpiryMax{0xFFFF'FFFE};
 
 absl::Status Invalid(std::string_view key, std::string_view text) {

@@ -38,7 +38,7 @@ void Subscriptions::End() {
   for (const Filter& filter : asked_) {
     const auto found = wanted_.find(filter.topic);
     if (found != wanted_.end()) found->second.state = State::kUnsaid;
-    // It may or may not have been heard.
+    // The broker may or may not have received it.
     if (!subscribing_ && found == wanted_.end()) GiveUp(filter.topic);
   }
   asked_.clear();
@@ -46,7 +46,7 @@ void Subscriptions::End() {
 
 std::optional<Subscriptions::Ask> Subscriptions::Next() {
   if (!asked_.empty()) return std::nullopt;
-  // What is not wanted goes first: its messages cost.
+  // Unwanted topics go first, since their messages cost.
   while (!gone_.empty() && asked_.size() < kFiltersPerAsk) {
     asked_.push_back({.topic = std::move(gone_.extract(gone_.begin()).value())});
   }
@@ -73,7 +73,7 @@ std::optional<std::vector<Subscriptions::Lack>> Subscriptions::Answered(std::str
     const State state = code >= kRefusal ? State::kRefused
                         : code < qos     ? State::kLower
                                          : State::kHeld;
-    // It may have been given up, or changed, in the meantime.
+    // It may have been given up or changed meanwhile.
     const auto found = wanted_.find(filter.topic);
     const bool current = found != wanted_.end() && found->second.state == State::kAsked;
     if (current) found->second.state = state;

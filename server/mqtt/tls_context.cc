@@ -76,7 +76,7 @@ absl::Status AskForHost(SSL* connection, const Url& url) {
     X509_VERIFY_PARAM* const verify = SSL_get0_param(connection);
     taken = X509_VERIFY_PARAM_set1_ip_asc(verify, url.host.c_str()) == 1;
   } else {
-    // A name in the subject alone is nobody's word for a host (RFC 6125).
+    // A name only in the subject proves no host (RFC 6125).
     SSL_set_hostflags(connection,
                       X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS | X509_CHECK_FLAG_NEVER_CHECK_SUBJECT);
     taken = SSL_set1_host(connection, url.host.c_str()) == 1 && SetServerName(connection, url.host);

@@ -62,7 +62,7 @@ Wire::Step Wire::TakeRest(std::string_view bytes) {
 }
 
 Wire::Step Wire::TakeHead(std::string_view bytes, std::size_t before) {
-  // As long as more of the head is here than is known of it, that tells of a longer one.
+  // While more of the head has arrived than its known extent, that shows a longer one.
   while (true) {
     const auto found = ExtentOfHead(version_, opening_, kept_);
     if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, before);

@@ -6,10 +6,10 @@
 namespace uplink::robot {
 namespace {
 
-/// How soon a robot that is held back looks again: a reload, or room on the disk, may let it go on
-/// before its bucket says so.
+/// How soon a robot that is held back looks again: a reload, or room on the disk, may release it
+/// before its bucket does.
 constexpr std::chrono::seconds kAgain{1};
-/// What a robot that is limited for the disk may store at once, in seconds of its rate.
+/// What a robot that the disk limits may store at once, in seconds of its rate.
 constexpr std::uint64_t kDiskBurstSeconds = 10;
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace uplink::robot {
 namespace {
 
-/// Takes over the part of an earlier life as far as it is not known better by now. True if the
-/// store then has neither side whole.
+/// Takes over values of the earlier part that have no newer ones. True if the store then has
+/// neither side completely.
 template <typename Message>
 bool Merge(std::optional<Message>& part, std::optional<Message>&& before) {
   if (!part) part = std::move(before);

@@ -36,8 +36,7 @@ std::uint32_t LengthAt(std::string_view bytes) {
   return length;
 }
 
-/// The messages in order, without those that are too many bytes: each that no longer fits beside
-/// later ones.
+/// The messages in order, without those that no longer fit beside later ones.
 std::string Joined(std::vector<std::string> latest_first) {
   std::size_t size = 0;
   std::erase_if(latest_first, [&size](const std::string& message) {
@@ -54,7 +53,7 @@ std::string Joined(std::vector<std::string> latest_first) {
   return bytes;
 }
 
-/// The message of which `value` is held.
+/// The message that `value` was taken from.
 template <typename Value>
 model::Body BodyOf(const std::string& /*key*/, const Value& value) {
   return value;
@@ -70,7 +69,7 @@ model::Body BodyOf(const std::string& key, const Extra& extra) {
   return body;
 }
 
-// One overload for each way in which a part is held.
+// One overload per type of part.
 template <typename Message>
 std::string PartBytes(const std::optional<Message>& part, std::string_view /*ruri*/) {
   if (!part) return {};
@@ -92,7 +91,7 @@ std::string PartBytes(const KeyedPart<Value, kMax>& part, std::string_view /*rur
   return Joined(std::move(messages));
 }
 
-/// Judges one message of a part and puts it into `read`; false if the rules do not pass it.
+/// Judges one message of a part and puts it into `read`; false if the rules reject it.
 bool TakeMessage(LivePart part, std::string_view message, std::string_view ruri,
                  schema::Judge& judge, LiveRead& read) {
   if (part == LivePart::kRcan) {

@@ -11,7 +11,7 @@
 namespace uplink::robot {
 namespace {
 
-/// The part that such a message changes; nothing for durable kinds.
+/// The part that such a message changes; empty for durable kinds.
 template <typename Message>
 constexpr std::optional<storage::LivePart> PartOfMessage() {
 #define UPLINK_PART(Part, column, view, Brings, keys_max) \
@@ -28,7 +28,7 @@ constexpr auto PartsByVariant(std::index_sequence<kVariant...> /*variants*/) {
 
 constexpr auto kPartOfVariant = PartsByVariant(std::make_index_sequence<model::kVariants>());
 
-/// One overload for each way in which a message gets into its part.
+/// One overload per way in which a message enters its part.
 struct Into {
   SteadyTime arrived;
 
@@ -39,8 +39,8 @@ struct Into {
   }
   std::size_t operator()(std::optional<model::StatusTelemetry>& part,
                          model::StatusTelemetry&& message) const {
-    // Copied: the text goes into the memory of the one before, and the message keeps its own, which
-    // is used again (schema::Judge::Reuse).
+    // A copy: the text goes into the previous one's memory, and the message keeps its own for reuse
+    // (schema::Judge::Reuse).
     part = std::as_const(message);
     return 0;
   }
@@ -62,7 +62,7 @@ struct Into {
   }
 };
 
-// One overload for each way in which a part is held.
+// One overload per type of part.
 template <typename Message>
 std::size_t PartBytes(const std::optional<Message>& part) {
   return part ? model::HeldBytes(*part) : 0;

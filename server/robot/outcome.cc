@@ -32,7 +32,7 @@ void ApplyOutcome(const Settled& settled, std::size_t messages, RejectMemory& re
       UPLINK_CHECK(settled.outcome.rejection.has_value(), "a refused record has its reason");
       CountRejected(settled.rejected_for.value_or(settled.outcome.rejection->reason), messages,
                     counts);
-      // A rejection made at judgement was told and is remembered already.
+      // A rejection by judgement was already reported and remembered.
       if (!settled.rejected_for) {
         rejects.AddUntold(FromStore(settled.seq, *settled.outcome.rejection));
       }

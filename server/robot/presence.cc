@@ -30,7 +30,7 @@ Presence PresenceOf(const PresenceFacts& facts, const PresenceLimits& limits) {
       facts.now - claimed->at <= limits.timeout) {
     return Presence::kOnline;
   }
-  // Silence that we caused ourselves proves nothing.
+  // Silence that the server caused proves nothing.
   if (facts.held_back) return Presence::kUnknown;
   if (facts.held_back_until && facts.now - *facts.held_back_until <= limits.timeout) {
     return Presence::kUnknown;

@@ -49,7 +49,7 @@ void PresenceTrack::AddStall(SteadyTime until) {
 void PresenceTrack::NoteReplaced(const Replaced& replaced) {
   const bool doubtful = !foreign_ && presence_ == Presence::kOffline && judged_offline_ &&
                         *judged_offline_ >= replaced.doubted;
-  // Before the stall, which waits for a sign while the robot is offline.
+  // Before the stall, which waits for a sign of life while the robot is offline.
   if (doubtful) Change(Presence::kUnknown, replaced.system_now);
   AddStall(replaced.until);
 }
@@ -101,7 +101,7 @@ void PresenceTrack::Claim(const storage::StoredPresence& stored, SteadyTime now)
     return;
   }
   GoOnFrom(stored);
-  // The stream here may be what is left of one that the robot gave up to go there.
+  // The stream here may be the rest of one that the robot gave up to go there.
   if (stored.presence == Presence::kOnline) claimed_ = {stored.presence, now};
 }
 
@@ -113,7 +113,7 @@ void PresenceTrack::GoOnFrom(const storage::StoredPresence& stored) {
     presence_ = stored.presence;
     since_ = stored.since;
   } else {
-    // It was told before, but nobody wrote it before the store said whose the robot is.
+    // It was reported before, but was not written before the store named the robot's holder.
     Change(Presence::kOnline, std::max(since_, stored.since));
   }
 }
@@ -125,7 +125,7 @@ void PresenceTrack::BeginFrom(const storage::StoredPresence& stored) {
   offline_since_.reset();
   presence_ = stored.presence;
   since_ = stored.since;
-  // A stall counts by what the robot is now: one that is offline stays so until it is heard.
+  // A stall depends on the robot's presence now: an offline robot stays so until it is heard.
   const auto stalled_until =
       std::max(std::exchange(held_back_until_, {}), std::exchange(stall_while_offline_, {}));
   (presence_ == Presence::kOffline ? stall_while_offline_ : held_back_until_) = stalled_until;
@@ -161,7 +161,7 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   held_back_ = false;
   stream_held_back_until_.reset();
   unanswered_until_.reset();
-  // If the robot is ours again at once, what was heard here stands.
+  // If the robot is ours again at once, signs of life heard here stay valid.
   const std::optional<SteadyTime> heard = last_sign_;
   BeginFrom(stored);
   last_sign_ = heard;

@@ -12,7 +12,7 @@ Progress TakeProgress(SessionMemory& memory) {
   const Numbering& numbers = memory.numbers;
   const model::Seq through =
       Planted(Mutation::kAckBeforeCommit) ? numbers.seen() : numbers.through();
-  // An Ack covers no Reject that was not told, neither as settled nor as judged.
+  // An Ack covers no Reject that was not reported, neither as settled nor as judged.
   const bool awaits = !Planted(Mutation::kPagesNotAwaited);
   const model::Seq told = memory.rejects.told_through().value_or(through);
   const auto judged = memory.rejects.judged_through(memory.known_judged);
@@ -30,8 +30,8 @@ Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello)
   std::vector<RejectedSeq> rejects =
       memory.rejects.TellAgain(hello.settled_seq, std::move(stored.rejects));
   if (answered) memory.rejects.SetComplete();
-  // The store may have gone back since it told what is committed: the agent keeps what it has until
-  // the store has answered.
+  // The store may have gone back since it confirmed commits: the agent keeps its messages until the
+  // store has answered.
   const model::Seq told = Planted(Mutation::kReconnectTrusted) ? 0 : memory.committed;
   const bool awaits =
       !answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq, told);

@@ -10,11 +10,11 @@
 namespace uplink::robot {
 namespace {
 
-/// How often those that are limited no more are looked for where there are too many: each look
-/// walks over all of them.
+/// How often ids that are no longer limited are searched when there are too many: each search walks
+/// over all.
 constexpr std::chrono::seconds kForgetEvery{1};
 
-/// The id by which an upsert is limited; nothing of other messages.
+/// The id by which an upsert is limited; empty for other messages.
 std::optional<std::size_t> UpsertId(const model::Body& body) {
   const auto hash = std::hash<std::string>();
   if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
@@ -31,7 +31,7 @@ bool IsDeletion(const model::Body& body) {
   return object != nullptr && object->deletion() != nullptr;
 }
 
-/// Rounded up: what comes again after it is not limited.
+/// Rounded up, so that a message that comes again after it is not limited.
 milliseconds Until(SteadyTime time, SteadyTime now) {
   return std::chrono::ceil<milliseconds>(time - now);
 }
@@ -92,12 +92,12 @@ std::optional<milliseconds> Rates::Limit(const model::Body& body, const RateTabl
   if (size.rate == 0) return std::nullopt;
   const std::optional<Limited> limited = LimitedNow(body, table, now);
   if (!limited) {
-    // A deletion takes a token where there is one.
+    // A deletion takes a token if there is one.
     static_cast<void>(buckets_[variant].TryTake(1, size, now));
     return std::nullopt;
   }
   if (limited->new_id) {
-    // Without a table nothing was limited yet.
+    // No table: nothing was limited yet.
     if (ids_ == nullptr) ids_ = std::make_unique<IdsByVariant>();
     (*ids_)[variant].Add(*limited->new_id, limited->until);
   }

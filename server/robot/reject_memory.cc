@@ -8,7 +8,7 @@
 namespace uplink::robot {
 
 void RejectMemory::Remember(RejectedSeq rejected) {
-  // It was counted when it came first, and would leave at once again.
+  // It was counted when it first came, and would be dropped again at once.
   if (rejected.seq <= left_through_) return;
   const auto at = std::ranges::lower_bound(remembered_, rejected.seq, {}, &RejectedSeq::seq);
   if (at != remembered_.end() && at->seq == rejected.seq) return;
@@ -81,10 +81,10 @@ void RejectMemory::BeginPages(UnreadRejects unread, std::size_t more) {
   if (more == 0 && left_through_ <= after) return;
   told_through_ = after;
   counted_through_ = unread.through;
-  // Memory does not keep what pages hold: the next Welcome needs the store as well.
+  // Memory does not keep pages: the next Welcome needs the store as well.
   if (more > 0) left_through_ = std::max(left_through_, unread.through);
   pages_through_ = std::max(left_through_, unread.through);
-  // Those that memory has are in the store too, and were counted.
+  // Rejects in memory are in the store too, and were counted.
   const auto in_both = std::ranges::count_if(remembered_, [&](const RejectedSeq& rejected) {
     return rejected.seq > unread.after && rejected.seq <= unread.through;
   });

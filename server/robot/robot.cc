@@ -48,27 +48,27 @@ void Robot::OnLeft() {
 }
 
 void Robot::OnHeld(const HoldNews& news) {
-  // Of a stream that had ended: the journal is to let go of it once more.
+  // It came for a stream that had ended: the journal must let go of the robot once more.
   Leaving left = Leaving::kLeft;
   leaving_.compare_exchange_strong(left, Leaving::kAsked);
   state.BeginHold(news, clock_.Steady(), clock_.System());
 }
 
 void Robot::OnHeldElsewhere(const std::optional<storage::StoredPresence>& presence) {
-  // Who holds it may be known already. A stream that is here is about to take it from there.
+  // The holder may be known already. A stream here is about to take the robot from it.
   if (state.foreign()) return;
   state.FollowHolder(
       {}, presence.value_or(storage::StoredPresence{Presence::kUnknown, state.presence_since()}));
 }
 
 loop::StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
-  // First: whatever a stream still applies until it learns of this is not kept.
+  // First, so that nothing a stream applies before it learns of this is kept.
   if (!Planted(Mutation::kFenceKeepsState)) state.Lose();
   return sessions.OnFenced(ledger);
 }
 
 loop::StreamRef Robot::OnWentBack(metrics::Ledger& ledger) {
-  // What the last checkpoints wrote may be gone, too.
+  // The last checkpoints may be gone, too.
   state.PutBackChanges(LivePartSet().set());
   return sessions.OnWentBack(ledger);
 }
@@ -82,7 +82,7 @@ loop::StreamRef Robot::OnOtherFleet(std::uint64_t open_id, const std::string& fl
 }
 
 void Robot::Disown(std::string_view claimed, std::string_view actual) {
-  // What its live messages said. Where this process holds the robot, they are not all that it has.
+  // The live data here. If this process holds the robot, that is not all of its live data.
   if (state.held_since() == 0) {
     state.Lose();
     state.FollowHolder({}, {Presence::kUnknown, clock_.System()});

@@ -199,7 +199,7 @@ loop::StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::Op
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
       memory->committed = std::max(memory->committed, result.cursor);
     }
-    // What is at or below the cursor is no news to the store, though it waits.
+    // Numbers at or below the cursor are no news to the store, even if they wait.
     resends_.Answer(result.latest_kinds, [&](const SentMessage& sent) {
       const SessionMemory* memory = sessions_.Find(sent.session);
       const bool known = sent.session == current_session_ && sent.seq <= result.cursor;

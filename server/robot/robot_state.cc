@@ -136,7 +136,7 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
   claim_ended_unheld_ = false;
   held_since_ = news.since;
   needs_restore_ = news.was_known;
-  // Of a robot that the store has no presence of, nothing was ever told but that it is unknown.
+  // If the store has no presence of a robot, it was never reported as anything but unknown.
   const storage::StoredPresence stored =
       news.presence.value_or(storage::StoredPresence{Presence::kUnknown, presence_.since()});
   switch (news.how) {

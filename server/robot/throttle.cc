@@ -13,7 +13,7 @@ constexpr limits::BucketSize kRejects =
 void Throttle::Add(SteadyTime now) {
   if (end_ && now >= *end_) end_.reset();
   bucket_.Take(1, kRejects, now);
-  // At the bound it is empty, past it less than that.
+  // At the bound the bucket is empty, past it negative.
   if (end_ || bucket_.PassesAt(0, kRejects, now) <= now) return;
   end_ = bucket_.PassesAt(kRejectsAtOnce, kRejects, now);
 }

@@ -21,7 +21,7 @@ void AckRelease::AddProgress(const robot::Progress& progress) {
 }
 
 void AckRelease::AddReleased(const std::vector<SteadyTime>& released) {
-  // Arrivals are for a histogram alone: past the bound the peer does not read, and they are let go.
+  // Arrivals only feed a histogram: past the bound the peer does not read, and they are dropped.
   const std::size_t room = kReleasedMax - std::min(kReleasedMax, released_.size());
   const auto count = static_cast<std::ptrdiff_t>(std::min(room, released.size()));
   released_.insert(released_.end(), released.begin(), released.begin() + count);

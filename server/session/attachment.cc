@@ -96,7 +96,7 @@ absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   waits_ = true;
   context_.probe.delayed_total.Add();
   context_.probe.waiting.Add();
-  // What is not heard meanwhile is our doing.
+  // Silence during the wait is the server's doing.
   robot_->state.NoteStall(now + arrival_.delay);
   return arrival_.delay;
 }
@@ -113,7 +113,7 @@ robot::Standing Attachment::Attach() {
       robot_->sessions.Attach(self_, context_.clock.Steady(), context_.clock.System(),
                               {.number = arrival_.number, .gateway = terms_.claim.gateway});
   attached_ = attached.standing != robot::Standing::kSuperseded;
-  // It may have been asked to leave before its stream was to be seen.
+  // It may have been asked to leave before its stream was visible.
   context_.fleet.Keep(*robot_);
   if (attached.took_over) context_.probe.takeovers_total.Add();
   if (attached.contested) context_.probe.contested_total.Add();
@@ -124,7 +124,7 @@ robot::Standing Attachment::Attach() {
 bool Attachment::ClaimFleet() {
   const fleet::Claim& claim = terms_.claim;
   if (claim.grant == fleet::Grant::kFleet) return robot_->id()->fleet == claim.robot.fleet;
-  // A gateway's word may have stood between Admit and now.
+  // A gateway may have moved it between Admit and now.
   robot_->SetFleet(claim.robot.fleet);
   return true;
 }

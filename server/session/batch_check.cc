@@ -30,7 +30,7 @@ absl::Status CheckBatch(const BatchView& batch, model::Seq last_seq, const Sessi
   model::Seq last = last_seq;
   for (std::size_t i = 0; i < batch.uplinks.size(); ++i) {
     const model::Seq seq = batch.uplinks[i].seq;
-    // Nearly always: not a thought on words.
+    // The usual case, which makes no text.
     if (seq == last + 1 && seq <= model::kSeqMax) {
       last = seq;
       continue;

@@ -9,7 +9,7 @@
 namespace uplink::session {
 namespace {
 
-/// A later live message of the same frame replaces these kinds whole.
+/// A later live message of the same frame replaces these kinds completely.
 bool ReplacedWhole(model::Variant variant) {
   const std::optional<storage::LivePart> part = robot::PartOfVariant(variant);
   return part && storage::RowOf(*part).keys_max == 1;

@@ -11,11 +11,11 @@ namespace {
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-/// Views whose memory stays for the next frame: a frame of nothing but empty messages can ask for a
-/// thousand times as many.
+/// Views whose memory is kept for the next frame: a frame of empty messages can need a thousand
+/// times as many.
 constexpr std::size_t kViewsKeptMax = 4096;
-/// Fields of a frame that this version does not know. Protobuf's own parser keeps each as an
-/// object: half a million fit into a frame, and take it 40 ms (measured).
+/// Unknown fields of a frame. Protobuf's own parser keeps each as an object: half a million fit
+/// into a frame, and take it 40 ms (measured).
 constexpr std::size_t kUnknownFieldsMax = 256;
 /// Fields of a frame itself, known or not.
 constexpr std::size_t kPartsMax = kUnknownFieldsMax + 16;
@@ -66,9 +66,9 @@ class Walk {
     return input_.ConsumedEntireMessage() ? content : FrameContent::kMalformed;
   }
 
-  /// Something was met that agents of today do not send: protobuf's own parser has the last word.
+  /// The frame has something that current agents do not send: protobuf's own parser decides.
   [[nodiscard]] bool unusual() const { return unusual_; }
-  /// More was met than any version of the protocol would send.
+  /// The frame has more than any version of the protocol sends.
   [[nodiscard]] bool foreign() const { return foreign_; }
 
   static void Clear(BatchView& batch) {
@@ -114,7 +114,7 @@ class Walk {
     return input_.ConsumedEntireMessage();
   }
 
-  /// 0 at the end of the message at hand. All tags of ours have one byte.
+  /// 0 at the end of the current message. All our tags have one byte.
   std::uint32_t NextTag() {
     const int before = input_.CurrentPosition();
     const std::uint32_t tag = input_.ReadTag();
@@ -122,7 +122,7 @@ class Walk {
     return tag;
   }
 
-  /// One hello or one batch is all that a frame of today has. Each is parsed.
+  /// A normal frame has one hello or one batch. Each is parsed.
   bool CountPart() {
     ++parts_;
     foreign_ = foreign_ || parts_ > kPartsMax;
@@ -132,7 +132,7 @@ class Walk {
   bool SkipUnknown(std::uint32_t tag) {
     unusual_ = true;
     ++unknown_;
-    // No message of ours has groups, and fields within one would not be counted.
+    // Our messages have no groups, and fields within one would not be counted.
     const bool group = WireFormatLite::GetTagWireType(tag) == WireFormatLite::WIRETYPE_START_GROUP;
     foreign_ = foreign_ || group || unknown_ > kUnknownFieldsMax;
     return !foreign_ && WireFormatLite::SkipField(&input_, tag);
@@ -155,7 +155,7 @@ class Walk {
     return true;
   }
 
-  /// Bytes until the message at hand ends.
+  /// Bytes until the current message ends.
   [[nodiscard]] int Left() const {
     const int within = input_.BytesUntilLimit();
     return within >= 0 ? within : static_cast<int>(bytes_.size()) - input_.CurrentPosition();
@@ -190,7 +190,7 @@ FrameContent ReadFrame(std::string_view bytes, BatchView& batch, std::size_t upl
   if (content == FrameContent::kHello && bytes.size() > kHelloFrameBytesMax) {
     return FrameContent::kForeign;
   }
-  // It is refused for that, whatever protobuf says of it.
+  // It is refused for that, even if protobuf accepts it.
   if (content == FrameContent::kBatch && batch.uplinks.size() > uplinks_max) return content;
   if (!walk.unusual() || content == FrameContent::kMalformed) return content;
   v1::RelayRequest whole;

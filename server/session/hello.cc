@@ -95,8 +95,8 @@ absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& pee
                   identity::ToText(peer.role)));
 }
 
-/// A gateway may name any robot of its fleet but these. A certificate with such a RURI has no
-/// identity, so that it does not come as far.
+/// A gateway may name any robot of its fleet except these. A certificate with such a RURI has no
+/// identity and does not get here.
 absl::Status CheckNoTwin(std::string_view ruri) {
   if (!identity::IsTwins(ruri)) return absl::OkStatus();
   return absl::PermissionDeniedError(
@@ -104,7 +104,7 @@ absl::Status CheckNoTwin(std::string_view ruri) {
                   Shown(ruri)));
 }
 
-/// Of a Hello that is in order.
+/// The terms of a valid Hello.
 fleet::Claim ClaimOf(const v1::Hello& hello, const identity::PeerIdentity& peer) {
   if (peer.role == identity::Role::kRobot) {
     return {.robot = {.ruri = peer.ruri, .fleet = peer.fleet}};

@@ -55,7 +55,7 @@ void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
 }
 
 Block Intake::FindBlock(std::size_t outgoing) {
-  // Also while a message waits: a reload may be what lets it go on.
+  // Also while a message waits, since a reload may release it.
   port_.FollowReload();
   const Block block = FindBlockOfAll(robot_, outgoing, context_.clock.Steady());
   return block.none() && front_cost_ ? port_.FindBlock(line_, ingest::Waits::kStream, *front_cost_)
@@ -88,7 +88,7 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
   } else {
     timers_.Clear(Timer::kSurplus);
   }
-  // The batch's own bytes may go now.
+  // The batch's own bytes may be freed now.
   live_.Keep();
   if (!pending() || processed.is_void) Drop();
   return processed;

@@ -10,7 +10,7 @@
 namespace uplink::session {
 namespace {
 
-/// When an upsert of a shape or object expires, Unix milliseconds; 0: never, or it is none.
+/// When an upsert of a shape or object expires, Unix milliseconds; 0: never, or another message.
 std::int64_t ExpiryOf(const model::Body& body) {
   if (const auto* shape = std::get_if<model::ShapeOp>(&body)) {
     return shape->upsert() == nullptr ? 0 : shape->upsert()->expire_time_ms;

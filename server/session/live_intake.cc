@@ -10,7 +10,7 @@ namespace uplink::session {
 void LiveIntake::TakeRate(std::size_t kind, const limits::BucketSize& rate) {
   if (!metrics::IsTelemetry(kind)) return;
   robot::Rates& rates = sources_.line.robot.rates;
-  // What is rejected for its size passes whatever the rate, and must leave no debt.
+  // A message that is rejected for its size passes at any rate, and must leave no debt.
   if (rates.TelemetryPassesAt(rate, arrived_) <= arrived_) rates.TakeTelemetry(rate, arrived_);
 }
 
@@ -79,7 +79,7 @@ void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::s
 std::optional<std::size_t> LiveIntake::OverRate(const UplinkView& uplink,
                                                 const limits::BucketSize& rate) const {
   if (sources_.line.robot.rates.TelemetryPassesAt(rate, arrived_) <= arrived_) return std::nullopt;
-  // What is too large is rejected.
+  // A too large message is rejected.
   if (uplink.payload.size() > sources_.context.limits.message_bytes_max) return std::nullopt;
   if (uplink.content == UplinkView::Content::kRcanRobotState) return metrics::kRcanKind;
   if (uplink.content != UplinkView::Content::kRoverNexus) return std::nullopt;
@@ -148,7 +148,7 @@ void LiveIntake::DecodeOne(const UplinkView& uplink, std::size_t place, Processe
       return Add(uplink.seq, std::move(judged), age, processed);
     }
   }
-  // Its number is settled: a Reject would come too late, and it is over the rate.
+  // Its number is settled, so a Reject would come too late; and it is over the rate.
   ++processed.costly;
   if (state == nullptr) return SupersedeUnread(place);
   // See noted its place in the order.

@@ -39,7 +39,7 @@ std::optional<ingest::RecordCost> NewUplink::Cost() {
     const ingest::Allowance& allowance = sources_.port.allowance();
     if (IsNew() && sources_.robot.rates.WouldLimit(record->body(), allowance.rates,
                                                    sources_.context.clock.Steady())) {
-      // As a gap; a number that goes on with a range takes no flow, and is in flight like any
+      // Counts as a gap; a number that continues a range takes no flow, and is in flight like any
       // other.
       cost_.journal_bytes += robot::kRecordOverheadBytes;
       if (!sources_.appending.Continues(uplink_.seq)) cost_.flow_bytes = 0;
@@ -65,7 +65,7 @@ void NewUplink::Begin() {
 
 std::optional<model::Rejection> NewUplink::TakeRate() {
   const auto* record = std::get_if<model::Record>(&judged_.content);
-  // An upsert that had expired is superseded, whatever its rate.
+  // An expired upsert is superseded, at any rate.
   if (record == nullptr || judged_.expired) return std::nullopt;
   const robot::RateTable& rates = sources_.port.allowance().rates;
   const limits::BucketSize& rate = rates[static_cast<std::size_t>(record->variant())];
@@ -151,7 +151,7 @@ Numbered NewUplink::Number(std::vector<storage::CommitRecord>& records,
   storage::CommitRecord& record = records.front();
   record.seq = uplink_.seq;
   const std::int64_t grew = sources_.numbers.AddWaiting(record.seq, journal::CostOf(record));
-  // After it waits, so that an answer of the store that comes now takes it into account.
+  // After it waits, so that an answer of the store that comes now counts it.
   if (latest_) sources_.robot.sessions.AddLatest(sources_.session, uplink_.seq, *latest_);
   return grew > 0 ? Numbered::kWaiting : Numbered::kLost;
 }

@@ -5,8 +5,8 @@
 namespace uplink::session {
 
 robot::Seen NumberRun::See(model::Seq seq) {
-  // Numbers of a batch increase, so what follows a new one is new, and where it follows at once
-  // nothing is missing: no look is needed.
+  // The numbers of a batch increase, so a number after a new one is new, and directly after it none
+  // is missing: no lookup is needed.
   if (new_before_ > 0 && seq == new_before_ + 1) {
     new_before_ = seq;
     return {};
@@ -20,7 +20,7 @@ robot::Seen NumberRun::See(model::Seq seq) {
 std::int64_t NumberRun::AddWaiting(model::Seq seq, std::size_t bytes) {
   Flush();
   const std::int64_t grew = sessions_.AddWaiting(session_, seq, bytes);
-  // Another process took the robot since the number was seen: the next look says so.
+  // Another process has taken the robot since the number was seen: the next look says so.
   if (grew == 0) new_before_ = 0;
   return grew;
 }

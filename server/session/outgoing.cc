@@ -42,7 +42,7 @@ std::optional<v1::RelayResponse> Outgoing::NextAck() {
 
 void Outgoing::Flush() {
   if (write_under_way_) return;
-  // Nothing waits in front of it, so every Reject that it may cover has been written.
+  // Nothing waits before it, so every Reject that it covers has been written.
   if (frames_.empty() && ack_.due()) {
     if (const std::optional<v1::RelayResponse> ack = NextAck()) {
       write_under_way_ = true;
@@ -58,7 +58,7 @@ void Outgoing::Flush() {
 
 void Outgoing::WriteForwards() {
   if (receiver_ == nullptr) return;
-  // A snapshot may be as long as the peer is fast: others of the thread go in between.
+  // A fast peer may take a long snapshot: other streams of the thread go in between.
   if (forwards_left_ == 0) return robot_.self().Wake();
   receiver_->Take(forwards_);
   if (forwards_.empty()) return;

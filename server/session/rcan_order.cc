@@ -15,11 +15,12 @@ RcanOrder::Age RcanOrder::AgeOf(const model::RcanState& state) const {
 std::uint64_t RcanOrder::See(const model::RcanState& state) {
   if (!state.seq) return 0;
   const std::optional<std::int64_t> before = last_seq_;
-  // A state that comes too late does not begin the numbers anew.
+  // A state that comes too late does not restart the numbers.
   if (before && *state.seq < *before && AgeOf(state) == Age::kOlder) return 0;
   last_seq_ = state.seq;
   const std::uint64_t unread = std::exchange(unread_, 0);
-  // Going back is a robot that began anew, or a number that wrapped: nothing is known to miss.
+  // A smaller number means that the robot restarted, or the number wrapped: nothing is known to be
+  // missing.
   if (!before || *state.seq <= *before) return 0;
   const std::uint64_t between = static_cast<std::uint64_t>(*state.seq - *before) - 1;
   const std::uint64_t skipped =

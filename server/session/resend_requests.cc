@@ -17,7 +17,7 @@ void ResendRequests::Follow() {
   if (!timers.is_set(Timer::kResend)) timers.Set(Timer::kResend, first_at_);
   const SteadyTime now = sources_.context.clock.Steady();
   if (!timers.Due(Timer::kResend, now)) return;
-  // Behind what an agent has yet to read, never in the place of it.
+  // Queued behind frames that the agent has yet to read, never in their place.
   if (sources_.outgoing.size() > 0) return timers.Set(Timer::kResend, now + kResendGrace);
   const robot::Resends::Due due = sources_.robot.robot().sessions.TakeResends(now);
   timers.Set(Timer::kResend, due.next.value_or(now + robot::kResendEvery));

@@ -18,7 +18,7 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
     ending -= held;
     page.Add(kHeldBackByTotal, probe.held_back_by_total[by], {reason});
   }
-  // No reason is told of these. The cells are read one after another, while streams change.
+  // These have no reason. The cells are read one after another, while streams change.
   page.Add(kStreamsHeldBack, std::max(ending, 0.0), {"ending"});
   page.Add(kStreamsWaiting, probe.waiting);
   page.Add(kStreamDelays, probe.delayed_total);

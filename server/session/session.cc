@@ -142,8 +142,8 @@ void Session::Advance(News news) {
 void Session::ProcessAndWrite(News news) {
   if (intake_ != nullptr && intake_->due()) {
     outgoing_.AddProcessed(intake_->Process(outgoing_.size()));
-    // What is left must not point into the frame's bytes, which are the transport's, nor into the
-    // scratch that all streams of the thread share.
+    // Pending messages must not point into the frame's bytes, which are the transport's, nor into
+    // the scratch that all streams of the thread share.
     intake_->Keep();
   }
   if (state_ == State::kStreaming) resends_.Follow();
@@ -155,7 +155,7 @@ void Session::ProcessAndWrite(News news) {
 
 bool Session::EndForRejects() {
   if (state_ != State::kStreaming || !intake_->rejects_full()) return false;
-  // What was not judged yet was not processed: the agent sends it again.
+  // Messages that were not judged were not processed: the agent sends them again.
   intake_->Drop();
   state_ = State::kSettling;
   settling_.BeginUnconfirmed();
@@ -170,7 +170,7 @@ void Session::EndWhenSettled() {
 void Session::Read() {
   if (reading_.under_way()) return reading_.WatchPeer(outgoing_.size());
   if (state_ != State::kStreaming) return;
-  // The last look decides: what keeps the stream back is what it then waits for.
+  // The last look decides: the stream then waits for what blocks it.
   ingest::Block block = intake_->FindBlock(outgoing_.size());
   while (intake_->pending() && block.none()) {
     if (intake_->yields()) return robot_.self().Wake();

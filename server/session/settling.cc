@@ -33,7 +33,7 @@ void Settling::Begin(absl::Status status, ReadGate::Reading reading) {
   status_ = std::move(status);
   sources_.outgoing.EndForwards();
   sources_.timers.Clear(Timer::kResend);
-  // Held back where it is we who do not listen any more, so that the robot does not become offline.
+  // Held back if the server stopped listening, so that the robot does not become offline.
   sources_.reading.SetReading(reading);
 }
 
@@ -55,7 +55,8 @@ void Settling::OnWritten() {
 
 std::optional<absl::Status> Settling::Ended() {
   if (sources_.robot.waiting() > 0 || sources_.robot.AwaitsRejects()) return std::nullopt;
-  // Another process took the robot, and what waited with it: the wake that is on its way ends this.
+  // Another process took the robot, and waiting messages are void: the wake that is on its way ends
+  // this.
   if (sources_.robot.standing() != robot::Standing::kCurrent) return std::nullopt;
   if (!last_ack_queued_) {
     last_ack_queued_ = true;

@@ -76,7 +76,7 @@ std::string WhyNotVouched(const ClockFacts& facts) {
 
 bool KernelClockSynchronised() {
   timex state{};  // modes 0: nothing is set, and no right is needed
-  // Not by the C library, whose adjtimex calls clock_adjtime, which containers forbid.
+  // A direct system call: the C library's adjtimex calls clock_adjtime, which containers forbid.
   const long answer = ::syscall(SYS_adjtimex, &state);
   return answer != -1 && answer != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
 }

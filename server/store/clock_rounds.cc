@@ -20,7 +20,7 @@ const char* NameOf(Voucher voucher) {
   return "";
 }
 
-/// Civil and monotonic time advanced alike from `before` to `now`.
+/// Whether civil and monotonic time advanced alike from `before` to `now`.
 bool GoTogether(const ClockPair& before, const ClockPair& now) {
   const milliseconds ahead = now.AheadSince(before);
   return ahead <= kAdvanceTolerance && -ahead <= kAdvanceTolerance;
@@ -50,11 +50,11 @@ void ClockRounds::Round() {
 }
 
 void ClockRounds::TellMark(Voucher voucher, const ClockFacts& facts) {
-  // Whose clock is confirmed by another than the mark stamps by it: the mark may be that of a
-  // server whose clock is ahead.
+  // A clock that the database or the kernel confirms stamps by itself: the mark may be of a server
+  // whose clock is ahead.
   const bool confirmed = voucher == Voucher::kKernel || facts.Confirmed();
   const std::optional<SystemTime> mark = confirmed ? std::optional<SystemTime>() : facts.mark;
-  // One that stays where it was goes on by the monotonic clock.
+  // An unchanged mark advances by the monotonic clock.
   if (mark == told_mark_) return;
   told_mark_ = mark;
   if (mark) {
@@ -80,7 +80,7 @@ void ClockRounds::Read() {
                            .kernel_synchronised = context_.kernel_synchronised(),
                            .database = reading->database};
     const SystemTime first = facts.database.value_or(facts.now);
-    // Where the kernel stands by ours, nobody can tell which of the two is right.
+    // If the kernel confirms ours, it is unknown which of the two is right.
     const bool disputed = facts.kernel_synchronised && !facts.DatabaseAgrees();
     if (!disputed && !context_.marks.SetIfEmpty(first).ok()) return;
     reading = context_.marks.Read();
@@ -110,7 +110,7 @@ void ClockRounds::MoveMark(const ClockFacts& facts, const ClockPair& now) {
   const bool together = GoTogether(mark_from_, now);
   mark_from_ = now;
   if (!reading_ || !together || !MayMoveMark(facts)) return;
-  // Where it fails, the next one comes in a minute.
+  // If it fails, the next one comes in a minute.
   static_cast<void>(context_.marks.Set(MarkToSet(facts)));
 }
 

@@ -11,8 +11,8 @@ using storage::ForgetAnswer;
 
 namespace {
 
-/// Calls of a robot that is to be forgotten are taken again after so long: by then it is, or was
-/// asked anew.
+/// Calls of a robot to forget are accepted again after so long: by then it is forgotten, or was
+/// asked for anew.
 constexpr std::chrono::seconds kCallsEndFor{5};
 
 const char* NameOf(ForgetAnswer answer) {
@@ -63,7 +63,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAtAll() {
     if (*look == Look::kUnderWay) all = Look::kUnderWay;
   }
   first_look_ = false;
-  // Those of whom the journal has let go since.
+  // Robots that the journal has let go of since.
   if (all == Look::kUnderWay) static_cast<void>(context_.fleet.RemoveLeft());
   return all;
 }
@@ -82,9 +82,9 @@ void ForgetRounds::NoteOutcome(const absl::Status& status) {
 absl::StatusOr<ForgetRounds::Look> ForgetRounds::LookAt(const storage::PendingForget& asked) {
   if (asked.finished) return Follow(asked);
   if (!asked.hold) return Look::kDone;
-  // In a store that one process has, who held the robot before has ended.
+  // In a store of one process, the previous holder has ended.
   if (!context_.alone && asked.hold->owner != context_.process) return Look::kDone;
-  // After the epoch was read: a stream that is not seen here has a later one.
+  // After reading the epoch: a stream that is not visible here has a later one.
   const fleet::RobotPtr robot = context_.fleet.Find(asked.ruri);
   if (robot == nullptr) return Tell(asked, ForgetAnswer::kLetGo);
   return LetGo(asked, *robot);
@@ -101,7 +101,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingFor
   if (robot.sessions.in_flight() > 0) {
     return asked.end_stream ? Look::kUnderWay : Tell(asked, ForgetAnswer::kRecordsWait);
   }
-  // Should it stay in the store after all, it is not online there for ever.
+  // If it stays in the store after all, it must not be online there for ever.
   robot.state.ForgetSigns(
       context_.clock.Steady() + context_.fleet.presence_limits_of(robot).timeout,
       context_.clock.System());
@@ -112,7 +112,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::LetGo(const storage::PendingFor
 absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForget& asked,
                                                       ForgetAnswer answer) {
   const storage::Epoch epoch = answer == ForgetAnswer::kLetGo ? asked.hold->epoch : 0;
-  // Where it fails, the request is found again.
+  // If it fails, the request is found again.
   absl::Status answered = context_.store.requests().Answer(asked.number, {answer, epoch});
   if (!answered.ok()) return answered;
   context_.logger.Info("forget_answered", {{"ruri", asked.ruri}, {"answer", NameOf(answer)}});
@@ -141,15 +141,15 @@ ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
 }
 
 void ForgetRounds::OpenAnew(robot::Robot& robot) {
-  // One that is about to be opened is not held yet.
+  // A stream that is about to open holds nothing yet.
   const storage::Epoch held_since = robot.state.held_since();
   if (held_since == 0) return;
   context_.journals.Lose({.client = &robot, .robot = robot.id(), .since = held_since + 1});
 }
 
 void ForgetRounds::Leave(robot::Robot& robot) {
-  // The journal has let go of it. To ask once more would put it into the journal's queue anew, and
-  // what is in there refers to the robot.
+  // The journal has let go of it. Asking once more would queue it in the journal again, where
+  // entries refer to the robot.
   if (robot.left()) return;
   context_.fleet.BeginLeaving(robot, robot::Robot::LeaveWhen::kAtOnce);
   context_.journals.Leave({&robot, robot.id()});

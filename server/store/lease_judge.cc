@@ -94,7 +94,7 @@ void LeaseJudge::Update(Known& known, const storage::Lease& lease) const {
     known.same_since = now_;
     known.told_at = known.told_by = now_ - lease.renewed_ago;
     known.was_silent = false;
-    // A counter that grows is not of a process that has gone.
+    // A process whose counter grows has not gone.
     if (grew && !lease.released) known.left_at.reset();
   }
   known.lease = lease;

@@ -33,9 +33,9 @@ void LeaseRounds::Round() {
   if (leases_ == nullptr) return;
   const SteadyTime began = context_.clock.Steady();
   absl::Status looked = Look();
-  // Its connection may only have ended since the last look. A new one shows at once what that one
-  // would have shown, so that this is no time in which nothing was seen.
-  // A store that shuts this program out has answered.
+  // The connection may only have ended since the last look. A new one shows at once what the old
+  // one would have shown, so that nothing was missed. A store that shuts this program out has
+  // answered.
   const bool answered = looked.ok() || absl::IsUnimplemented(looked);
   if (!answered && context_.clock.Steady() - began < kLookEvery) looked = Look();
   if (!looked.ok()) judge_.NoteFailure(context_.clock.Steady());
@@ -45,7 +45,7 @@ void LeaseRounds::Round() {
 }
 
 std::optional<LeaseJudge::Verdict> LeaseRounds::VerdictOf(const storage::ProcessId& process) {
-  // A store that this process has alone: whoever had it before is over.
+  // This process has the store alone: its previous holder is over.
   if (leases_ == nullptr) return LeaseJudge::Verdict{.over = Over::kGone};
   {
     const std::lock_guard lock(mutex_);
@@ -76,7 +76,7 @@ void LeaseRounds::NoteLate() {
 bool LeaseRounds::OthersUnseen() const {
   if (leases_ == nullptr) return false;
   if (context_.probe.others_unseen.value() > 0) return true;
-  // The look that is under way may hang.
+  // The look under way may hang.
   const SteadyTime::duration silent = context_.clock.Steady() - looked_.load();
   return silent > kLookGapMax && silent <= kLookGapMax + context_.presence.adopted_grace;
 }
@@ -101,7 +101,7 @@ absl::Status LeaseRounds::LookAtLeases() {
   }
   const auto leases = leases_->Read();
   if (!leases.ok()) return leases.status();
-  // When the answer is here: what took long to come is older than it looks, and never younger.
+  // Taken when the answer is here: a slow answer is older than it looks, never younger.
   const SteadyTime now = context_.clock.Steady();
   looked_.store(now);
   FollowServer();
@@ -115,7 +115,7 @@ void LeaseRounds::FollowServer() {
   if (before.empty() || before == server_run_) return;
   judge_.NoteReplaced();
   context_.fleet.NoteStoreReplaced();
-  // A writer finds that its connection has ended by its next call, and may have none to make.
+  // A writer notices a broken connection only by its next call, and may have none to make.
   for (journal::Journal* const journal : context_.journals.all()) journal->WhenCommitted({});
 }
 
@@ -126,13 +126,13 @@ absl::Status LeaseRounds::FollowRobots() {
     const auto robots = leases_->RobotsOfOthers(after);
     if (!robots.ok()) return robots.status();
     if (robots->empty()) break;
-    // All of a page first: a holder that wrote of one robot judges the others too.
+    // The whole page first: a holder that wrote of one robot also judges the others.
     for (const storage::ForeignRobot& foreign : *robots) {
       if (foreign.written_at) judge_.NoteWritten(foreign.holder, *foreign.written_at);
     }
     for (const storage::ForeignRobot& foreign : *robots) Follow(foreign, listed);
     after = robots->back().robot.ruri;
-    // A long list lets neither our own lease fall silent nor what is seen of the others.
+    // During a long list, keep our own lease and the looks at others alive.
     if (context_.clock.Steady() - looked_.load() < kLookEvery) continue;
     if (absl::Status looked = LookAtLeases(); !looked.ok()) return looked;
   }
@@ -156,7 +156,7 @@ void LeaseRounds::LogEnded(const Listed& listed) {
 
 void LeaseRounds::TakeUnlisted(const Listed& listed) {
   if (!adopts_.load()) return;
-  // Whoever they were with until then may have been silent.
+  // Their previous holder may have been silent.
   const milliseconds grace = context_.presence.adopted_grace;
   std::map<std::string, int> unlisted;
   for (const fleet::RobotPtr& robot : context_.fleet.All()) {
@@ -183,10 +183,10 @@ fleet::RobotPtr LeaseRounds::FindOrAdmit(const storage::ForeignRobot& foreign) {
   const SystemTime heard_at = foreign.written_at.value_or(SystemTime());
   if (robot == nullptr) {
     if (foreign.written_at && context_.is_forgotten(heard_at)) return nullptr;
-    // One more than limits.robots_max is not shown; the process that holds it has it.
+    // Robots past limits.robots_max are not shown; their holder has them.
     const auto admitted = context_.fleet.AdmitNew(foreign.robot);
     if (!admitted.ok()) return nullptr;
-    // Null if it came by itself this very moment.
+    // Null if the robot came by itself just now.
     robot = *admitted != nullptr ? *admitted : context_.fleet.Find(foreign.robot.ruri);
     if (robot != nullptr) robot->NoteHeard(context_.clock.System());
   } else {
@@ -257,7 +257,7 @@ LeaseRounds::Left LeaseRounds::Leave() {
   if (!released.ok()) {
     context_.logger.Warn("lease_not_released", {{"why", std::string(released.message())}});
   }
-  // After the release: whoever releases later sees that this one did.
+  // After the release, so that a later one sees that this process has released.
   if (const auto leases = leases_->Read(); leases.ok()) {
     judge_.NoteLook(context_.clock.Steady(), *leases);
     context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));

@@ -23,8 +23,8 @@ storage::StoreRules RulesOf(const config::Config& config, const VouchedClock& cl
   return rules;
 }
 
-/// Tells the log before and after a whole file is read, which takes some seconds per GB. Why one
-/// is not sound is told with the end of the start.
+/// Logs before and after a whole file is read, which takes some seconds per GB. Why a file is
+/// damaged is logged at the end of the start.
 storage::sqlite::OnDamageCheck TellOfCheck(const std::string& path, const log::Logger& logger) {
   return [path, &logger](const storage::sqlite::DamageCheck& check) {
     using Step = storage::sqlite::DamageCheck::Step;
@@ -45,7 +45,7 @@ storage::sqlite::OnDamageCheck TellOfCheck(const std::string& path, const log::L
   };
 }
 
-/// Keeps a part of the stores once it is opened, unless one before it failed.
+/// Keeps an opened part of the stores, unless an earlier one failed.
 template <typename Part>
 void Keep(absl::StatusOr<std::unique_ptr<Part>> opened, std::unique_ptr<Part>& part,
           absl::Status& status) {
@@ -92,8 +92,8 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   return stores;
 }
 
-/// The clock of the first connection; what is counted is counted of all, and one that is unsafe is
-/// enough: each may lead to another server since it was made anew.
+/// The clock is the first connection's; counts are those of all; and one unsafe connection is
+/// enough, since each may lead to another server after reconnecting.
 storage::StoreFacts FactsOf(const std::vector<const storage::postgres::PostgresStore*>& stores) {
   storage::StoreFacts facts = stores.front()->facts();
   facts.commits_in_doubt = 0;

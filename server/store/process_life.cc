@@ -22,7 +22,8 @@
 namespace uplink::store {
 namespace {
 
-/// Of /proc/PID/stat, behind the closing bracket of the name: the field that says when it started.
+/// The field of /proc/PID/stat, after the closing bracket of the name, that says when the process
+/// started.
 constexpr std::size_t kStartField = 19;
 
 std::string FirstLine(const std::string& path) {
@@ -32,7 +33,7 @@ std::string FirstLine(const std::string& path) {
   return line;
 }
 
-/// What two processes have in common that see the same numbers of processes; empty if unknown.
+/// The namespace that two processes share if they see the same process numbers; empty if unknown.
 std::string Surroundings() {
   const std::string boot =
       BootId(FirstLine("/proc/sys/kernel/random/boot_id"), config::BootIdOfManager());
@@ -44,10 +45,10 @@ std::string Surroundings() {
 
 enum class State : std::uint8_t { kRuns, kEnded, kHidden };
 
-/// What can be seen of a process.
+/// The visible state of a process.
 struct Seen {
   State state = State::kHidden;
-  /// Clock ticks after the boot, of one that runs.
+  /// Clock ticks from the boot to its start, if it runs.
   std::string start;
 };
 
@@ -57,7 +58,7 @@ Seen Look(std::string_view process) {
   if (name_end == std::string::npos || name_end + 2 > stat.size()) return {};
   const std::vector<std::string> fields = absl::StrSplit(stat.substr(name_end + 2), ' ');
   if (fields.size() <= kStartField) return {};
-  // What has ended and was not waited for yet does nothing any more.
+  // A process that has ended and was not waited for yet does nothing any more.
   if (fields[0] == "Z" || fields[0] == "X") return {.state = State::kEnded, .start = {}};
   return {.state = State::kRuns, .start = fields[kStartField]};
 }

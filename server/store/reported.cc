@@ -10,8 +10,8 @@
 namespace uplink::store {
 namespace {
 
-/// Open runs that are looked at of one robot, the newest: its series show those that were reported
-/// last (robot::kOpenRunsMax).
+/// The newest open runs that are read of one robot: its series show those that were last reported
+/// (robot::kOpenRunsMax).
 constexpr std::uint32_t kRunsPerRobot = 100;
 static_assert(kRunsPerRobot >= robot::kOpenRunsMax);
 

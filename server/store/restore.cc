@@ -38,8 +38,8 @@ absl::StatusOr<std::size_t> Restore::RestoreFirst(std::span<const fleet::RobotPt
   std::map<std::string, storage::Epoch> holds;
   for (const fleet::RobotPtr& robot : robots) {
     ruris.push_back(robot->ruri());
-    // Before the read: what it shows is of this hold at least. One that was lost meanwhile takes
-    // nothing.
+    // Before the read, which then shows this hold or a later one. A hold that was lost meanwhile
+    // takes nothing.
     holds[robot->ruri()] = robot->state.held_since();
   }
   const auto live = reader_.LiveOf(ruris);

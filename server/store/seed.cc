@@ -19,7 +19,7 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
   std::size_t taken = 0;
   for (const storage::RobotRow& row : *rows) {
     context_.fleet.odd_fleets().Know(row.robot.fleet);
-    // One that the store calls online is taken, and judged, before it is forgotten.
+    // A robot that the store calls online is taken in and judged before it is forgotten.
     if (row.last_presence != model::Presence::kOnline && context_.is_forgotten(row.last_seen)) {
       --known;
       continue;
@@ -28,7 +28,7 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
     if (!robot.ok()) continue;
     ++taken;
     RestoreSession(row);
-    // One that has come by itself knows its fleet better than the row.
+    // A robot that came by itself knows its fleet better than the row.
     if (*robot != nullptr) Take(**robot, row);
   }
   context_.fleet.odd_fleets().SetRead();

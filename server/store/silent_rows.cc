@@ -42,7 +42,7 @@ absl::StatusOr<SilentRows::Left> SilentRows::RemoveSome(SystemTime until) {
     context_.logger.Info("silent_robots_removed", {{"robots", removed}, {"first", first}});
   }
   if (!status.ok()) return status;
-  // By what the answer names: those that stay count as well.
+  // By the robots in the answer: those that stay count as well.
   if (silent->size() == storage::kSilentRobotsMax) return Left::kMore;
   after_.clear();
   return Left::kNothing;
@@ -52,7 +52,7 @@ std::optional<SystemTime> RowsRule::Until(SystemTime now) const {
   if (forget_after.count() == 0 || retain_history.count() == 0 || retain_quarantine.count() == 0) {
     return std::nullopt;
   }
-  // A day more: others may have it in memory until then.
+  // A day more, since others may have it in memory until then.
   return now - std::max({forget_after, retain_history, retain_quarantine}) - std::chrono::days(1);
 }
 

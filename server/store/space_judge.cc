@@ -5,8 +5,8 @@
 namespace uplink::store {
 namespace {
 
-/// Whether less is free than a bound allows, which is `halves` halves of free_min. One that was
-/// passed before is released at 6/5 of it.
+/// Whether less is free than a bound of `halves` halves of free_min. A bound that was passed is
+/// released at 6/5 of it.
 bool Passed(const SpaceFacts& facts, std::uint64_t halves, bool before) {
   const std::uint64_t bound = facts.free_min * halves;
   return before ? facts.free_bytes * 10 < bound * 6 : facts.free_bytes * 2 < bound;

@@ -31,7 +31,7 @@ void SpaceRounds::Round() {
   Judge();
   const bool changed = now_.state != before;
   const bool sampled = changed || context_.clock.Steady() - sampled_ >= kWritersEvery;
-  // Also when nothing changed: robots come.
+  // Also without a change, since new robots come.
   const bool applies = changed || now_.state != SpaceState::kEnough;
   if (sampled || applies) {
     const std::vector<fleet::RobotPtr> robots = context_.fleet.All();
@@ -94,7 +94,7 @@ void SpaceRounds::Apply(std::span<const fleet::RobotPtr> robots) const {
 
 void SpaceRounds::Tell(std::size_t limited_before) const {
   const std::uint64_t free_bytes = now_.space ? now_.space->free_bytes : 0;
-  // Slowed down or not: somebody fills the disk.
+  // Slowed down or not, these robots fill the disk.
   const auto heaviest = [this] { return TextOf(writers_.Heaviest(kHeaviestNamedMax)); };
   switch (now_.state) {
     case SpaceState::kEnough:

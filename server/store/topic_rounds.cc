@@ -99,9 +99,9 @@ absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, S
   if (!held_by().empty()) return absl::OkStatus();
   const auto epoch = leases_->Take(request);
   if (!epoch.ok()) return epoch.status();
-  // Another was faster; the next look shows who.
+  // Another process was faster; the next look shows which.
   if (!*epoch) return absl::OkStatus();
-  // Until both are here nothing is read, and so a failure only means that it is taken again.
+  // Nothing is read until both are here, so after a failure the lease is simply taken again.
   auto memory = leases_->MemoryOf(context_.client_id);
   if (!memory.ok()) return memory.status();
   auto faults = ReadFaults();
@@ -121,7 +121,7 @@ absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, S
 
 absl::StatusOr<broker::FaultsByRobot> TopicRounds::ReadFaults() {
   broker::FaultsByRobot faults;
-  // Of whatever fleet: that of twins may have been another one.
+  // Of any fleet: the twins' fleet may have been another one.
   storage::HistoryQuery query;
   query.page_size = storage::kPageSizeMax;
   while (true) {

@@ -7,7 +7,7 @@ VouchedClock::VouchedClock(const Clock& clock)
 
 bool VouchedClock::VouchesFor(SystemTime time) const {
   const std::lock_guard lock(mutex_);
-  // Read behind the lock: a judgement that came meanwhile would be ahead of it.
+  // Read under the lock: a judgement that came meanwhile would be ahead of it.
   const ClockPair now = ClockPair::Of(clock_);
   return vouched_ && now.AheadSince(judged_) <= kAdvanceTolerance &&
          time <= now.system + kAdvanceTolerance;

@@ -27,7 +27,7 @@ Call::Call(Thread& thread, CallOwner& owner, Http2& http2, std::int32_t stream)
       admittance_(thread, owner.origin()),
       response_(http2, stream) {
   thread_.calls.emplace(id_, this);
-  // Headers that trickle in, and never end, keep a place no longer than silence does.
+  // Headers that trickle in without end keep a place no longer than silence does.
   give_up_at_ = thread_.clock.Steady() + kFirstStreamWait;
 }
 
@@ -237,7 +237,7 @@ void Call::Fail(const absl::Status& status) {
   if (over_ || cancelled_ || closed_) return;
   thread_.book.TellFailure(status, owner_.origin(), thread_.clock.Steady());
   if (handler_ != nullptr) handler_->OnBroken(status.code());
-  // What the handler still wanted to say is lost with it.
+  // What the handler still wanted to send is lost with it.
   response_.DropMessage();
   Finish(status);
 }

@@ -17,7 +17,7 @@ void CallSet::Touch(Call& call) {
 }
 
 void CallSet::Settle(const std::function<void(const Call&)>& settled) {
-  // Those that are touched meanwhile come behind.
+  // Calls that are touched meanwhile are appended.
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     Call& call = *touched_[i];
     call.touched = false;

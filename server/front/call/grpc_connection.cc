@@ -32,7 +32,7 @@ void GrpcConnection::EndFlood() {
 void GrpcConnection::TurnAway(TurnedAway cause, std::string_view text) {
   if (std::exchange(turned_away_, true)) return;
   thread_.book.Note(cause, origin_, thread_.clock.Steady());
-  // After Receive has failed the session has said itself why it ends.
+  // After a failed Receive the session has already sent why it ends.
   if (cause != TurnedAway::kProtocol) http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, text);
 }
 
@@ -81,7 +81,7 @@ void GrpcConnection::OnFrame(FrameKind kind) {
   if (frames_.TakeForSent(kind, now)) return;
   if (!frames_.Take(kind, now)) return TurnAway(LimitOf(kind).cause, LimitOf(kind).label);
   if (kind == FrameKind::kPing && pings_.OnPing(now) == PingStrikes::Verdict::kTooMany) {
-    // The words that gRPC's clients know: they ping less from then on.
+    // gRPC's clients know these words, and ping less from then on.
     TurnAway(TurnedAway::kPings, "too_many_pings");
   }
 }

@@ -8,7 +8,7 @@ int GrpcCode(absl::StatusCode code) {
   constexpr int kUnknown = 2;
   constexpr int kLast = 16;
   const int number = static_cast<int>(code);
-  // Abseil reserves the right to more codes.
+  // Abseil may add codes.
   return number >= 0 && number <= kLast ? number : kUnknown;
 }
 

@@ -20,10 +20,10 @@ Inbound::Opens Inbound::Drop() {
 Inbound::Opens Inbound::NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now) {
   const std::optional<std::size_t> whole = awaited ? reader_.unfinished() : std::nullopt;
   NoteHeld(key, whole ? reader_.held() : 0, now);
-  // nghttp2 tells the peer of a window once half of it was given back: as much as that half may be
-  // missing from what a message can count on.
+  // nghttp2 announces a window only once half of it was given back, so a message may have to do
+  // with that much less.
   if (!whole || *whole <= static_cast<std::size_t>(kStreamWindowBytes) / 2) return 0;
-  // All that waits belongs to it.
+  // Everything that waits belongs to it.
   const std::size_t waiting = reader_.waiting();
   return waiting - std::exchange(opened_early_, waiting);
 }

@@ -62,7 +62,7 @@ std::size_t MessageReader::Pop() {
     kept_.clear();
     kept_from_ = 0;
   } else if (kept_from_ >= kept_.size() / 2 && kept_.capacity() > kKeptIdleBytes) {
-    // A large message must not leave its memory to the few bytes behind it.
+    // Do not keep a large message's memory for the few bytes behind it.
     std::string(kept_, kept_from_).swap(kept_);
     kept_from_ = 0;
   }

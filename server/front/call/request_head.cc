@@ -75,7 +75,7 @@ bool RequestHead::Add(std::string_view name, std::string_view value) {
 }
 
 std::optional<int> RequestHead::NotGrpc() const {
-  // Headers that were cut may have lost what says so.
+  // Headers that were cut may have lost the field that says so.
   if (too_large_) return std::nullopt;
   if (!is_post_) return 405;
   if (!is_grpc_) return 415;

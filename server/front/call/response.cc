@@ -50,7 +50,7 @@ Headers Response::StatusFields() const {
 void Response::Finish(const absl::Status& status) {
   finished_ = true;
   status_ = status;
-  // With a message under way the end comes behind it.
+  // With a message under way, the end follows it.
   if (begun_) return http2_.Resume(stream_);
   begun_ = true;
   Headers fields{{":status", "200"}, {"content-type", std::string(kContentType)}};

@@ -7,7 +7,7 @@
 namespace uplink::front {
 namespace {
 
-/// What unfinished messages may take of the memory that the transport may use.
+/// The share of the transport's memory that unfinished messages may take.
 constexpr std::size_t kUnfinishedPart = 4;
 /// The memory of a message that grows is doubled each time.
 constexpr std::size_t kGrowth = 2;
@@ -32,7 +32,7 @@ void Unfinished::Set(const loop::StreamRef& call, const KeyDigest& key, std::uin
     chosen_ = Choose();
     if (chosen_) chosen = {chosen_->first, chosen_->second};
   }
-  // It may be another connection's, and another thread's.
+  // It may belong to another connection and another thread.
   chosen.Wake();
 }
 

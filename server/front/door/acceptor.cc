@@ -23,12 +23,12 @@ namespace {
 
 /// Connections that the kernel keeps for us; it takes no more than net.core.somaxconn.
 constexpr int kBacklog = 4096;
-/// Connections that are accepted before others of the thread have their turn.
+/// Connections accepted before other work of the thread has its turn.
 constexpr int kAcceptsAtOnce = 64;
-/// Bytes of a connection that the system keeps and has not sent yet: some tenths of a second of a
-/// robot's slow network. What is on its way to the peer does not count.
+/// Unsent bytes of a connection that the system keeps: some tenths of a second of a robot's slow
+/// network. Bytes on their way to the peer do not count.
 constexpr std::size_t kUnsentBytesMax = 32 * 1024;
-/// How long nobody is accepted when descriptors have run out.
+/// How long accepting pauses when descriptors have run out.
 constexpr std::chrono::milliseconds kNoDescriptorsPause{100};
 
 struct InfoFree {
@@ -55,11 +55,11 @@ std::uint16_t PortOf(int descriptor) {
 
 void SetUp(int descriptor) {
   SetOption(descriptor, IPPROTO_TCP, TCP_NODELAY, 1);
-  // What waits for a peer that reads slowly waits here, where an Ack passes forwards by, and not in
-  // a buffer of the system that grows to megabytes.
+  // Bytes for a slow reader wait here, where an Ack can pass forwards, not in a system buffer that
+  // grows to megabytes.
   SetOption(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, static_cast<int>(kUnsentBytesMax));
-  // No TCP_USER_TIMEOUT: it cuts a peer that reads steadily and slowly, since the system counts
-  // from the first time that it had no room. Lifetime knows such a peer from one that is gone.
+  // TCP_USER_TIMEOUT is not set: it cuts a peer that reads steadily but slowly, since the system
+  // counts from when it first had no room. Lifetime tells such a peer from one that is gone.
 }
 
 }  // namespace
@@ -166,7 +166,7 @@ bool Acceptor::AcceptOne() {
 
 void Acceptor::Pause(std::error_code why) {
   hooks_.paused(why);
-  // Asio would ask again at once, and again.
+  // Otherwise Asio would retry at once, again and again.
   pause_.expires_after(kNoDescriptorsPause);
   pause_.async_wait([this](const boost::system::error_code& error) {
     if (!error) AcceptAll();

@@ -9,24 +9,24 @@ namespace {
 
 using transport::TurnedAway;
 
-/// A handshake that is younger may be an honest one that was just slow to be served.
+/// A younger handshake may be honest and just slow to be served.
 constexpr std::chrono::seconds kSpared{1};
 /// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
 constexpr std::size_t kHandshakesMax = 512;
 constexpr std::size_t kWaitingMax = 4096;
 /// Handshakes that were admitted and wait for a thread: some 10 ms of two threads.
 constexpr std::size_t kUnbegunMax = 32;
-/// Connections whose load balancer has not said where they come from: it says so at once.
+/// Connections whose load balancer has not said where they come from, which it does at once.
 constexpr std::size_t kProxyHeadersMax = 1024;
 /// Connections without a place whose peers may still read why.
 constexpr std::size_t kLingersMax = 256;
-/// Of the descriptors, those without a certificate may have this part, and the reserve at most
-/// this.
+/// The part of the descriptors for connections without a certificate, and the reserve's maximum.
 constexpr std::size_t kUnprovenPart = 4;
-/// Of those without a certificate, those whose load balancer has said nothing yet.
+/// Those whose load balancer has not said where they come from, of connections without a
+/// certificate.
 constexpr std::size_t kProxyHeadersPart = 4;
 constexpr std::size_t kReservePart = 4;
-/// Connections beyond one for each stream: those that come anew before the old one has ended.
+/// Connections beyond one per stream: new ones that come before the old one has ended.
 constexpr std::size_t kSpareConnections = 1024;
 
 }  // namespace
@@ -63,7 +63,8 @@ Door::~Door() {
 
 void Door::Arrive(Visitor visitor, SteadyTime now) {
   const std::uint64_t id = next_id_++;
-  // There is one at a time: it takes nobody's place, and no crowd makes the server doubt itself.
+  // Only one exists at a time: it takes no other's place, and a crowd cannot make the server doubt
+  // itself.
   if (visitor.origin.own) return actions_.admit(id, std::move(visitor));
   const SourceAddress source = visitor.origin.source;
   const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
@@ -90,7 +91,7 @@ void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
 }
 
 void Door::Tick(SteadyTime now) {
-  // One per place that somebody could use: each that is cut makes room for one who waits.
+  // One per place that is wanted: each cut handshake makes room for one that waits.
   for (std::size_t i = 0; i < queue_.waiting(); ++i) {
     const auto longest = queue_.ToGiveWay();
     if (!longest) return;

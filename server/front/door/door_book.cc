@@ -3,10 +3,9 @@
 namespace uplink::front {
 namespace {
 
-/// The event of a line about a stream that ends with this status: `stream_refused`, or
-/// `protocol_error` if it broke a rule of the protocol; of a stream that came through `gateway`
-/// also `stream_superseded`, since two that speak for one robot are hard to find; empty for another
-/// end.
+/// The event for a stream that ends with this status: `stream_refused`, or `protocol_error` if it
+/// broke a rule of the protocol. For a stream through `gateway` also `stream_superseded`, since two
+/// speakers for one robot are hard to find. Empty for other ends.
 std::string_view RefusalEvent(const absl::Status& status, std::string_view gateway) {
   if (absl::IsAborted(status) && !gateway.empty()) return "stream_superseded";
   if (absl::IsInvalidArgument(status)) return "protocol_error";

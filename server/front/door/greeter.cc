@@ -60,7 +60,7 @@ void Greeter::Serve(std::uint64_t id, Guest& guest) {
   switch (guest.header.result()) {
     case ProxyHeader::Result::kMore:
       if (there) return Wait(id, guest);
-      // Who leaves without a byte looked whether we answer.
+      // A peer that leaves without a byte only checked whether we answer.
       if (guest.header.begun()) TurnAway(guest);
       break;
     case ProxyHeader::Result::kRelayed:
@@ -107,12 +107,12 @@ void Greeter::Wait(std::uint64_t id, Guest& guest) {
 }
 
 void Greeter::OnReadable(std::uint64_t id) {
-  // It may have gone since the system said so.
+  // It may have gone since the system reported it.
   if (const auto found = waiting_.find(id); found != waiting_.end()) Serve(id, found->second);
 }
 
 void Greeter::HandOn(Guest& guest, Origin origin) {
-  // Who takes it watches it in a context of its own.
+  // Its next owner watches it in another context.
   guest.watch.release();
   setup_.hand({std::move(guest.descriptor), std::move(origin)});
 }

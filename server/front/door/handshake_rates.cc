@@ -5,7 +5,7 @@
 namespace uplink::front {
 namespace {
 
-/// What one handshake uses up.
+/// The time that one handshake uses up.
 constexpr std::chrono::milliseconds kEach{1000 / kHandshakesPerSecond};
 constexpr std::chrono::milliseconds kBurst = kEach * kHandshakesAtOnce;
 
@@ -13,7 +13,7 @@ constexpr std::chrono::milliseconds kBurst = kEach * kHandshakesAtOnce;
 
 void HandshakeRates::Note(const SourceAddress& source, SteadyTime now) {
   SteadyTime& idle_at = idle_at_.Touch(source);
-  // Handshakes over the rate, which nobody else wanted, are not held against it for longer.
+  // Handshakes over the rate that no other source wanted do not count against it any longer.
   idle_at = std::min(std::max(idle_at, now) + kEach, now + kBurst + kEach);
   idle_at_.ForgetWhile([now](SteadyTime each) { return each <= now; });
 }

@@ -5,7 +5,7 @@
 namespace uplink::front {
 namespace {
 
-/// How often the table of keys is told that a connection is alive: it orders them no finer.
+/// How often the table of keys is told that a connection is alive: its order needs no more.
 constexpr std::chrono::seconds kNoteHeardEvery{5};
 
 }  // namespace

@@ -5,17 +5,17 @@
 namespace uplink::front {
 namespace {
 
-/// In place of a kind: everything of a robot, or of a source. No kind is one of these words.
+/// These stand for all kinds of a robot, or of a source; no kind has these names.
 constexpr std::string_view kOfRobot = "";
 constexpr std::string_view kOfSource = "*";
 
-/// Who did it, as far as is known; nothing of a stranger.
+/// The known peer; nothing for a stranger.
 const std::string& NameOf(const Origin& origin) {
   if (!origin.gateway.empty()) return origin.gateway;
   return origin.robot.empty() ? origin.subject : origin.robot;
 }
 
-/// Whether there is room for a line, of one who has had one or not.
+/// Whether there is room for a line of a peer that has, or has not, had one.
 bool Fits(std::uint32_t lines, std::uint32_t lines_max, bool first) {
   return lines < (first ? lines_max : lines_max / SourceLines::kRepeatsPart);
 }
@@ -47,7 +47,7 @@ void SourceLines::Write(std::string_view event, std::string_view kind, const std
 
 bool SourceLines::Take(Window& of_kind, const Origin& origin, SteadyTime now) {
   Turn(all_, now);
-  // Three at most are looked up: none of them forgets another.
+  // At most three are looked up, so none makes another be forgotten.
   Window& robot = WindowOf({origin.source, NameOf(origin), kOfRobot}, now);
   Window& source = WindowOf({origin.source, "", kOfSource}, now);
   if (of_kind.lines >= kLinesPerKind) return false;

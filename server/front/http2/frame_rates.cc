@@ -11,7 +11,7 @@ constexpr SteadyTime::duration IntervalOf(std::uint32_t rate) {
   return SteadyTime::duration(std::chrono::seconds(1)) / rate;
 }
 
-/// Rounded up: a peer with fewer streams than a robot's has its one frame, too.
+/// Rounded up, so that a peer with fewer streams than a robot still has one frame.
 constexpr std::uint64_t BurstOf(const FrameLimit& limit, std::uint32_t streams_max) {
   if (limit.scope == FrameScope::kConnection) return limit.burst;
   return (std::uint64_t{limit.burst} * streams_max + kRobotStreamsMax - 1) / kRobotStreamsMax;
@@ -59,7 +59,7 @@ bool FrameRates::Take(FrameKind kind, SteadyTime now) {
   const SteadyTime::duration interval = IntervalOf(RateOf(limit));
   const SteadyTime then = std::max(full_at, now) + interval;
   std::uint64_t burst = BurstOf(limit, streams_max_);
-  // Who may make so many calls a second may make them at its beginning.
+  // A peer that may make so many calls per second may make them all at its start.
   if (limit.scope == FrameScope::kCalls) burst = std::max<std::uint64_t>(burst, calls_per_second_);
   if (then - now > interval * static_cast<SteadyTime::rep>(burst)) return false;
   full_at = then;

@@ -14,7 +14,7 @@ namespace uplink::front {
 namespace {
 
 std::string_view ViewOf(const std::uint8_t* bytes, std::size_t size) {
-  // The library's bytes are unsigned char; looking at them as char is always allowed.
+  // The library's bytes are unsigned char; reading them as char is always allowed.
   return {reinterpret_cast<const char*>(bytes), size};
 }
 
@@ -27,7 +27,7 @@ Http2Stream* StreamOf(nghttp2_session* session, std::int32_t id) {
 int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, void* self) {
   Http2& http2 = Self(self);
   if (IsAnswer(*header)) {
-    // One to SETTINGS that were not sent is an error to the library.
+    // An answer to SETTINGS that were not sent is an error for the library.
     if (header->type != NGHTTP2_PING) return 0;
     if (!http2.TakePong()) {
       http2.peer().OnFrame(FrameKind::kPong);
@@ -41,7 +41,7 @@ int OnBeginFrame(nghttp2_session* /*session*/, const nghttp2_frame_hd* header, v
   return 0;
 }
 
-/// Frames of types that we do not know: OnBeginFrame has counted this one, its content is dropped.
+/// Drops the content of frames of unknown types; OnBeginFrame has counted them.
 int OnExtension(nghttp2_session* /*session*/, void** /*payload*/,
                 const nghttp2_frame_hd* /*header*/, void* /*self*/) {
   return NGHTTP2_ERR_CANCEL;
@@ -76,7 +76,7 @@ int OnHeader(nghttp2_session* session, const nghttp2_frame* frame, const std::ui
 int OnFrameReceived(nghttp2_session* session, const nghttp2_frame* frame, void* self) {
   const bool is_reset = frame->hd.type == NGHTTP2_RST_STREAM;
   if (!is_reset && frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
-  // The library gives the windows back what padding takes of them: they do not bound it.
+  // The library returns padding to the windows at once, so these do not bound it.
   if (IsPaddingAlone(*frame)) Self(self).peer().OnFrame(FrameKind::kEmptyData);
   if (is_reset || EndsStream(frame->hd)) Self(self).NoteEnd(frame->hd.stream_id);
   Http2Stream* stream = StreamOf(session, frame->hd.stream_id);
@@ -119,14 +119,14 @@ int OnFrameSent(nghttp2_session* session, const nghttp2_frame* frame, void* self
     Self(self).peer().OnStreamFault(nghttp2_http2_strerror(frame->rst_stream.error_code));
   }
   if (frame->hd.type == NGHTTP2_GOAWAY && frame->goaway.error_code != NGHTTP2_NO_ERROR) {
-    // The library ends the session by itself for most rules, and Receive does not fail.
+    // For most rules the library ends the session itself, and Receive does not fail.
     Self(self).peer().OnFault();
   }
   if (frame->hd.type != NGHTTP2_HEADERS && frame->hd.type != NGHTTP2_DATA) return 0;
   Self(self).peer().OnSent();
   if (EndsStream(frame->hd) &&
       nghttp2_session_get_stream_remote_close(session, frame->hd.stream_id) == 0) {
-    // The answer is whole, and the peer still sends: it may stop.
+    // The answer is complete, and the peer still sends: it may stop.
     nghttp2_submit_rst_stream(session, NGHTTP2_FLAG_NONE, frame->hd.stream_id, NGHTTP2_NO_ERROR);
   }
   return 0;
@@ -145,7 +145,7 @@ ssize_t ReadBody(nghttp2_session* /*session*/, std::int32_t /*id*/, std::uint8_t
   return static_cast<ssize_t>(body.bytes);
 }
 
-/// nghttp2 copies name and value, and takes them as bytes that it may change and does not.
+/// nghttp2 copies name and value; its pointers are not const, but it does not change them.
 std::vector<nghttp2_nv> Fields(const Headers& headers) {
   const auto bytes = [](std::string_view text) {
     return reinterpret_cast<std::uint8_t*>(const_cast<char*>(text.data()));
@@ -158,7 +158,7 @@ std::vector<nghttp2_nv> Fields(const Headers& headers) {
   return fields;
 }
 
-/// What the library answers to our calls fails only without memory, or for a stream that is gone.
+/// Our calls of the library fail only without memory, or for a stream that is gone.
 void Done(int result) { UPLINK_CHECK(result != NGHTTP2_ERR_NOMEM, "out of memory"); }
 
 }  // namespace
@@ -180,7 +180,7 @@ Http2Rules::Http2Rules() {
   nghttp2_option_set_max_outbound_ack(options_, kAnswersWaitingMax + kAnswersPerRecordMax);
   // FrameRates bounds resets, by the streams that a connection may have.
   nghttp2_option_set_stream_reset_rate_limit(options_, kNoLibraryLimit, kNoLibraryLimit);
-  // Without this the library passes over frames of unknown types, and OnBeginFrame is not called.
+  // Without this the library skips frames of unknown types without calling OnBeginFrame.
   nghttp2_session_callbacks_set_unpack_extension_callback(callbacks_, OnExtension);
   for (unsigned type = NGHTTP2_CONTINUATION + 1; type <= 0xFF; ++type) {
     nghttp2_option_set_user_recv_extension_type(options_, static_cast<std::uint8_t>(type));

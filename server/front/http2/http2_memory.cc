@@ -11,7 +11,7 @@
 namespace uplink::front {
 namespace {
 
-/// Before each block: what it is. Keeps the block aligned as malloc does.
+/// The header of each block, which keeps it aligned as malloc does.
 struct alignas(16) Header {
   std::size_t bytes = 0;
   bool is_piece = false;

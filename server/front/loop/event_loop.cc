@@ -18,10 +18,10 @@ int Made(int descriptor) {
   return descriptor;
 }
 
-/// Takes the count out of a timer or an eventfd, so that it is ready no more.
+/// Takes the count out of a timer or an eventfd, so that it is no longer ready.
 void Reset(int descriptor) {
   std::uint64_t count = 0;
-  // Nothing to take is as good.
+  // Nothing to take is also fine.
   [[maybe_unused]] const ssize_t taken = ::read(descriptor, &count, sizeof count);
 }
 
@@ -39,7 +39,7 @@ EventLoop::EventLoop(Hooks hooks)
       set_(Made(::epoll_create1(EPOLL_CLOEXEC))),
       timer_(Made(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK))),
       posts_(Made(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))) {
-  // These two have no owner: their place stands for them.
+  // These two have no owner; their address marks them.
   epoll_event timer = EventOf(const_cast<int*>(&timer_), false);
   Made(::epoll_ctl(set_, EPOLL_CTL_ADD, timer_, &timer));
   epoll_event posts = EventOf(const_cast<int*>(&posts_), false);
@@ -58,7 +58,7 @@ void EventLoop::Run() {
     const auto count = static_cast<std::size_t>(std::max(ready, 0));
     const std::size_t handshakes = HandleAllButHandshakes(count);
     HandleHandshakes(handshakes, 1 + (count - handshakes) / kEventsPerHandshake);
-    // Behind the events, which may name what this destroys.
+    // After the events, which may refer to what this destroys.
     if (std::exchange(posts_due_, false)) RunPosted();
     hooks_.after();
   }
@@ -136,7 +136,7 @@ bool EventLoop::Watch(int descriptor, ReadyOwner& owner) {
 
 void EventLoop::WatchSending(int descriptor, ReadyOwner& owner, bool wanted) {
   epoll_event event = EventOf(&owner, wanted);
-  // It was added, so there is room for it.
+  // It was added before, so there is room for it.
   ::epoll_ctl(set_, EPOLL_CTL_MOD, descriptor, &event);
 }
 

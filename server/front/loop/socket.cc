@@ -19,7 +19,7 @@ void Socket::OnReady(std::uint32_t events) {
 }
 
 void Socket::Receive() {
-  // Once: others have their turn before the rest, of which the loop tells again.
+  // Reads once: others have their turn before the rest, which the loop reports again.
   const ssize_t bytes = ::recv(descriptor_, shared_.data(), shared_.size(), MSG_DONTWAIT);
   if (bytes > 0) return owner_.OnReceived({shared_.data(), static_cast<std::size_t>(bytes)});
   if (bytes == 0 || (errno != EAGAIN && errno != EINTR)) owner_.OnReceiveEnd();

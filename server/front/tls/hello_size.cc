@@ -5,7 +5,7 @@
 namespace uplink::front {
 namespace {
 
-/// Types of records: from this one to that one there are some.
+/// The range of record types.
 constexpr std::uint8_t kFirstRecordType = 20;
 constexpr std::uint8_t kHandshakeRecord = 22;
 constexpr std::uint8_t kLastRecordType = 24;
@@ -35,7 +35,7 @@ void HelloSize::TakeRecordHead(std::uint8_t byte) {
     done_ = byte < kFirstRecordType || byte > kLastRecordType;
   }
   if (record_head_ >= 3) record_left_ = record_left_ << 8U | byte;
-  // One without content is passed over.
+  // A record without content is skipped.
   if (++record_head_ == kRecordHeadBytes && record_left_ == 0) record_head_ = 0;
 }
 

@@ -16,24 +16,24 @@ namespace {
 
 /// HTTP/2 in ALPN's form: its length, its name.
 constexpr unsigned char kHttp2[] = {2, 'h', '2'};
-/// The suites of TLS 1.2: those that HTTP/2 allows, and no others. What has CBC, or no key of its
-/// own for each connection, is left out.
+/// The suites of TLS 1.2 that HTTP/2 allows. Suites with CBC, or without a key of its own for each
+/// connection, are left out.
 constexpr char kSuitesOf12[] = "ECDHE+AESGCM:ECDHE+CHACHA20";
 /// Intermediate certificates between a robot and an authority.
 constexpr int kChainDepthMax = 8;
 // OpenSSL's depth counts neither the robot's certificate nor the authority's, and a robot may show
-// both: the longest chain that is verified may be shown whole.
+// both: so the longest verified chain may be shown completely.
 static_assert(kChainDepthMax + 2 <= int{identity::kShownCertificatesMax});
 
 bool TrustAuthorities(SSL_CTX* context, std::string_view text) {
   const auto authorities = identity::ReadCertificates({"", std::string(text)});
   if (!authorities.ok()) return false;
   X509_STORE* store = SSL_CTX_get_cert_store(context);
-  // The authority that signs robots may be one that another has signed.
+  // The authority that signs robots may itself be signed by another.
   X509_STORE_set_flags(store, X509_V_FLAG_PARTIAL_CHAIN | X509_V_FLAG_TRUSTED_FIRST);
   for (const identity::Certificate& next : *authorities) {
     if (X509_STORE_add_cert(store, next.get()) != 1) return false;
-    // Tells clients with several certificates which one is asked for.
+    // Tells clients with several certificates which one to send.
     if (SSL_CTX_add_client_CA(context, next.get()) != 1) return false;
   }
   return true;

@@ -82,7 +82,7 @@ TlsEngine::TlsEngine(std::shared_ptr<const TlsContext> context, const BufferMeth
   BIO_set_data(bio, &buffers_);
   SSL_set_bio(ssl_, bio, bio);
   SSL_set_app_data(ssl_, this);
-  // Read returns after each message that comes between pieces of what the peer says.
+  // Read returns after each handshake message between pieces of the peer's data.
   SSL_clear_mode(ssl_, SSL_MODE_AUTO_RETRY);
   SSL_set_accept_state(ssl_);
 }
@@ -131,7 +131,7 @@ TlsEngine::Step TlsEngine::Handshake() {
   const unsigned char* protocol = nullptr;
   unsigned int size = 0;
   SSL_get0_alpn_selected(ssl_, &protocol, &size);
-  // It offered none at all; one that is not ours has failed before.
+  // It offered none at all; an unknown one failed before.
   if (size == 0) return FailToAgree(Agreed::kProtocol);
   static_cast<void>(messages_.TakeCount());
   return Step::kDone;
@@ -165,7 +165,7 @@ TlsEngine::Step TlsEngine::FailByOpenSsl() {
   if (messages_.flaw() != identity::CertificateFlaw::kNone) {
     return Fail(Failure::kCertificate, std::string(identity::TextOf(messages_.flaw())));
   }
-  // Before this one stands what it was about the chain, such as a signature that is not its own.
+  // An earlier error says what was wrong with the chain, such as a foreign signature.
   const unsigned long last = ERR_peek_last_error();  // NOLINT(google-runtime-int): as above
   if (ERR_GET_REASON(last) == SSL_R_CERTIFICATE_VERIFY_FAILED) error = last;
   switch (ERR_GET_REASON(error)) {

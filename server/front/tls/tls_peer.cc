@@ -11,7 +11,7 @@
 namespace uplink::front {
 namespace {
 
-/// What is told to who shows a trusted chain with this X509_V_ERR_....
+/// The message to the peer of a trusted chain with this X509_V_ERR_....
 absl::Status SentenceOf(int verify_error) {
   switch (verify_error) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
@@ -58,7 +58,7 @@ TlsPeer PeerOf(const SSL* connection, int verify_error) {
     peer.ruri = peer.identity->ruri;
   } else if (peer.IsGateway()) {
     peer.gateway = peer.identity->gateway.subject;
-    // Behind its own stand those that signed it.
+    // Its own comes first, then those that signed it.
     for (int i = 1; i < sk_X509_num(chain); ++i) {
       peer.identity->gateway.constraints.Add(*sk_X509_value(chain, i));
     }
