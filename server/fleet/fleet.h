@@ -24,7 +24,7 @@
 
 namespace uplink::fleet {
 
-/// How many robots are of each presence.
+/// How many robots have each presence.
 struct PresenceTally {
   std::int64_t unknown = 0;
   std::int64_t online = 0;
@@ -33,57 +33,57 @@ struct PresenceTally {
   void Count(robot::Presence presence);
 };
 
-/// The same of those that this process judges.
+/// The counts of robots that this process judges.
 struct PresenceCounts : PresenceTally {
-  /// Of those that another process holds, as that one wrote it.
+  /// The counts of robots that another process holds, as that one wrote them.
   PresenceTally elsewhere;
 };
 
-/// A robot of the fleet: whoever keeps it for longer than a look keeps it in memory, since it
-/// leaves only while nobody does. What lasts keeps its RURI, or a weak pointer.
+/// A robot of the fleet. It leaves memory only while no one keeps this pointer: keep it for one
+/// look, and its RURI, or a weak pointer, beyond that.
 using RobotPtr = std::shared_ptr<robot::Robot>;
 
-/// Robots beyond `robots_max` that are on their way out of memory, at most: so many robots may come
-/// at once into a full fleet.
+/// Robots beyond `robots_max` that may be leaving memory: so many robots may come into a full fleet
+/// at once.
 inline constexpr std::size_t kLeavingMax = 1'024;
 
 /// All robots by RURI, at most `robots_max`, beside those that are leaving memory. Thread-safe.
 class Fleet final {
  public:
-  /// `twins`: the presence of robots that are heard through a broker, where it differs. `boot`
-  /// shows that the machine was suspended; null: nothing does.
+  /// `twins`: the presence limits of robots behind a broker, if they differ. `boot` shows that the
+  /// machine was suspended; null: nothing does.
   Fleet(
       const Clock& clock, std::size_t robots_max, const robot::PresenceLimits& presence,
       const robot::PresenceLimits& twins = {.timeout = config::CyberwaveConfig().presence_timeout},
       const BootClock* boot = nullptr);
 
-  /// Before the first robot and the first thread.
+  /// Call it before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
 
-  /// The robot, which speaks; admitted if it is new, and no more leaving. At robots_max another one
-  /// leaves for it (SetRoom); kResourceExhausted if none can.
+  /// The robot, which speaks. It is admitted if it is new, and stays if it was leaving. At
+  /// robots_max another one leaves for it (SetRoom); kResourceExhausted if none can.
   [[nodiscard]] absl::StatusOr<RobotPtr> FindOrAdmit(const model::RobotId& id);
   struct Admission {
-    /// Null if it is refused.
+    /// Null if the robot is refused.
     RobotPtr robot;
     Refusal refusal = Refusal::kNone;
   };
-  /// The same of a stream that may be a gateway's. By its word for a fleet alone, a robot of
-  /// another fleet is refused, and new robots are up to GatewayRobotsMax.
+  /// The same for a stream that may be a gateway's. A gateway that speaks for a fleet is refused
+  /// robots of other fleets, and may bring in GatewayRobotsMax new ones.
   [[nodiscard]] Admission FindOrAdmitBy(const Claim& claim);
   /// Admits a robot that the store has. Null, and nothing changes, if it is known already.
   /// kResourceExhausted at robots_max.
   [[nodiscard]] absl::StatusOr<RobotPtr> AdmitNew(const model::RobotId& id);
-  /// Null if it is not known, or is out of memory (RemoveLeft).
+  /// Null if it is unknown, or has left memory (RemoveLeft).
   [[nodiscard]] RobotPtr Find(std::string_view ruri) const;
   /// All robots, in the order in which they were admitted.
   [[nodiscard]] std::vector<RobotPtr> All() const;
   /// All robots by RURI.
   [[nodiscard]] std::vector<RobotPtr> Sorted() const;
-  /// Those that are leaving not counted.
+  /// Leaving robots are not counted.
   [[nodiscard]] std::size_t size() const { return all_.load() - leaving_.load(); }
   [[nodiscard]] std::size_t robots_max() const { return robots_max_; }
-  /// Those that are on their way out of memory.
+  /// Robots that are leaving memory.
   [[nodiscard]] std::size_t leaving() const { return leaving_.load(); }
   /// Robots that left memory, for whatever reason, since the start.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
@@ -92,8 +92,7 @@ class Fleet final {
   /// Grows whenever a robot comes or goes.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
 
-  /// Which names of fleets are refused. It learns the fleets that the store has from store::Seed,
-  /// and from AdmitNew.
+  /// The refused names of fleets. It learns the fleets in the store from store::Seed and AdmitNew.
   [[nodiscard]] OddFleets& odd_fleets() { return odd_fleets_; }
 
   /// Robots in memory that the gateway brought in (GatewayRobots).
@@ -104,34 +103,35 @@ class Fleet final {
 
   // --- Leaving memory ---
 
-  /// Who may leave for a robot that speaks at robots_max, the first to leave last. Those that are
-  /// not idle by then stay.
+  /// Sets the robots that may leave for one that speaks at robots_max; the first leaves last.
+  /// Robots that are not idle by then stay.
   void SetRoom(std::vector<std::weak_ptr<robot::Robot>> room);
-  /// The robot is to leave, unless kLeavingMax do. False if it is leaving already, or may not.
+  /// The robot begins to leave, unless kLeavingMax already do. False if it is leaving already, or
+  /// may not.
   bool BeginLeaving(robot::Robot& robot,
                     robot::Robot::LeaveWhen when = robot::Robot::LeaveWhen::kNotOnline);
-  /// The robot has a stream: it stays after all.
+  /// The robot has a stream, so it stays after all.
   void Keep(robot::Robot& robot);
-  /// Those that are leaving, of whom the journal is to let go.
+  /// Leaving robots that the journal must let go of.
   [[nodiscard]] std::vector<RobotPtr> Leaving() const;
-  /// Takes those out of memory of whom the journal let go, and whom nobody keeps. Returns them.
+  /// Removes the robots that the journal has let go of and no one keeps. Returns them.
   std::vector<RobotPtr> RemoveLeft();
 
-  /// Of the relay's robots.
+  /// The limits of the relay's robots.
   [[nodiscard]] const robot::PresenceLimits& presence_limits() const { return presence_; }
-  /// Those by which this robot is judged.
+  /// The limits by which this robot is judged.
   [[nodiscard]] const robot::PresenceLimits& presence_limits_of(const robot::Robot& robot) const {
     return IsTwin(robot) ? twins_ : presence_;
   }
-  /// The relay listens from now on: `presence.startup_grace` begins, and the silence of robots that
-  /// are known already. Before the first sweep.
+  /// The relay listens from now on: `presence.startup_grace` begins, and the silence of known
+  /// robots counts. Call it before the first sweep.
   void BeginListening();
 
-  /// A sweep is due each second; one that comes later than this after the last shows that the
-  /// server stood still. It judges nobody.
+  /// A sweep is due each second. One that comes later than this after the last shows that the
+  /// server stood still, and judges no robot.
   static constexpr std::chrono::seconds kSweepLate{3};
   /// A standstill of this length breaks connections: agents ping from every 10 s on and wait some
-  /// seconds for the answer (docs/integrate/protocol.md). Its robots have to come back first, so
+  /// seconds for the answer (docs/integrate/protocol.md). Its robots must come back first, so
   /// presence.startup_grace begins anew.
   static constexpr std::chrono::seconds kStandstillBreaks{15};
   static_assert(kStandstillBreaks > kSweepLate);
@@ -157,21 +157,21 @@ class Fleet final {
   /// The broker was not heard until now, perhaps for less than a sweep: no twin's silence until now
   /// counts.
   void NoteTwinsUnheard();
-  /// How long after the store was replaced every other process knows that, if it reaches the new
-  /// one, and has ended the streams whose holds it lost. One that does not reach it is late by then
+  /// How long after the store was replaced every other process that reaches the new one knows that,
+  /// and has ended the streams of lost holds. A process that does not reach it is late by then
   /// (store::kLateAfter).
   static constexpr std::chrono::seconds kReplacedKnown{10};
-  /// A look at the store that began then showed which robots other processes hold.
+  /// Notes a look at the store, which began then and showed the robots that other processes hold.
   void NoteStoreLooked(SteadyTime began) { store_looked_.store(began); }
-  /// From now on the store may be another one that lacks the last commits: it may name this process
-  /// as the holder of a robot that another process hears. So no robot's silence counts until
-  /// kReplacedKnown from now, and robots that became offline since the last look (NoteStoreLooked)
-  /// are unknown until then, as after a stall.
+  /// From now on the store may be another one that lacks the last commits, and may name this
+  /// process as the holder of a robot that another process hears. So no robot's silence counts
+  /// until kReplacedKnown from now, and robots that became offline since the last look
+  /// (NoteStoreLooked) are unknown until then, as after a stall.
   void NoteStoreReplaced();
   /// Whether the last sweep came late.
   [[nodiscard]] bool stood_still() const { return stood_still_for() > SteadyTime::duration(0); }
-  /// How long before the last sweep the one before it was, suspends of the machine included; zero
-  /// unless it came late.
+  /// The time between the last two sweeps, including suspends of the machine; zero unless the last
+  /// came late.
   [[nodiscard]] SteadyTime::duration stood_still_for() const { return stood_still_for_.load(); }
   /// The counts of the last sweep that judged.
   [[nodiscard]] PresenceCounts presence_counts() const;
@@ -185,18 +185,18 @@ class Fleet final {
   [[nodiscard]] static bool IsTwin(const robot::Robot& robot) {
     return robot.source() == model::MessageSource::kCyberwave;
   }
-  /// With the shard's lock held, and a place taken.
+  /// Called with the shard's lock held, and a place taken.
   [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
   /// As Admit; at robots_max another one leaves for it.
   [[nodiscard]] Admission AdmitBy(Shard& shard, const Claim& claim);
   /// False at robots_max.
   bool TakePlace();
   [[nodiscard]] absl::Status Full() const;
-  /// Another robot begins to leave. False if none can.
+  /// Makes another robot begin to leave. False if none can.
   bool MakeRoom();
-  /// False if somebody keeps the robot, or it stays.
+  /// False if the robot is kept elsewhere, or stays.
   bool Remove(const RobotPtr& robot);
-  /// What the robot's silence until now is worth.
+  /// Applies what the robot's silence until now proves.
   void ApplyHearing(robot::Robot& robot, HearingState hearing, SteadyTime now);
   /// How long the server stood still before this sweep; zero if it did not.
   [[nodiscard]] SteadyTime::duration StoodStill(SteadyTime now);
@@ -214,14 +214,14 @@ class Fleet final {
   const BootClock* const boot_;
   /// By the boot clock, if there is one. Zero before the first.
   std::atomic<SteadyTime> last_sweep_{SteadyTime()};
-  /// The latest of NoteStoreLooked: robots that became offline after it are in doubt. A store that
-  /// this process has alone is never looked at so; then none is in doubt.
+  /// The latest NoteStoreLooked: robots that became offline after it are in doubt. If this process
+  /// has the store alone, there is no look and no doubt.
   std::atomic<SteadyTime> store_looked_{SteadyTime::max()};
   std::atomic<SteadyTime::duration> stood_still_for_{SteadyTime::duration(0)};
   std::array<Shard, kShards> shards_;
   GatewayRobots gateway_robots_;
   OddFleets odd_fleets_;
-  /// Places that are taken: admitted robots, and those that are about to be.
+  /// Taken places: admitted robots, and those about to be.
   std::atomic<std::size_t> all_{0};
   std::atomic<std::size_t> leaving_{0};
   std::atomic<std::uint64_t> changes_{0};

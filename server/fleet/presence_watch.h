@@ -22,20 +22,20 @@ class PresenceWatch final {
     const log::Logger& logger;
     metrics::LatencyDistribution& sweep_seconds;
     milliseconds session_idle;
-    /// Whether other processes on the store may hear robots and cannot tell.
+    /// Whether other processes on the store may hear robots without our knowledge.
     std::function<bool()> others_unseen;
     /// Whether twins are heard through their broker; empty: they are not.
     std::function<Fleet::HearingState()> twins_hear{};
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}
 
-  /// Judges every robot, and logs when the relay falls behind and when it has caught up. A sweep
-  /// that comes late says that the process stood still, and logs for how long: from then on the
-  /// relay is behind.
+  /// Judges every robot, and logs when the relay falls behind and has caught up. A late sweep means
+  /// that the process stood still: it logs for how long, and the relay counts as behind from then
+  /// on.
   void Sweep();
 
-  /// Begins a handshake with the relay's listener; tells, once and on the same thread, whether it
-  /// was answered.
+  /// Begins a handshake with the relay's listener; calls `done`, once and on the same thread, with
+  /// whether it was answered.
   using Ask = std::function<void(std::function<void(bool)> done)>;
   /// Asks unless the last handshake is still under way. The watch outlives the answer.
   void AskRelay(const Ask& ask);

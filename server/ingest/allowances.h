@@ -14,18 +14,18 @@ namespace uplink::ingest {
 struct Allowance {
   robot::FlowLimits flow;
   robot::RateTable rates{};
-  /// Of telemetry (metrics::IsTelemetry), all kinds together.
+  /// The rate of telemetry (metrics::IsTelemetry), all kinds together.
   limits::BucketSize telemetry{};
 };
 
-/// The allowance of every robot, by whichever source it speaks; a reload of the configuration
-/// changes it. Thread-safe.
+/// The allowance of every robot, from any source; a reload of the configuration changes it.
+/// Thread-safe.
 class Allowances final {
  public:
   explicit Allowances(const Allowance& allowance = {}) { Set(allowance); }
 
   void Set(const Allowance& allowance);
-  /// Grows with each Set: a look that costs nothing.
+  /// Grows with each Set, so that checking is cheap.
   [[nodiscard]] std::uint64_t version() const { return version_.load(std::memory_order_acquire); }
   [[nodiscard]] std::shared_ptr<const Allowance> Get() const;
 

@@ -19,33 +19,32 @@ struct Arrival {
   SteadyTime steady;
   SystemTime system;
   std::string_view payload;
-  /// The payload's size, also of one that was not kept.
+  /// The payload's size, even if it was not kept.
   std::size_t payload_bytes = 0;
   Waits waits = Waits::kStream;
-  /// It is counted as in flight already: it had to wait.
+  /// It had to wait, and is counted as in flight already.
   bool is_counted = false;
 };
 
-/// What a message brings, once it is taken.
+/// What a taken message brings.
 struct Brought {
-  /// The records to store, in order: payload and content; the port adds robot and session, and the
+  /// The records to store, in order, with payload and content. The port adds robot and session, the
   /// source the numbers.
   std::vector<storage::CommitRecord> records;
-  /// What the flow counts of them; nothing: it does not count.
+  /// Bytes that the flow counts of them; empty: it does not count them.
   std::optional<std::size_t> flow_bytes{};
-  /// Of a message without records: what became of it. Nothing: its source counts it later, with
-  /// others.
+  /// For a message without records: its result. Empty: its source counts it later, with others.
   std::optional<metrics::Became> became{};
 };
 
 /// How a rejected message goes to quarantine.
 struct Quarantined {
   bool payload_may_be_kept = false;
-  /// What the flow counts of the row; nothing: it does not count.
+  /// Bytes that the flow counts of the row; empty: it does not count it.
   std::optional<std::size_t> flow_bytes{};
 };
 
-/// How the numbers of a message's records ended up.
+/// The result of numbering a message's records.
 enum class Numbered : std::uint8_t {
   /// They wait for the commit.
   kWaiting,
@@ -75,26 +74,27 @@ class Message {
   virtual ~Message() = default;
 
   [[nodiscard]] virtual const Arrival& arrival() const = 0;
-  /// What its records cost at most; nothing if it cannot bring any, so that it needs no room.
+  /// The highest cost of its records; empty if it cannot bring any and needs no room.
   [[nodiscard]] virtual std::optional<RecordCost> Cost() = 0;
-  /// It is processed now, with room or as one that exceeds its robot's flow. What goes before it
-  /// goes now.
+  /// It is processed now, with room or because it exceeds its robot's flow. What comes before it is
+  /// sent now.
   virtual void Begin() = 0;
-  /// Takes the tokens of its sender's rates; why it is rejected if it is over one.
+  /// Takes the tokens of its sender's rates; returns the rejection if it exceeds one.
   [[nodiscard]] virtual std::optional<model::Rejection> TakeRate() = 0;
-  /// It is rejected for its rate, or for its robot's flow. No payload is kept, and no row of
-  /// quarantine: its source does what its numbers need.
+  /// It is rejected for its rate, or its robot's flow, without a payload or a row of quarantine:
+  /// its source does what its numbers need.
   [[nodiscard]] virtual Numbered RejectLimited(const model::Rejection& rejection) = 0;
-  /// Why it is rejected by itself; null if it is good.
+  /// Why its content is rejected; null if it is good.
   [[nodiscard]] virtual const model::Rejection* FindRejection() = 0;
-  /// It is rejected, and its row of quarantine comes next.
+  /// It is rejected; its row of quarantine follows.
   [[nodiscard]] virtual Quarantined Reject(const model::Rejection& rejection) = 0;
-  /// What is live of it is held; the rest is returned.
+  /// Keeps its live data, and returns the rest.
   [[nodiscard]] virtual Brought Take() = 0;
-  /// Numbers the records, which wait from now on. `rejected` is the reason of a row of quarantine.
+  /// Numbers the records, which wait from now on. `rejected` is the reason if they are a row of
+  /// quarantine.
   [[nodiscard]] virtual Numbered Number(std::vector<storage::CommitRecord>& records,
                                         std::optional<model::RejectReason> rejected) = 0;
-  /// It is settled without a record.
+  /// Settles it without a record.
   virtual void Settle(metrics::Became became) = 0;
 
  protected:
