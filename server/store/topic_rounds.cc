@@ -101,7 +101,7 @@ absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, S
   if (!epoch.ok()) return epoch.status();
   // Another process was faster; the next look shows which.
   if (!*epoch) return absl::OkStatus();
-  // Nothing is read until both are here, so after a failure the lease is simply taken again.
+  // Nothing is read until both are here, so after a failure the lease is taken again.
   auto memory = leases_->MemoryOf(context_.client_id);
   if (!memory.ok()) return memory.status();
   auto faults = ReadFaults();
