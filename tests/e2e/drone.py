@@ -30,6 +30,8 @@ PATIENCE_SECONDS = 30
 # Between two tries of a sample whose call failed.
 PAUSE_SECONDS = 0.05
 LOST_AFTER_SECONDS = 0.01
+# How an answer is lost. A server can be faster than the first two; the last one always loses it.
+LOSSES = ("deadline", "lose_after", "unread")
 # Of a call of a flight: more than uncrew.answer_within.
 DEADLINE_SECONDS = 8
 OPTIONS = (
@@ -192,9 +194,12 @@ class Flight:
 
     def word_of(self, kind, request):
         call = {"to": self.at, "type": kind, "request": request, "deadline": DEADLINE_SECONDS}
-        if self.random.random() < self.lost:
-            call[self.random.choice(("deadline", "lose_after"))] = self.random.uniform(0, LOST_AFTER_SECONDS)
+        way = self.random.choice(LOSSES) if self.random.random() < self.lost else ""
+        if way in ("deadline", "lose_after"):
+            call[way] = self.random.uniform(0, LOST_AFTER_SECONDS)
         said = self.drone.call(**call)
+        if way == "unread":
+            said = {"code": "CANCELLED"}
         if said["code"] != "OK" or self.random.random() >= self.stay:
             self.at = self.random.choice(self.to)
         return said.get("outcome", said["code"])
