@@ -32,6 +32,8 @@ PAUSE_SECONDS = 0.05
 LOST_AFTER_SECONDS = 0.01
 # How an answer is lost. A server can be faster than the first two; the last one always loses it.
 LOSSES = ("deadline", "lose_after", "unread")
+# In the book, of a call that ended OK: the drone does not know what became of its sample.
+UNREAD = "UNREAD"
 # Of a call of a flight: more than uncrew.answer_within.
 DEADLINE_SECONDS = 8
 OPTIONS = (
@@ -198,8 +200,8 @@ class Flight:
         if way in ("deadline", "lose_after"):
             call[way] = self.random.uniform(0, LOST_AFTER_SECONDS)
         said = self.drone.call(**call)
-        if way == "unread":
-            said = {"code": "CANCELLED"}
+        if way == "unread" and said["code"] == "OK":
+            said = {"code": UNREAD}
         if said["code"] != "OK" or self.random.random() >= self.stay:
             self.at = self.random.choice(self.to)
         return said.get("outcome", said["code"])

@@ -43,7 +43,7 @@ class Book:
         self.samples[name].setdefault(number, [])
 
     def answer(self, name, number, word):
-        """An outcome, or the name of a status other than OK."""
+        """An outcome, the name of a status other than OK, or that an answer was not read."""
         self.samples[name][number].append(word)
 
     def is_settled(self, name, number):

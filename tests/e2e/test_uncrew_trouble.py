@@ -66,7 +66,9 @@ class Flights(DroneTest):
         self.fly(server, uav, 2 * LEG, 0.3)
         book = self.land(uav)
         self.assert_stored(server, book)
-        self.assertTrue(book.words()["CANCELLED"] + book.words()["DEADLINE_EXCEEDED"], "no answer was lost")
+        # A call that is given up can have been answered already, on a server that is fast.
+        self.assertTrue(book.words()["UNREAD"], "no answer was lost")
+        self.assertTrue(book.words()["DUPLICATE"], "no sample whose answer was lost was known again")
 
     def test_a_flight_across_kills_loses_and_doubles_nothing(self):
         server = self.serve()
