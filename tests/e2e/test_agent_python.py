@@ -1,0 +1,152 @@
+"""The example of an agent, where its packages are at hand: what it reports is stored once, whoever is killed.
+
+UPLINK_AGENT_PYTHON names an interpreter with grpcio, grpcio-tools and pycapnp (examples/agent-python/README.md).
+"""
+
+import os
+import re
+import signal
+import subprocess
+import unittest
+import urllib.parse
+
+from harness import SOURCE, EndToEnd, run, uplinkctl, wait_until
+
+PYTHON = os.environ.get("UPLINK_AGENT_PYTHON", "/usr/bin/python3")
+EXAMPLE = SOURCE / "examples/agent-python"
+RURI = "rcan://local.rcan/example/rover/r1"
+SECONDS = 60
+STEP = re.compile(r"^step (\d+)$", re.MULTILINE)
+# The robot says so at every fifth step.
+SAYS = 5
+# The example whose robot says what its agent is far too often: 20 at once and 1 per second are taken.
+HASTY = """
+import agent
+
+
+def drive(robot, link, step):
+    for number in range(25):
+        key = "same" if step else f"{number}"
+        link.keep("agentInfo", f"agentInfo/{key}", robot.agent_info())
+
+
+agent.drive = drive
+agent.main()
+"""
+
+
+def has_packages():
+    seen = subprocess.run(
+        [PYTHON, "-c", "import capnp, grpc, grpc_tools"], capture_output=True, check=False
+    )  # fmt: skip
+    return seen.returncode == 0
+
+
+@unittest.skipUnless(has_packages(), f"{PYTHON} has not grpcio, grpcio-tools and pycapnp")
+class AgentPython(EndToEnd):
+    def setUp(self):
+        super().setUp()
+        self.running = self.server().start()
+        uplinkctl("pki", "robot", "--dir", self.running.pki, "--name", "r1", "--ruri", RURI)
+        run(PYTHON, "-m", "grpc_tools.protoc", f"--proto_path={SOURCE / 'proto'}", f"--python_out={self.folder}",
+            f"--grpc_python_out={self.folder}", "uplink/v1/relay.proto")  # fmt: skip
+        self.said = self.folder / "agent.log"
+
+    def drive(self, first, steps, program=EXAMPLE / "agent.py", every=0.02):
+        """Starts the agent. It is killed with the test."""
+        target = self.running.relay.replace("127.0.0.1", "localhost")
+        with self.said.open("wb") as said:
+            agent = subprocess.Popen(
+                [PYTHON, str(program), "--target", target, "--pki", str(self.running.pki), "--spool",
+                 str(self.folder / "spool.db"), "--schema", str(SOURCE / "schema/uplink.capnp"),
+                 "--first", str(first), "--steps", str(steps), "--every", str(every)],
+                stdout=said, stderr=subprocess.STDOUT,
+                env={**os.environ, "PYTHONPATH": f"{self.folder}:{EXAMPLE}", "PYTHONDONTWRITEBYTECODE": "1"},
+            )  # fmt: skip
+        self.addCleanup(agent.wait)
+        self.addCleanup(agent.kill)
+        return agent
+
+    def text(self):
+        return self.said.read_text(encoding="utf-8")
+
+    def steps(self):
+        return [int(step) for step in STEP.findall(self.text())]
+
+    def wait_for_step(self, agent, step):
+        wait_until(agent, lambda: step in self.steps(), SECONDS, f"step {step}")
+
+    def assert_ends_stored(self, agent):
+        self.assertEqual(agent.wait(SECONDS), 0, self.text())
+        self.assertIn("everything is stored", self.text())
+
+    def robot(self):
+        return self.running.get(f"/api/v1/robots/{urllib.parse.quote(RURI, safe='')}")
+
+    def stored(self):
+        """What it said, as the server has it, oldest first."""
+        ruri = urllib.parse.quote(RURI, safe="")
+        rows = reversed(self.running.get(f"/api/v1/robots/{ruri}/messages?pageSize=1000")["messages"])
+        return [int(row["message"].removeprefix("step ")) for row in rows]
+
+    def assert_stored(self, done):
+        """Each step that the agent finished said what it had to, once, and in order."""
+        stored = self.stored()
+        self.assertEqual(stored, sorted(set(stored)))
+        self.assertLessEqual({step for step in done if step % SAYS == SAYS - 1}, set(stored))
+
+    def test_what_it_reports_is_shown_and_stored(self):
+        self.assert_ends_stored(self.drive(0, 60))
+        robot = self.robot()
+        self.assertAlmostEqual(robot["motion"]["pose"]["latDeg"], 47.377, 2)
+        self.assertEqual(robot["agentInfo"]["agentVersion"], "agent-python 0.1.0")
+        self.assertEqual(self.stored(), list(range(SAYS - 1, 60, SAYS)))
+        reports = self.running.get("/api/v1/faults?pageSize=1000")["faults"]
+        self.assertEqual(len(reports), 60 // SAYS)
+        self.assertEqual(self.running.get("/api/v1/faults?active=true")["faults"], [])
+
+    def test_kills_of_both_sides_lose_and_double_nothing(self):
+        done, first = [], 0
+        for turn in range(6):
+            agent = self.drive(first, 1_000)
+            self.wait_for_step(agent, first + 30)
+            if turn % 2:
+                self.running.kill()
+                self.wait_for_step(agent, first + 60)
+                self.running.start()
+                self.wait_for_step(agent, first + 90)
+            agent.send_signal(signal.SIGKILL)
+            agent.wait(SECONDS)
+            done += self.steps()
+            # The next step may have been kept, and not been told.
+            first = done[-1] + 2
+        self.assert_ends_stored(self.drive(first, 30))
+        self.assert_stored(done + self.steps())
+
+    def test_what_waits_on_disk_is_sent_by_the_next_start(self):
+        self.running.kill()
+        agent = self.drive(0, 1_000)
+        self.wait_for_step(agent, 50)
+        agent.send_signal(signal.SIGKILL)
+        agent.wait(SECONDS)
+        done = self.steps()
+        self.running.start()
+        self.assert_ends_stored(self.drive(done[-1] + 2, 1))
+        self.assert_stored(done)
+
+    def test_it_stops_with_the_servers_sentence_where_its_certificate_is_refused(self):
+        uplinkctl("pki", "operator", "--dir", self.running.pki, "--name", "r1", "--force")
+        agent = self.drive(0, 1_000)
+        self.assertEqual(agent.wait(SECONDS), 1)
+        self.assertRegex(self.text(), r"messages wait in .*spool.db: UNAUTHENTICATED: ")
+
+    def test_what_comes_too_soon_is_sent_again_later(self):
+        program = self.folder / "hasty.py"
+        program.write_text(HASTY, encoding="utf-8")
+        self.assert_ends_stored(self.drive(0, 2, program))
+        self.assertNotIn("rejected", self.text())
+        self.assertGreater(int(self.robot()["rateLimited"]["agentInfo"]), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
