@@ -243,8 +243,8 @@ void Broker::AfterWork() {
     const std::lock_guard lock(mutex_);
     settled_.notify_all();
   }
-  // What waited of the robot was not written, or nobody was told of it: the broker is to deliver it
-  // again, once the store has said what it has.
+  // The robot's waiting messages were not written, or were written without an answer. The broker
+  // must deliver them again, once the store has said what it has.
   if (!commits_.TakeFenced() || !began_ || draining_) return;
   context_.logger.Warn("mqtt_twins_lost", {});
   Reread();

@@ -26,7 +26,7 @@ class BrokerHealth final {
   struct Connections {
     bool subscribed = false;
     std::size_t unacked_max = 0;
-    /// Bytes of the live connection that the system holds unread. If they are many, we are too
+    /// Bytes of the live connection that the kernel holds unread. If there are many, we are too
     /// slow, and the broker drops further messages.
     std::size_t live_unread = 0;
     /// How long a ping of the live connection has had no answer. The answer queues behind the
@@ -37,8 +37,8 @@ class BrokerHealth final {
   /// the counts of the durable connection.
   void Update(const Connections& connections, const mqtt::ClientProbe& durable);
 
-  /// Each update of the last kLiveBehindMax found us behind with the live connection: its messages
-  /// are too old to tell who lives. Thread: the broker's.
+  /// Every update of the last kLiveBehindMax found us behind with the live connection: its messages
+  /// are too old to show which twins live. Thread: the broker's.
   [[nodiscard]] bool live_is_old() const;
   [[nodiscard]] fleet::Fleet::HearingState hearing() const;
   /// Empty while we are not subscribed.

@@ -79,11 +79,11 @@ class Commits final {
   /// Whether the message came before, and waits or is settled. A waiting one is acked with the
   /// first; a settled one after a commit that begins later.
   [[nodiscard]] bool IsKnown(const Delivered& message);
-  /// Settles a message without a record, whatever the store has; it may be acked. `stream` is its
-  /// twin's, null if it has none.
+  /// Settles a message that leaves no record, whatever the store has; it may be acked. `stream` is
+  /// its twin's, null if it has none.
   void SettleAtOnce(const Delivered& message, TwinStream* stream);
-  /// Settles a message without a record because of what this process remembers of the store. It is
-  /// acked after a commit that begins later, and judged again if it comes again after a Reread.
+  /// Settles a message that leaves no record because of what this process remembers of the store.
+  /// Its ack waits for a commit that begins later. After a Reread a redelivery is judged again.
   void SettleAfterCommit(const Delivered& message, TwinStream& stream);
   /// Numbers its records, which wait from now on; the caller appends them to the journal. False if
   /// another process adopted the robot since: then nothing of it may be written.
@@ -98,9 +98,9 @@ class Commits final {
 
   /// The acks that may go out since the last call.
   [[nodiscard]] std::vector<mqtt::AckHandle> TakeReleases() { return std::exchange(due_, {}); }
-  /// Whether another process adopted a robot since the last call. What waited of it was not
-  /// written, or was written without an answer, which only the store knows. It comes again only by
-  /// another connection.
+  /// Whether another process adopted a robot since the last call. Its waiting messages were not
+  /// written, or were written without an answer: only the store knows. They come again only on a
+  /// new connection.
   [[nodiscard]] bool TakeFenced() { return std::exchange(fenced_, false); }
 
  private:

@@ -84,7 +84,8 @@ class Intake final {
   void DropHeldBack();
   /// Refuses a message that arrives at the wrong time; at QoS 1 it comes again.
   void Refuse();
-  /// Wakes `stream` once the journal that had no room for the held message has room.
+  /// Wakes `stream` once there is room in the journal that had none for the held message. Does
+  /// nothing if the message waits for something else.
   void WakeWhenRoom(loop::StreamRef stream) const;
 
  private:
@@ -101,7 +102,7 @@ class Intake final {
   [[nodiscard]] Processed Wait(Processing& processing);
   /// Offers it to the port.
   [[nodiscard]] Processed Offer(Processing& processing, TwinStream& stream);
-  /// Logs the twin whose message the port refused for the twin's own sake.
+  /// Logs a twin whose message the port blocked because the twin stores too much.
   void Tell(TwinStream& stream, const ingest::Port::Offered& offered);
   void NoteLife(const Processing& processing, TwinStream& stream);
   void AnswerPing(Processing& processing);

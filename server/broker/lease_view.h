@@ -33,7 +33,7 @@ class LeaseView {
   /// Whether a connection may be made now: the lease was ours at a look that began at or after
   /// `since`, or the store cannot be asked and it was ours a moment ago.
   [[nodiscard]] virtual bool MayConnect(SteadyTime since) const = 0;
-  /// Asks for a look soon: a connection of ours was ended, perhaps by another process that has the
+  /// Asks for a look soon: a connection of ours ended, perhaps because another process has the
   /// lease now.
   virtual void LookSoon() = 0;
   /// Asks to read soon what the store has of deliveries and faults: this process does not know

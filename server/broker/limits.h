@@ -11,8 +11,8 @@ namespace uplink::broker {
 /// The stream of a twin that was silent for so long ends, if nothing of it waits. The twin may then
 /// leave memory, and begins a new session when it speaks.
 inline constexpr std::chrono::hours kStreamIdleMax{1};
-/// How often silent twins, twins that came into the fleet by another way, and the client's
-/// certificate are checked.
+/// How often to close the streams of silent twins, forget twins whose robots left memory, and
+/// check the client's certificate.
 inline constexpr std::chrono::seconds kLookAtTwinsEvery{60};
 /// How long reading at QoS 1 may be stopped before `behind` shows it.
 inline constexpr std::chrono::seconds kUnreadAfter{1};
@@ -20,7 +20,7 @@ inline constexpr std::chrono::seconds kUnreadAfter{1};
 inline constexpr std::chrono::seconds kBehindShownAfter{10};
 /// If the broker's thread did not tick for so long, we learn nothing of twins.
 inline constexpr std::chrono::seconds kTickLate{3};
-/// Times cyberwave.robots_max: of so many twins that are not in memory the faults are remembered.
+/// Times cyberwave.robots_max: the faults of so many twins that left memory are remembered.
 inline constexpr std::size_t kFaultsKeptShare = 2;
 /// Payloads from this size on count as bytes at QoS 0 (limits::PolicyId::kBytesOfId): smaller ones
 /// are read as fast as they are sent.
@@ -33,10 +33,10 @@ inline constexpr std::size_t kLiveBehindBytes = std::size_t{128} * 1024;
 /// A ping of the live connection without an answer for so long waits behind a queue in the broker:
 /// the broker is too slow, or we are.
 inline constexpr std::chrono::seconds kLivePingWaitMax{2};
-/// How long every update may find one or the other before the connection is made anew. By then the
+/// How long every update may find either of them before we connect anew. By then the
 /// broker's queue is full of messages that show long-gone twins as alive.
 inline constexpr std::chrono::seconds kLiveBehindMax{10};
-/// How long `behind` shows that, so that repetition is visible.
+/// How long `behind` stays 1 after such a connection, so that a repetition is visible.
 inline constexpr std::chrono::seconds kLiveBehindShown{60};
 /// The window for which deliveries are remembered (storage::DeliveriesKept): the largest, whatever
 /// mqtt.unacked_max is, since a broker may send far more than it was asked to. Once mosquitto

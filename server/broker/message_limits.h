@@ -15,7 +15,7 @@
 
 namespace uplink::broker {
 
-/// Whether a message exceeds what its sender may send or store. The log names such senders.
+/// Checks whether a message exceeds what its sender may send or store. The log names such senders.
 ///
 /// Environments and runs have a budget each (PolicyId::kRecordsOfScope, kBytesOfScope), which
 /// counts as a robot's flow does (ingest::Waits).

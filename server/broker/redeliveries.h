@@ -13,12 +13,12 @@ namespace uplink::broker {
 /// The messages at QoS 1 that the broker may deliver again, by packet id: those that wait for their
 /// commit, the last ones that were committed, and the last ones that were settled without a record.
 /// The store remembers the committed ones with their rows, so that the next process begins with
-/// them. It also gets the settled ones that stand before a committed one of their twin: processed
-/// again as new, they would come after it. And it is told which of its own have expired, because a
+/// them. It also gets the settled ones that came before a committed one of their twin: processed
+/// again as new, they would come after it. It also learns which of its own have expired, because a
 /// message without a record has their packet id now. Otherwise a later message with that id and the
-/// same content would be taken for them.
+/// same content would count as a redelivery of them.
 ///
-/// Limits:  one entry per packet id, of which there are 65,535.
+/// Limits:  one entry per packet id: 65,535.
 /// Thread:  confined to its owner's.
 class Redeliveries final {
  public:

@@ -39,15 +39,15 @@ struct TwinStream {
   std::deque<WaitingMessage> waiting;
   /// Packet ids of messages that were settled without a record since the last one with records, and
   /// of some that are forgotten. The next records carry them into the store (Commits::Number). An
-  /// id belongs to one twin at a time, so all twins together have little more of them than there
+  /// id belongs to one twin at a time, so all twins together hold hardly more entries than there
   /// are ids.
   std::vector<std::uint16_t> settled;
   SteadyTime used_at;
   /// When the log last named it for its rate (LimitedLog).
   limits::RecentTimes<1> limited_told;
-  /// It takes no more messages, and goes once nothing of it waits. It may be revived before.
+  /// It takes no more messages, and goes once no message of it waits. It may be revived before.
   bool ending = false;
-  /// An operator ended it: it goes once nothing of it waits.
+  /// An operator ended it: it goes once no message of it waits.
   bool ended = false;
 
   [[nodiscard]] const std::string& ruri() const { return robot->ruri(); }

@@ -71,11 +71,11 @@ class TwinStreams final {
   /// The stand-in's stream for messages of no robot under that prefix.
   [[nodiscard]] Opened FindOrOpenStandIn(const std::string& prefix);
 
-  /// Opens streams for all known twins under these prefixes that have none: this process holds them
-  /// from now on.
   enum class Which : std::uint8_t { kAll, kNotHeld };
+  /// Opens streams for the known twins under these prefixes that have none: this process holds them
+  /// from now on. kNotHeld: only those that it does not hold yet.
   void OpenKnown(const std::vector<std::string>& prefixes, Which which);
-  /// Ends a stream of which nothing waits.
+  /// Ends a stream without waiting messages.
   void Close(TwinStream& stream);
   /// An operator ended the stream to forget the robot, so its faults are forgotten too. The robot
   /// gets no new stream within kRestAfterDrop, even if it speaks.
@@ -83,8 +83,8 @@ class TwinStreams final {
   /// Another process has the robot. Its live data here is void, and only the store knows its stored
   /// faults.
   void Lose(TwinStream& stream);
-  /// CloseIdle closes streams that were silent for kStreamIdleMax; ForgetLeft forgets twins whose
-  /// robots left memory.
+  /// CloseIdle closes streams that were silent for kStreamIdleMax and wait for nothing. ForgetLeft
+  /// forgets twins whose robots left memory.
   void CloseIdle();
   void ForgetLeft();
   /// Ends all streams: at once, or when nothing of them waits.
@@ -94,7 +94,7 @@ class TwinStreams final {
   /// SetFaults.
   void BeginReread() { rereading_ = true; }
   /// Takes the faults that the store has, for robots that are not in memory, were lost since the
-  /// last call, or had no stream at BeginReread. Of the others this process knows better.
+  /// last call, or had no stream at BeginReread. For the others, this process knows better.
   void SetFaults(FaultsByRobot faults);
 
   [[nodiscard]] std::size_t size() const { return by_id_.size(); }

@@ -21,7 +21,7 @@ struct WaitingMessage {
   /// The numbers of its records, in its stream's session.
   model::Seq first = 0;
   model::Seq last = 0;
-  /// Earlier messages of its twin without a record: its commit tells the store of them.
+  /// Earlier messages of its twin that left no record: its commit stores them too.
   struct Brought {
     std::uint16_t packet_id = 0;
     std::uint64_t number = 0;
