@@ -9,7 +9,8 @@
 
 namespace uplink::front {
 
-/// Together they bound how long a silent loss of the peer goes unnoticed; robots' networks are bad.
+/// We ping a peer that was silent for the first, and wait for its answer for the second. Together
+/// they bound how long we do not notice that a peer is gone.
 inline constexpr std::chrono::seconds kKeepaliveAfter{25};
 inline constexpr std::chrono::seconds kKeepaliveWait{15};
 /// How long a handshake may wait for its peer, and how long while others wait for a place.
@@ -24,7 +25,7 @@ inline constexpr std::chrono::minutes kIdleWait{5};
 /// How long we read on after our last bytes, so that no reset destroys them on their way.
 inline constexpr std::chrono::seconds kLingerWait{1};
 /// How many reads of kSharedReadBytes we do in that time: as many as a handshake may take
-/// (kHandshakeReadsMax). Unbounded, a stranger's bytes cost 350 ms of CPU in that second
+/// (kHandshakeReadsMax). Without this bound, a stranger's bytes cost 350 ms of CPU in that second
 /// (measured).
 inline constexpr std::size_t kLingerReadsMax = 128;
 /// A peer that does not take what waits for it, kSendBytesMax at a time, is cut after this. So
@@ -37,7 +38,7 @@ inline constexpr std::chrono::seconds kAgeGrace{10};
 inline constexpr std::chrono::minutes kExpiryLook{1};
 /// A connection ends so long before its certificate does.
 inline constexpr std::chrono::minutes kBeforeExpiry{10};
-/// But not if so little was left of it when the connection opened.
+/// A connection that opens with less than this left of its certificate may stay until it expires.
 inline constexpr std::chrono::minutes kNearlyOver{2 * kBeforeExpiry};
 
 /// When an open connection is pinged, and when it ends: for silence, age, its certificate's expiry,

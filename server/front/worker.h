@@ -69,7 +69,7 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
 
  private:
   void Run();
-  /// Begins the handshake of the first visitor that arrived; the next one has a turn of its own.
+  /// Begins the handshake of the first visitor that arrived; each further one waits for its turn.
   void BeginNext();
   void Begin(std::uint64_t id, Visitor visitor);
   void EmptyInbox();

@@ -31,7 +31,7 @@ struct Thread;
 class CallOwner {
  public:
   virtual ~CallOwner() = default;
-  /// Something must be done for the call once nghttp2 has returned: Call::Settle, soon.
+  /// Notes that the call needs Call::Settle, which must wait until nghttp2 has returned.
   virtual void Touch(Call& call) = 0;
   /// Settles touched calls, and may destroy them.
   virtual void Settle() = 0;
@@ -39,7 +39,7 @@ class CallOwner {
   [[nodiscard]] virtual const Origin& origin() const = 0;
   /// Asks the peer for an answer; then Call::OnPeerAnswered of all its calls follows.
   virtual void AskPeer() = 0;
-  /// Why no new call is served here; empty while calls are served.
+  /// Why no new call is served here, counted if it is a drain; empty while calls are served.
   [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
 };
 
@@ -92,7 +92,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void OnPeerAnswered() {
     if (std::exchange(asks_peer_, false) && serving()) handler_->OnPeerAnswered();
   }
-  /// The handler's OnDrain at `at`, with what is left until `end`.
+  /// Calls the handler's OnDrain at `at`, with the time that is then left until `end`.
   void DrainAt(SteadyTime at, SteadyTime end);
   /// The connection is gone.
   void Break();

@@ -58,7 +58,7 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   void SettleCalls();
   /// All calls are settled.
   [[nodiscard]] bool settled() const { return calls_.settled(); }
-  /// Says so once no more calls are served and the last one has ended; true if it did now.
+  /// Ends the session if no more calls are served and the last one has ended; true if it did now.
   [[nodiscard]] bool EndIfLast();
   /// Ends the connection for its peer's behaviour, with the reason in a GOAWAY.
   void TurnAway(transport::TurnedAway cause, std::string_view text);

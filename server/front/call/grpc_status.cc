@@ -40,7 +40,7 @@ absl::StatusCode CodeOfReset(std::uint32_t http2_code) {
       return absl::StatusCode::kResourceExhausted;
     case NGHTTP2_INADEQUATE_SECURITY:
       return absl::StatusCode::kPermissionDenied;
-    default:  // codes of the wire, of which there may be more
+    default:  // the wire may carry other codes
       return absl::StatusCode::kInternal;
   }
 }

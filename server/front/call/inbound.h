@@ -31,8 +31,8 @@ class Inbound final {
   [[nodiscard]] Opens Pop() { return Open(reader_.Pop()); }
   /// Forgets all that waits.
   [[nodiscard]] Opens Drop();
-  /// Notes whether the handler waits for a message. If that needs more than a stream may send
-  /// ahead, the window opens early, and its memory counts for `key`.
+  /// Notes whether the handler waits for a message. While that is incomplete, its memory counts for
+  /// `key`; if it is longer than half the stream's window, the window opens early.
   [[nodiscard]] Opens NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now);
   /// The call takes no more messages: no memory counts.
   void End() { NoteHeld({}, 0, {}); }
@@ -48,7 +48,7 @@ class Inbound final {
   MessageReader reader_;
   /// Bytes of the unfinished message that the window was opened for already.
   std::size_t opened_early_ = 0;
-  /// What `unfinished_` was told of it.
+  /// The bytes and the message that `unfinished_` last got.
   std::size_t held_ = 0;
   std::uint64_t held_message_ = 0;
 };

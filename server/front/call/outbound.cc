@@ -12,7 +12,7 @@ namespace {
 /// Memory that is kept for the next message; more is given back.
 constexpr std::size_t kIdleBytes = 256;
 
-/// Copies `text` from `from` on, as far as it fits.
+/// Copies as much of `text`, from `from` on, as fits.
 std::size_t CopyFrom(std::string_view text, std::size_t from, char* into, std::size_t size) {
   const std::string_view rest = text.substr(from);
   const std::size_t bytes = std::min(size, rest.size());

@@ -34,9 +34,9 @@ class Outbound final {
 
   std::string own_;
   std::vector<SharedMessage> shared_;
-  /// The one that is being taken.
+  /// The index of the shared message that is being taken.
   std::size_t next_ = 0;
-  /// Bytes of it that were taken, its prefix included.
+  /// Bytes that were taken of the current message, its prefix included.
   std::size_t from_ = 0;
 };
 

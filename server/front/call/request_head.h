@@ -32,7 +32,7 @@ class RequestHead final {
   ///
   /// Errors: kResourceExhausted for headers past their limit; kUnimplemented for an encoding;
   ///         kInvalidArgument for a timeout that is none; kInternal for a request without
-  ///         `te: trailers`, of which a proxy has lost a part.
+  ///         `te: trailers`: a proxy has dropped headers.
   [[nodiscard]] absl::Status Judge() const;
   /// Whether we do not support the encoding: the answer then names those that we do.
   [[nodiscard]] bool foreign_encoding() const { return !encoding_.empty(); }

@@ -12,7 +12,7 @@
 
 namespace uplink::front {
 
-/// Limits of connections, by what they have shown.
+/// Limits of connections, by what they have shown: a certificate, an address, or nothing yet.
 struct DoorLimits {
   DoorBook::Limits book;
   HandshakeLimits handshakes;
@@ -33,11 +33,11 @@ struct DoorNeeds {
   ProxyHeaders headers = ProxyHeaders::kNone;
 };
 
-/// The limits that follow: connections without a certificate never take the place of those with
-/// one, and the reserve is kept.
+/// The limits for these needs: connections without a certificate never take the place of those
+/// with one, and the reserve is kept.
 [[nodiscard]] DoorLimits DoorLimitsFor(const DoorNeeds& needs);
 
-/// A connection that was accepted.
+/// An accepted connection, and where it comes from.
 struct Visitor {
   Descriptor descriptor;
   Origin origin;

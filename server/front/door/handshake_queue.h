@@ -36,8 +36,8 @@ enum class Rank : std::uint8_t {
 };
 
 /// While known sources and strangers wait, every 4th place goes to a stranger, as long as strangers
-/// hold less than a 4th of the places; otherwise slow strangers would fill it. Strangers also keep
-/// a 4th of the waiting list.
+/// hold less than a 4th of the places; otherwise slow strangers would fill them all. Strangers also
+/// keep a 4th of the waiting list.
 inline constexpr std::size_t kStrangersEvery = 4;
 
 /// Which unproven connection may begin its handshake next.
@@ -73,11 +73,11 @@ class HandshakeQueue final {
   /// are ignored.
   void Ended(std::uint64_t id);
 
-  /// The handshake to cut, so that half-open ones of one source keep no other out. There is one if
-  /// all places are taken, Next would serve a source below its fair share, and another source is
-  /// above its own: then the longest one of the source with the most. A fair share is under_way_max
-  /// divided by the sources that have or want a place, at least 1. Once it has Ended, Next serves
-  /// the source that was short. The caller spares a handshake that has only just begun.
+  /// The handshake to cut, so that half-open ones of one source keep no other source out: the
+  /// oldest of the source with the most. Empty unless all places are taken, Next would serve a
+  /// source below its fair share, and that source is above its own. A fair share is under_way_max
+  /// divided by the sources that have or want a place, at least 1. Once the handshake has Ended,
+  /// Next serves the source that was short. The caller spares a handshake that has only just begun.
   [[nodiscard]] std::optional<std::uint64_t> ToGiveWay() const;
 
   /// A connection waits for a place, not just for our CPU: handshakes get less time.

@@ -17,7 +17,7 @@ using KeyDigest = std::array<std::uint8_t, 32>;
 
 /// The open, proven connections of each public key.
 ///
-/// Limits: its size is bounded by the number of connections, each of which must be Removed.
+/// Limits: bounded by the number of connections; the owner must Remove each.
 /// Thread: thread-safe.
 class KeyTable final {
  public:

@@ -32,8 +32,9 @@ class Place final {
   /// The peer sent something. Mostly free.
   void NoteHeard(SteadyTime now);
   void SetStreams(std::size_t streams);
-  /// It has sent everything: whether it may linger. It does so in its place, where it is the first
-  /// to give way; if it was evicted, it has no place. `key`: the key that it has shown, if any.
+  /// Whether the connection may linger, now that it has sent everything. It lingers in its place,
+  /// and is the first to give way; if it was evicted, it takes one of DoorBook::lingers. `key`: the
+  /// key that it has shown, if any.
   [[nodiscard]] bool Linger(const std::optional<KeyDigest>& key);
   void Leave();
 

@@ -54,7 +54,7 @@ bool ProxyHeader::JudgeFixed() {
   if (rest > kRestBytesMax) return false;
   bytes_ = kFixedBytes + rest;
   const std::uint8_t command = kept_[kCommandAt];
-  // A family that comes with LOCAL is to be ignored.
+  // The specification says to ignore the family of LOCAL.
   whole_ = Result::kLocal;
   if (command == kCommandLocal) return true;
   if (command != kCommandProxy) return false;

@@ -64,7 +64,7 @@ class ProxyHeader final {
   /// The result once the header is complete.
   Result whole_ = Result::kMore;
   Family family_ = Family::kNone;
-  /// Bytes of the header, as far as known.
+  /// Bytes of the header that are known to belong to it; more once the fixed part announces them.
   std::size_t bytes_ = kFixedBytes;
   std::size_t taken_ = 0;
   /// The part that is looked at.

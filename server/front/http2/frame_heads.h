@@ -9,10 +9,10 @@ namespace uplink::front {
 
 /// Reads the heads of a client's frames before nghttp2 does, and passes the bytes on.
 ///
-/// It puts 0 in place of the number of the last stream in each GOAWAY. That number is about streams
-/// that we would have opened, of which there are none: it means nothing here. Clients write any
-/// there (grpc-go one of their own streams), and nghttp2 ends a connection for one that it did not
-/// expect.
+/// It puts 0 in place of the last stream's number in each GOAWAY. That number is about streams that
+/// the server opened, and we open none: it means nothing here. Clients write any number there
+/// (grpc-go writes one of its own streams), and nghttp2 ends a connection for a number that it did
+/// not expect.
 ///
 /// It notices DATA of the stream that the client ended last. nghttp2 passes over that in silence
 /// once the stream is closed.

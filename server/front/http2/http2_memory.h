@@ -10,8 +10,8 @@ namespace uplink::front {
 /// Memory for nghttp2's sessions of one thread.
 ///
 /// A session holds a buffer of 16 KiB for the frame that it sends, and uses some hundred bytes of
-/// it. The C library would give it used memory, all of which counts as resident. Here it gets pages
-/// of its own, and untouched pages cost nothing: this saves 12 KiB per connection (measured).
+/// it. The C library would give it used memory, and all of that counts as resident. Here it gets
+/// pages of its own, and untouched pages cost nothing: this saves 12 KiB per connection (measured).
 /// Everything else is the C library's.
 ///
 /// Bounded by the sessions: what they release is used again, and its pages go back to the system.

@@ -30,8 +30,8 @@ class ReadyOwner {
  public:
   virtual ~ReadyOwner() = default;
   [[nodiscard]] virtual Turn turn() const { return Turn::kNow; }
-  /// May close its own descriptor. Must outlive the batch of events: what is posted from here runs
-  /// after it.
+  /// May close its own descriptor. The owner must outlive the batch of events: to destroy it, post
+  /// the work, which runs after the batch.
   virtual void OnReady(std::uint32_t events) = 0;
 };
 
@@ -64,7 +64,7 @@ class EventLoop final {
   /// Calls `owner` whenever there is something to read; false if the system has no room for it.
   /// Closing a descriptor ends its watch.
   [[nodiscard]] bool Watch(int descriptor, ReadyOwner& owner);
-  /// Sets whether `owner` is also told of room to write.
+  /// Sets whether `owner` also gets an event when there is room to write.
   void WatchSending(int descriptor, ReadyOwner& owner, bool wanted);
   /// Replaces the timer; empty: none.
   void SetTimer(std::optional<SteadyTime::duration> after);

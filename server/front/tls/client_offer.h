@@ -12,10 +12,10 @@
 
 namespace uplink::front {
 
-/// What client and server must agree on.
+/// What a client and we must agree on in a handshake.
 enum class Agreed : std::uint8_t { kVersion, kSuite, kGroup, kSignature, kProtocol };
 
-/// What a ClientHello offers, as far as the log names it. A value.
+/// The part of a ClientHello's offer that the log names. A value.
 class ClientOffer final {
  public:
   ClientOffer() = default;
