@@ -139,7 +139,7 @@ void Broker::Reread() {
 }
 
 void Broker::Resume(Remembered remembered) {
-  if (!rereading_.EndsWith(remembered.asked) || !began_ || draining_) return;
+  if (!rereading_.EndOnAnswer(remembered.asked) || !began_ || draining_) return;
   StopClient(Connection::kDurable);
   commits_.Reread(remembered.memory);
   streams_.SetFaults(std::move(remembered.faults));

@@ -29,7 +29,7 @@ void Commits::OnCommitted(std::size_t shard) {
   due_.insert(due_.end(), acks.begin(), acks.end());
 }
 
-bool Commits::IsKnown(const Delivered& message) {
+bool Commits::AckIfKnown(const Delivered& message) {
   if (robot::Planted(robot::Mutation::kRedeliveryForgotten)) return false;
   const Redeliveries::Found found = redeliveries_.Find(message.packet_id, *message.digest);
   if (found.known == Redeliveries::Known::kNo) return false;
@@ -58,7 +58,7 @@ void Commits::AckAfterCommit(std::size_t shard, const std::optional<mqtt::AckHan
 void Commits::SettleAtOnce(const Delivered& message, TwinStream* stream) {
   if (message.ack) due_.push_back(*message.ack);
   if (message.packet_id == 0) return;
-  if (!message.digest) return redeliveries_.End(message.packet_id);
+  if (!message.digest) return redeliveries_.Expire(message.packet_id);
   redeliveries_.AddSettled(message.packet_id, *message.digest,
                            {.stream = stream == nullptr ? 0 : stream->id});
   if (stream != nullptr) NoteSettled(*stream, message.packet_id);
@@ -116,12 +116,12 @@ bool Commits::Number(TwinStream& stream, const Delivered& message,
   }
   std::vector<storage::Delivery> numbered = DeliveriesWith(stream, message);
   if (!numbered.empty()) {
-    waiting.brought.reserve(numbered.size() - 1);
+    waiting.earlier.reserve(numbered.size() - 1);
     for (const storage::Delivery& delivery : numbered) {
       if (delivery.packet_id == message.packet_id) {
         waiting.number = delivery.number;
       } else {
-        waiting.brought.push_back({delivery.packet_id, delivery.number});
+        waiting.earlier.push_back({delivery.packet_id, delivery.number});
       }
     }
     records.back().message_end = storage::MessageEnd{
@@ -163,7 +163,7 @@ void Commits::Settle(TwinStream& stream, const robot::Progress& progress) {
       if (refused->seq >= message.first && !reason) reason = refused->rejection.reason;
     }
     if (message.packet_id != 0) redeliveries_.Commit(message.packet_id, message.number);
-    for (const auto& [packet_id, number] : message.brought) {
+    for (const auto& [packet_id, number] : message.earlier) {
       redeliveries_.Commit(packet_id, number);
     }
     if (message.ack) due_.push_back(*message.ack);
@@ -182,7 +182,7 @@ void Commits::Count(metrics::Became became, std::optional<model::RejectReason> r
 void Commits::Fence(TwinStream& stream) {
   for (const WaitingMessage& message : stream.waiting) {
     if (message.packet_id != 0) redeliveries_.Drop(message.packet_id, message.number);
-    for (const auto& [packet_id, number] : message.brought) redeliveries_.Drop(packet_id, number);
+    for (const auto& [packet_id, number] : message.earlier) redeliveries_.Drop(packet_id, number);
     Count(metrics::Became::kRefused, std::nullopt);
   }
   stream.waiting.clear();

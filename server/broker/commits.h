@@ -78,7 +78,7 @@ class Commits final {
   };
   /// Whether the message came before, and waits or is settled. A waiting one is acked with the
   /// first; a settled one after a commit that begins later.
-  [[nodiscard]] bool IsKnown(const Delivered& message);
+  [[nodiscard]] bool AckIfKnown(const Delivered& message);
   /// Settles a message that leaves no record, whatever the store has; it may be acked. `stream` is
   /// its twin's, null if it has none.
   void SettleAtOnce(const Delivered& message, TwinStream* stream);

@@ -19,7 +19,7 @@ struct Intake::Processing {
   Commits::Delivered delivered{};
   cyberwave::Judgement judgement{};
   /// Its twin exceeds the bound.
-  bool is_one_too_many = false;
+  bool exceeds_robots_max = false;
 
   [[nodiscard]] const mqtt::Publish& publish() const { return message.publish; }
   [[nodiscard]] cyberwave::TopicKind kind() const { return judgement.topic.kind; }
@@ -83,7 +83,7 @@ bool Intake::HandleRedelivery(Processing& processing) {
   }
   if (processing.delivered.packet_id == 0) return false;
   processing.delivered.digest = DigestOf(processing.publish());
-  if (!processing.publish().dup || !context_.commits.IsKnown(processing.delivered)) return false;
+  if (!processing.publish().dup || !context_.commits.AckIfKnown(processing.delivered)) return false;
   Count(processing, metrics::Became::kDuplicate);
   return true;
 }
@@ -165,7 +165,7 @@ Intake::Processed Intake::HandleUnplaced(Processing& processing, const TwinStrea
       model::Rejection{.reason = model::RejectReason::kTooManyItems,
                        .field = "topic",
                        .detail = "a twin more than cyberwave.robots_max or limits.robots_max"};
-  processing.is_one_too_many = true;
+  processing.exceeds_robots_max = true;
   return Offer(processing, *stand_in.stream);
 }
 
@@ -188,7 +188,7 @@ Intake::Processed Intake::Offer(Processing& processing, TwinStream& stream) {
                                  .delivered = processing.delivered,
                                  .judgement = processing.judgement,
                                  .stream = stream,
-                                 .is_one_too_many = processing.is_one_too_many});
+                                 .exceeds_robots_max = processing.exceeds_robots_max});
   const ingest::Port::Offered offered = port_.Offer(stream.line(), message);
   if (!offered.block.none()) Tell(stream, offered);
   if (offered.answer != ingest::Port::Answer::kWaits) return Processed::kDone;

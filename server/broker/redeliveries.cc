@@ -56,7 +56,7 @@ void Redeliveries::AddSettled(std::uint16_t packet_id, const storage::DeliveryDi
   Replace(packet_id, {.digest = digest, .settled = settled, .is_untold = true});
 }
 
-void Redeliveries::End(std::uint16_t packet_id) { Replace(packet_id, {}); }
+void Redeliveries::Expire(std::uint16_t packet_id) { Replace(packet_id, {}); }
 
 void Redeliveries::KeepSettled(std::uint64_t stream, std::vector<std::uint16_t>& packet_ids) const {
   std::erase_if(packet_ids, [&](std::uint16_t packet_id) {

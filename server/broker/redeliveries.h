@@ -71,7 +71,7 @@ class Redeliveries final {
   [[nodiscard]] std::vector<storage::Delivery> Number(std::uint64_t stream,
                                                       std::vector<std::uint16_t> packet_ids);
   /// A new message under the id is settled at once and not remembered.
-  void End(std::uint16_t packet_id);
+  void Expire(std::uint16_t packet_id);
   /// Deliveries that the store knows, or will know, and that expired since the last call.
   [[nodiscard]] std::vector<storage::Delivery> TakeExpired();
   /// The message was committed.

@@ -16,7 +16,7 @@ class Rereading final {
   }
   /// Whether the answer to that request ends it. An answer to an earlier request may lack later
   /// commits.
-  [[nodiscard]] bool EndsWith(std::uint64_t request) {
+  [[nodiscard]] bool EndOnAnswer(std::uint64_t request) {
     return request == asked_ && std::exchange(active_, false);
   }
   /// Ends it without an answer: the lease is gone.

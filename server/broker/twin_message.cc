@@ -122,7 +122,7 @@ std::optional<ingest::RecordCost> TwinMessage::Cost() {
 void TwinMessage::Begin() { sources_.probe.topics[static_cast<std::size_t>(topic_.kind)].Add(); }
 
 std::optional<model::Rejection> TwinMessage::TakeRate() {
-  if (known_.is_one_too_many) return std::nullopt;
+  if (known_.exceeds_robots_max) return std::nullopt;
   return sources_.limits.Limit(judged(), known_.stream, records_max_);
 }
 

@@ -39,7 +39,7 @@ class TwinMessage final : public ingest::Message {
     cyberwave::Judgement& judgement;
     TwinStream& stream;
     /// Its twin exceeds the bound: it is rejected for that, whatever the rates of the stand-in.
-    bool is_one_too_many = false;
+    bool exceeds_robots_max = false;
   };
   TwinMessage(const TwinSources& sources, const Known& known);
 

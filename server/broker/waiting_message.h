@@ -21,12 +21,12 @@ struct WaitingMessage {
   /// The numbers of its records, in its stream's session.
   model::Seq first = 0;
   model::Seq last = 0;
-  /// Earlier messages of its twin that left no record: its commit stores them too.
-  struct Brought {
+  /// Earlier messages of its twin that left no record; its commit tells the store of them.
+  struct Earlier {
     std::uint16_t packet_id = 0;
     std::uint64_t number = 0;
   };
-  std::vector<Brought> brought = {};
+  std::vector<Earlier> earlier = {};
   /// Why judgement rejected it.
   std::optional<model::RejectReason> rejected;
   SteadyTime arrived;

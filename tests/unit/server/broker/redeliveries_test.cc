@@ -49,7 +49,7 @@ TEST(Redeliveries, ANewMessageEndsWhatItsIdMeant) {
   known.AddWaiting({.number = second, .packet_id = 7, .digest = Digest(2)}, 4);
   known.Commit(7, first);
   EXPECT_EQ(known.Find(7, Digest(2)).known, kWaits) << "the commit was the older one's";
-  known.End(7);
+  known.Expire(7);
   EXPECT_EQ(known.Find(7, Digest(2)).known, kNo);
 }
 
@@ -164,9 +164,9 @@ TEST(Redeliveries, IdsThatNobodyRemembersGoRoundToo) {
   const std::uint64_t number = known.NextNumber();
   known.AddWaiting({.number = number, .packet_id = 1, .digest = Digest(1)}, 3);
   known.Commit(1, number);
-  known.End(2);
+  known.Expire(2);
   EXPECT_EQ(known.Find(1, Digest(1)).known, kSettled);
-  known.End(3);
+  known.Expire(3);
   EXPECT_EQ(known.Find(1, Digest(1)).known, kNo);
 }
 
@@ -218,11 +218,11 @@ TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
   EXPECT_THAT(known.TakeExpired(), IsEmpty());
   known.AddSettled(1, Digest(2), {.stream = 3});
   known.AddSettled(1, Digest(3), {.stream = 3});
-  known.End(2);
+  known.Expire(2);
   // These are remembered themselves.
   known.AddSettled(3, Digest(2), {.stream = 3});
   static_cast<void>(known.Number(3, {3}));
-  known.End(4);
+  known.Expire(4);
   commit(4);
   EXPECT_THAT(known.TakeExpired(),
               ElementsAre(storage::Delivery{.number = 7, .packet_id = 1, .digest = {}},
@@ -240,7 +240,7 @@ TEST(Redeliveries, SayWhatIsOverThatTheStoreKnows) {
 TEST(Redeliveries, WhatWaitsWhenItsIdIsTakenIsOverToo) {
   Redeliveries known(9);
   known.AddWaiting({.number = known.NextNumber(), .packet_id = 7, .digest = Digest(1)}, 3);
-  known.End(7);
+  known.Expire(7);
   EXPECT_THAT(known.TakeExpired(),
               ElementsAre(storage::Delivery{.number = 2, .packet_id = 7, .digest = {}}))
       << "it counts more than what is committed later";
