@@ -165,7 +165,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "before "
      "the first time."},
     {kForwardHeard, "uplinkd_forward_heard_total", kCounter, "times",
-     "Times that other servers on the store told of their commits; several at once may be one."},
+     "Notices of commits by other servers on the store; several at once may count as one."},
     {kForwardListenFailing, "uplinkd_forward_listen_failing", kGauge, "0 or 1",
      "1 while other servers are neither heard nor told: what one commits reaches the others' "
      "robots "
@@ -194,7 +194,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kUnfinishedEnds, "uplinkd_unfinished_frame_ends_total", kCounter, "streams",
      "Streams that ended as the first to have begun, with that memory used up."},
     {kAcceptPauses, "uplinkd_accept_pauses_total", kCounter, "pauses",
-     "Times that the relay accepted nobody for 100 ms, for lack of descriptors or memory."},
+     "Times that the relay accepted no connection for 100 ms, for lack of descriptors or memory."},
     {kFinishTimeouts, "uplinkd_finish_timeouts_total", kCounter, "streams",
      "Streams that were cancelled because the peer did not take their end."},
     {kWakes, "uplinkd_relay_wakes_total", kCounter, "wakes",
@@ -260,18 +260,18 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Commits that the database answered with a warning: whether they are durable is unknown, and"
      " they are tried again."},
     {kStoreWentBack, "uplinkd_store_went_back_robots_total", kCounter, "robots",
-     "Robots of which the store, connected to anew, lacked commits that it had confirmed: a"
-     " failover to a standby that lagged. What they still hold is stored again."},
+     "Robots for which the store, after a reconnect, lacked commits that it had confirmed: a"
+     " failover to a standby that lagged. What the robots still hold is stored again."},
     {kStoreOldestSnapshot, "uplinkd_store_oldest_snapshot_seconds", kGauge, "seconds",
-     "How long another transaction, a replication slot or a prepared transaction has kept the "
-     "database from removing dead rows, as far as this process saw; with SQLite how long another "
-     "connection has kept the WAL from being moved into the file."},
+     "How long this process has seen another transaction, a replication slot or a prepared "
+     "transaction keep the database from removing dead rows; with SQLite how long it has seen "
+     "another connection keep the WAL from being moved into the file."},
     {kStoreFreeBytes, "uplinkd_store_free_bytes", kGauge, "bytes",
      "What the store may still write: free on its disk, with SQLite in its files too, less what "
      "moving the WAL will take. Not there where it cannot be known."},
     {kStoreFreeMinBytes, "uplinkd_store_free_min_bytes", kGauge, "bytes",
-     "What is to be free (store.free_min); below that some robots are slowed down, below half of "
-     "that nothing is stored."},
+     "What must stay free (store.free_min): below it some robots are slowed down, below half of "
+     "it nothing is stored."},
     {kStoreDiskBytes, "uplinkd_store_disk_bytes", kGauge, "bytes", "The size of the store's disk."},
     {kStoreWalBytes, "uplinkd_store_wal_bytes", kGauge, "bytes",
      "With SQLite: the file of its WAL. It grows while another connection reads an old state."},
@@ -308,7 +308,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kRcanRobotsLeftOut, "uplinkd_rcan_robots_left_out", kGauge, "robots",
      "Robots that the last scrape of /metrics/robots had no room for."},
     {kRcanRobotsIncomplete, "uplinkd_rcan_robots_incomplete", kGauge, "robots",
-     "Robots of which the last scrape of /metrics/robots left out some series, not all."},
+     "Robots that the last scrape of /metrics/robots showed without some of their series."},
     {kRcanSeriesLeftOut, "uplinkd_rcan_series_left_out_total", kCounter, "series",
      "Series that scrapes left out of a robot that they show, at each scrape again, by the bound "
      "of "
@@ -324,7 +324,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Age of the last sign that the relay listener answers; /livez fails above 60."},
     {kRelayBehind, "uplinkd_relay_behind", kGauge, "0 or 1",
      "1 from a handshake with the relay that takes more than 3 s, or from a standstill of the "
-     "process, until one that began afterwards takes 1 s at most: nobody goes offline meanwhile."},
+     "process, until one that began afterwards takes 1 s at most. No robot goes offline "
+     "meanwhile."},
     {kStandstills, "uplinkd_standstills_total", kCounter, "standstills",
      "Times the process stood still, suspends of its machine too: more than 3 s lay between two of"
      " its looks at presence."},

@@ -15,8 +15,8 @@ namespace uplink::metrics {
   return kind == kRcanKind ? "rcanRobotState" : model::ToText(static_cast<model::Variant>(kind));
 }
 
-/// Telemetry: the kinds of which the latest is enough, so that what is over the rate of its robot
-/// is superseded undecoded.
+/// Telemetry: kinds whose latest message is enough. What exceeds the robot's rate is superseded
+/// undecoded.
 inline constexpr auto kTelemetryKinds = std::to_array<std::size_t>(
     {static_cast<std::size_t>(model::Variant::kMotionTelemetry),
      static_cast<std::size_t>(model::Variant::kStatusTelemetry),
