@@ -18,7 +18,7 @@ using Verdict = std::variant<model::Record, model::Rejection>;
 /// What judging one payload found. A value.
 struct Judgement {
   Verdict verdict;
-  /// The union member, once the payload decoded as far as that.
+  /// The union member, if decoding got to it.
   std::optional<model::Variant> variant;
   /// A motion or status message that decoded, whatever the rules said of it.
   bool sign_of_life = false;

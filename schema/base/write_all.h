@@ -36,8 +36,8 @@ struct WriteWait {
 /// Thread: any. Safe where memory is short: it allocates nothing.
 [[nodiscard]] Written WriteAll(int descriptor, std::string_view text, const WriteWait& wait);
 
-/// How long the last words wait for the reader of standard error: a process that is about to abort
-/// must not wait for ever for a pipe that nobody reads.
+/// How long the last words wait for the reader of standard error. A process that is about to abort
+/// must not wait for ever for a pipe without a reader.
 inline constexpr milliseconds kLastWordsWait{2000};
 
 /// Writes to standard error why the process aborts, PIPE_BUF bytes at most. Whatever a log still

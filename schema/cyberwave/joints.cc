@@ -155,7 +155,7 @@ bool IsFlatJoint(const js::key_value_pair& member) {
   return member.value().is_number() && !Contains(kNoJoints, name) && !Contains(kSetpoints, name);
 }
 
-/// The positions in a map of which `is_joint` says what is one.
+/// The positions in a map; `is_joint` says which members are joints.
 template <typename IsJoint>
 std::vector<Joint> PositionsOf(Violations& violations, const Path& path, const js::object& map,
                                const Names& prismatic, IsJoint is_joint) {

@@ -89,12 +89,12 @@ Body BodyOf(const Topic& topic, Reader& in, js::object& object, const JudgeTerms
     case TopicKind::kDepth:
     case TopicKind::kPointcloud:
     case TopicKind::kOther:
-      break;  // nobody looks into these
+      break;  // not read
   }
   return {};
 }
 
-/// A command keeps nothing but how many joints it is about.
+/// A command keeps only how many joints it is about.
 Body CommandedOf(const Body& body) {
   Commanded commanded;
   if (const auto* joints = std::get_if<Joints>(&body)) {
@@ -159,7 +159,7 @@ void JudgeText(Judgement& judgement, std::string_view payload, const JudgeTerms&
   JudgeObject(judgement, reading, terms);
 }
 
-/// The verdict of what nobody looks into; nothing for other messages.
+/// The body of a message that is judged without being read; nothing for other messages.
 std::optional<Body> UnreadBody(const Topic& topic, std::size_t bytes) {
   switch (topic.kind) {
     case TopicKind::kWebrtcOffer:

@@ -32,7 +32,7 @@ struct Judgement {
   /// What the message is, by its topic and by what it says; by its topic alone if it is no JSON
   /// object.
   MessageClass message_class = MessageClass::kOther;
-  /// As far as it could be read, also of a message that is rejected.
+  /// What could be read of it, also if the message is rejected.
   model::cyberwave::Head head;
   std::variant<model::cyberwave::Body, model::Rejection> verdict;
   /// Invalid fields that a live message goes without: the first ones (schema::kToldFieldsMax).
@@ -83,8 +83,8 @@ struct TopicJudgement {
 [[nodiscard]] Judgement JudgePayload(TopicJudgement&& judged, std::string_view payload,
                                      const JudgeTerms& terms);
 
-/// The same for a payload of `bytes` of which nothing was kept: media are counted, signalling too,
-/// and other messages are judged by their size alone, which is over the limit.
+/// The same for a payload of `bytes` that was not kept: media and signalling are counted, other
+/// messages are judged by their size alone, which is over the limit.
 [[nodiscard]] Judgement JudgeUnread(std::string_view topic, std::size_t bytes,
                                     const JudgeTerms& terms);
 

@@ -6,13 +6,13 @@
 /// schema/limits.h.
 namespace uplink::cyberwave {
 
-/// Bytes of one message; media may be larger, since nobody looks into them.
+/// Bytes of one message; media may be larger, since they are not read.
 inline constexpr std::size_t kMessageBytesMax = std::size_t{64} * 1024;
 /// Depth of a message's objects and lists.
 inline constexpr std::size_t kDepthMax = 32;
-/// Depth of what is shown in the sender's own form. A level costs protobuf up to three messages, of
-/// which its parsers take 100 in all: with what encloses it in a page of robots 30 levels would do,
-/// and 28 where that page is JSON (measured: 3.21). The rest is for whoever encloses such a page.
+/// Depth of what is shown in the sender's own form. A level costs up to three nested messages of
+/// protobuf, whose parsers take 100: inside a page of robots 30 levels would fit, and 28 where that
+/// page is JSON (measured: 3.21). The rest is for programs that enclose such a page.
 inline constexpr std::size_t kShownDepthMax = 24;
 static_assert(kShownDepthMax < kDepthMax);
 /// Joints of one message; wanted values of each of its maps.

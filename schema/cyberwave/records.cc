@@ -32,7 +32,7 @@ model::MessageLevel LevelOf(cw::LogLevel level) {
   return model::MessageLevel::kInfo;
 }
 
-/// What people are told of a run: the vendor's word too, if ours does not say it.
+/// The text that people read about a run: with the vendor's word if ours does not say it.
 std::optional<std::string> TextOf(cw::RunStatus&& run) {
   if (run.status != model::MissionStatus::kUnknown) {
     if (run.message.empty()) return std::nullopt;

@@ -21,7 +21,7 @@ struct Topic {
   MessageClass message_class = MessageClass::kOther;
   /// The configured one that it stands under; empty too for kOther.
   std::string prefix;
-  /// Whether id and name were good; otherwise it is nobody's.
+  /// Whether id and name were good; otherwise the message belongs to no robot.
   bool identified = false;
   /// The twin, the environment or the workflow run; not of a ping, nor of kOther.
   model::cyberwave::Uuid id;
@@ -50,9 +50,9 @@ struct TopicReading {
 [[nodiscard]] TopicReading ParseTopic(std::string_view topic,
                                       std::span<const std::string> prefixes);
 
-/// The topic as rows and logs may have it, of which `read` is the reading: as it was published; of
-/// what may not be kept (MayBeKept) with a `?` for an id that is no UUID, since nobody knows what
-/// stands there; `other` of a topic that is none of ours. Pure.
+/// The topic as rows and logs may have it, from its reading `read`: as it was published; if it may
+/// not be kept (MayBeKept), with a `?` for an id that is no UUID, which could be anything; `other`
+/// for a topic that is none of ours. Pure.
 [[nodiscard]] std::string KeptTopic(std::string_view topic, const Topic& read);
 
 }  // namespace uplink::cyberwave

@@ -14,7 +14,7 @@
 namespace uplink::schema {
 namespace {
 
-/// Names of one list, each of which may stand once, as it is kept.
+/// Names of one list, as they are kept; each may occur once.
 class UniqueKeys {
  public:
   std::string Required(Violations& violations, const Path& path, std::string_view key,

@@ -19,7 +19,7 @@ namespace uplink::schema {
 [[nodiscard]] model::AssetIdentity DecodeIdentity(wire::AssetIdentity::Reader in, const Path& path,
                                                   Violations& violations);
 
-/// All of an area that does not depend on whether a robot reports it or is told of it.
+/// What an area that a robot reports and one that a robot receives have in common.
 template <typename Out, typename In>
 [[nodiscard]] Out DecodeArea(In in, const Path& path, Violations& violations) {
   Out out;

@@ -11,7 +11,7 @@
 
 namespace uplink::model {
 
-/// What an area means to the robots that are told of it. Those from kCoverage on are the roles in
+/// What an area means to the robots that receive it. Those from kCoverage on are the roles in
 /// which robots report areas; we send no other.
 enum class LayerRole : std::uint16_t {
   kAllowedArea = 0,

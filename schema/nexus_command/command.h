@@ -11,7 +11,7 @@
 #include "schema/model/layer_role.h"
 #include "schema/model/spatial.h"
 
-/// What robots are told of the shapes and objects of others: NexusCommands of generation 0.1.
+/// What robots receive about the shapes and objects of others: NexusCommands of generation 0.1.
 namespace uplink::nexus_command {
 
 /// The raw bytes of a UUID.
@@ -21,7 +21,7 @@ using CommandId = std::array<std::uint8_t, 16>;
 [[nodiscard]] CommandId RandomCommandId(const std::function<std::uint64_t()>& random);
 
 /// The id by which other robots know an item: `<id>@<origin RURI>`. Robots may choose the same ids,
-/// and a command names nothing but an id.
+/// and a command names only an id.
 [[nodiscard]] std::string ForwardedId(std::string_view id, std::string_view origin_ruri);
 
 /// The id by which the origin knows the item: what is before `@<origin RURI>`. Nothing if the
@@ -30,7 +30,7 @@ using CommandId = std::array<std::uint8_t, 16>;
 [[nodiscard]] std::optional<std::string_view> OriginalId(std::string_view forwarded_id,
                                                          std::string_view origin_ruri);
 
-/// A shape as robots are told of it: a ReportedShape without its expiry. A value.
+/// A shape as robots receive it: a ReportedShape without its expiry. A value.
 struct Shape {
   model::AssetIdentity identity;
   model::ShapeData data;

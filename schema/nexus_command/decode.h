@@ -8,8 +8,8 @@
 
 namespace uplink::nexus_command {
 
-/// Reads one serialized NexusCommand: standard stream framing, not packed. For whoever plays a
-/// robot: the synthetic fleet and the tests.
+/// Reads one serialized NexusCommand: standard stream framing, not packed. For programs that play
+/// a robot: the synthetic fleet and the tests.
 ///
 /// Errors:  kInvalidArgument, in words, for what is no well-formed command, for a member that the
 ///          server does not send, and for content that no robot could have reported. No input makes

@@ -119,7 +119,7 @@ std::vector<model::RcanJoint> JointsOf(Members& state, const Path& root, Violati
   return joints;
 }
 
-/// Whether the state is of this robot, as far as it says so; reports if it is not.
+/// Whether the state names this robot as its sender. Reports a violation if it does not.
 bool CheckRuri(Members& state, const Path& root, std::string_view ruri, Violations& violations) {
   // As it was sent: it is compared, and not kept.
   const std::optional<std::string_view> said = state.String("ruri", Need::kMust);

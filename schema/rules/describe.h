@@ -10,8 +10,8 @@
 
 namespace uplink::schema {
 
-/// A violation as it was found, not yet in words: nobody reads those of most violations that follow
-/// the first ones of a message. It refers to its path and texts, and must not outlive them. A
+/// A violation as it was found, not yet in words: most that follow the first ones of a message are
+/// only counted. It refers to its path and texts, and must not outlive them. A
 /// value.
 struct Violation {
   model::RejectReason reason;

@@ -34,7 +34,7 @@ class SpareTexts final {
   std::array<std::string, 2> texts_;
 };
 
-/// Whether what is told of violations may quote the message.
+/// Whether the text about violations may quote the message.
 enum class Telling : std::uint8_t { kQuoted, kUnquoted };
 
 /// What was found while one message was judged: the rejection if there is one, the fields dropped,
@@ -79,7 +79,7 @@ class Violations final {
     }
   }
 
-  /// For a live message of which nothing is left: rejects it for the first violation, if violations
+  /// For a live message that is empty by now: rejects it for the first violation, if violations
   /// are the cause (a message that came empty is good).
   void RejectIfAnyDropped() {
     if (!dropped_.empty() && !rejection_) rejection_ = dropped_.front();

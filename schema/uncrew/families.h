@@ -48,7 +48,7 @@ namespace v1 = ::uncrew::v1;
 [[nodiscard]] model::uncrew::Error Read(Reader& in, const v1::TelemetryError& from);
 [[nodiscard]] model::uncrew::ConnectionEvent Read(Reader& in,
                                                   const v1::TelemetryConnectionEvent& from);
-/// Of which command stands beside it.
+/// The command is a field of its own, beside `from`.
 [[nodiscard]] model::uncrew::CommandResult Read(Reader& in, const v1::ProcedureStatus& from);
 [[nodiscard]] model::uncrew::Alerts Read(Reader& in, const v1::Alerts& from);
 [[nodiscard]] model::uncrew::OperatorRequests Read(Reader& in,

@@ -14,7 +14,7 @@ namespace uplink::uncrew {
 /// What judging one request found. A value.
 struct Judgement {
   model::uncrew::SampleType type{};
-  /// As far as it could be read, also of a request that is rejected. Whether its sender may speak
+  /// What could be read of it, also if the request is rejected. Whether its sender may speak
   /// for `uav_id` is not judged here.
   model::uncrew::Metadata metadata;
   std::variant<model::uncrew::Value, model::Rejection> verdict;

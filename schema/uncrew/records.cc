@@ -29,7 +29,7 @@ model::MessageLevel LevelOf(uc::StatusTextLevel level) {
                                                 : model::MessageLevel::kError;
 }
 
-/// What people are told of an alert: its drone's words, or what it is about.
+/// The text that people read about an alert: its drone's words, or what it is about.
 std::string DescriptionOf(const uc::Alert& alert) {
   if (!alert.text.empty()) return alert.text;
   if (!alert.condition.empty()) return alert.condition;
@@ -77,7 +77,7 @@ void ForEachNotIn(const std::vector<Item>& others, const std::vector<Item>& item
   }
 }
 
-// Whether a change to it is to be told: what is not known is no change.
+// Whether a change to it is reported: a change to "unknown" is not.
 bool SaysSomething(const uc::Armed& body) { return body.is_armed.has_value(); }
 bool SaysSomething(const uc::FlightMode& /*body*/) { return true; }
 bool SaysSomething(const uc::UncrewFlightMode& body) { return !body.mode.empty(); }

@@ -105,7 +105,7 @@ struct SetRules {
   std::string_view id;
 };
 
-/// The items of a set, each by `read`, no two of which `id_of` calls the same.
+/// The items of a set, each by `read`; no two have the same `id_of`.
 template <typename List, typename ReadItem, typename IdOf>
 auto ReadSet(Reader& in, const List& from, const SetRules& rules, ReadItem read, IdOf id_of) {
   std::vector<std::invoke_result_t<ReadItem, Reader&, typename List::const_reference>> items;

@@ -26,13 +26,13 @@ struct Commanded {
   friend bool operator==(const Commanded&, const Commanded&) = default;
 };
 
-/// An offer, an answer or a candidate of WebRTC. It carries secrets, so nobody looks into it. A
+/// An offer, an answer or a candidate of WebRTC. It carries secrets, so it is not read. A
 /// value.
 struct Signalling {
   friend bool operator==(const Signalling&, const Signalling&) = default;
 };
 
-/// A depth frame or a point cloud, which nobody looks into. A value.
+/// A depth frame or a point cloud, which is not read. A value.
 struct Media {
   std::size_t bytes = 0;
 

@@ -57,7 +57,7 @@ struct DistanceSensor {
 
 enum class GimbalControlMode : std::int32_t {};
 
-/// Who controls a gimbal: MAVLink's ids, 0 for nobody. A value.
+/// Who controls a gimbal: MAVLink's ids, 0 for none. A value.
 struct GimbalControlStatus {
   /// `gimbal_id`.
   std::int64_t key = 0;
