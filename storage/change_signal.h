@@ -12,8 +12,8 @@ inline constexpr milliseconds kTellEvery{10};
 /// How processes that share a store wake each other once there may be changes to read
 /// (SharedItems).
 ///
-/// It says nothing of what changed, and may miss a telling while the store is away: whoever waits
-/// for it looks by itself now and then as well.
+/// It does not say what changed, and may miss a signal while the store is away, so the one who
+/// waits also looks by itself now and then.
 ///
 /// Errors: of Wait: others are neither told nor heard until a later Wait succeeds. What Tell asked
 ///         for meanwhile is told then.
@@ -22,9 +22,9 @@ class ChangeSignal {
  public:
   virtual ~ChangeSignal() = default;
 
-  /// Something was committed that the others may want to read. Wait sends it; nobody waits here.
+  /// Something was committed that the others may want to read. Does not block: Wait sends it.
   virtual void Tell() = 0;
-  /// Sends what is to be told. True as soon as another process has told, false after `most` or End.
+  /// Sends what Tell noted. True as soon as another process has told, false after `most` or End.
   [[nodiscard]] virtual absl::StatusOr<bool> Wait(milliseconds most) = 0;
   /// Ends the Wait under way and each later one at once; a call to the store still takes its time.
   virtual void End() = 0;

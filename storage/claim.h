@@ -18,7 +18,7 @@ namespace uplink::storage {
 /// Requests of one call of Store::ClaimDrones: each returns up to kSampleTypesMax rows.
 inline constexpr std::size_t kClaimsMax = 100;
 
-/// A drone calls this process: its samples are to be committed by it from now on.
+/// A drone calls this process, which wants to commit its samples from now on.
 struct ClaimRequest {
   RobotRef robot;
   SystemTime at;
@@ -45,7 +45,7 @@ struct ClaimResult {
   Epoch held_since = 0;
   /// Nothing if the store has no change of the robot's presence.
   std::optional<StoredPresence> presence;
-  /// Of which kinds the store has a latest message of the robot, of any process.
+  /// The kinds whose latest message of the robot the store has, from any process.
   LatestKindSet latest_kinds = 0;
   /// What is remembered of the drone's samples, by type, ascending; of types without any, nothing.
   std::vector<SampleMemory> samples;

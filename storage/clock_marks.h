@@ -18,7 +18,7 @@ struct ClockReading {
 };
 
 /// The mark of civil time in a store, one for all servers that share it, over a connection of its
-/// own: a commit that takes long keeps nobody from judging the clock.
+/// own, so that a commit that takes long does not delay judging the clock.
 ///
 /// Errors: as in Store: a status means that nothing of the call is known.
 /// Thread: confined to one thread at a time.

@@ -5,7 +5,7 @@
 namespace uplink::storage {
 
 /// Whether civil time may decide that something is over. A clock that jumps ahead makes everything
-/// look old; so while nobody vouches for it nothing is deleted, forgotten or taken for expired.
+/// look old; so until the clock is vouched for, nothing is deleted, forgotten or taken for expired.
 ///
 /// Thread: thread-safe. It is asked each time, since the answer changes while the server runs.
 class ClockTrust {
@@ -18,7 +18,7 @@ class ClockTrust {
   [[nodiscard]] virtual bool VouchesFor(SystemTime time) const = 0;
 };
 
-/// Null is a part that nobody gave a judgement of its clock: a test, whose time is what it says.
+/// Null is a part without a judgement of its clock: a test, whose time is what it says.
 [[nodiscard]] inline bool Vouches(const ClockTrust* trust, SystemTime time) {
   return trust == nullptr || trust->VouchesFor(time);
 }

@@ -59,8 +59,8 @@ struct KnownSession {
   SystemTime last_used;
 };
 
-/// What a store knows of the robots of a batch, as far as a decision asks for it. Each answer takes
-/// in what was decided before in the same batch: a store writes a record, or notes it, before the
+/// What a store knows of the robots of a batch and a decision asks for. Each answer includes what
+/// was decided before in the same batch: a store writes a record, or notes it, before the
 /// next one is decided.
 ///
 /// Errors: the store's own; they end the batch.
@@ -86,7 +86,7 @@ class Known {
   [[nodiscard]] virtual absl::StatusOr<KnownRobot::RequestIds> OpenRequests(
       std::string_view ruri) = 0;
 
-  /// The epoch of the client id's lease on topics, which nobody takes until the batch ends; 0: this
+  /// The epoch of the client id's lease on topics, which stays ours until the batch ends; 0: this
   /// process has none.
   [[nodiscard]] virtual absl::StatusOr<Epoch> LeaseEpoch(std::string_view client_id) = 0;
 
@@ -122,9 +122,9 @@ struct Ruling {
 /// it asks for the next:
 ///
 /// 1. Look: the record is fenced, or was there before: that is its outcome, and nothing is written.
-///    Nobody holds a robot that the store does not know: what comes of it is fenced. So is what
-///    came under a lease that another took. What is of a sample is decided by its mark, once for
-///    all records of the sample; the memory of its type takes it in then.
+///    A robot that the store does not know has no holder, so its records are fenced. So is what
+///    came under a lease that another took. Records of a sample are decided by its mark, once for
+///    all of them; the memory of its type takes it in then.
 /// 2. Otherwise it is new, and the session's cursor is its number now. A QuarantineItem goes to
 ///    quarantine, a LimitedRange to the kept Rejects, and is stored.
 /// 3. A good record is held against the bounds (Judge). It is written, or its rejection goes to
@@ -147,9 +147,9 @@ class Decider final {
   /// What becomes of the batch's deliveries, once `outcomes` has those of its records.
   [[nodiscard]] absl::StatusOr<DeliveryChanges> Remember(const Batch& batch,
                                                          std::span<const Outcome> outcomes);
-  /// Whether the gap is to be written: false if it is fenced.
+  /// Whether to write the gap: false if it is fenced.
   [[nodiscard]] absl::StatusOr<bool> Takes(const GapItem& gap);
-  /// What becomes of a change of presence; kStored is to be written. `session` numbers it.
+  /// What becomes of a change of presence: the caller writes kStored ones. `session` numbers it.
   [[nodiscard]] absl::StatusOr<OutcomeKind> Decide(const PresenceItem& item, KnownSession& session);
 
  private:

@@ -19,7 +19,7 @@ namespace uplink::storage {
 }
 
 /// By when a shape or object must have expired at `now` to be over for the store, Unix
-/// milliseconds: nothing is while nobody vouches for the clock.
+/// milliseconds: nothing is until the clock is vouched for.
 [[nodiscard]] inline std::int64_t ExpiredByMs(SystemTime now, const StoreRules& rules) {
   return Vouches(rules.clock, now) ? UnixMs(now) : 0;
 }

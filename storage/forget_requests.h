@@ -18,8 +18,8 @@ namespace uplink::storage {
 
 /// Requests that one answer of Pending names: the latest.
 inline constexpr std::size_t kForgetRequestsMax = 100;
-/// A request without an answer is asked for no longer than this, so that nothing happens long after
-/// whoever asked has left.
+/// A request without an answer lapses after this, so that nothing happens long after the program
+/// that asked has left.
 inline constexpr std::chrono::minutes kForgetRequestLives{1};
 /// So long servers are told that a robot is gone; one that was cut off for longer finds it missing.
 inline constexpr std::chrono::hours kForgottenTold{24};
@@ -49,7 +49,7 @@ struct PendingForget {
   std::uint64_t number = 0;
   std::string ruri;
   bool end_stream = false;
-  /// The robot's rows are gone, or whoever asked gave up: nobody waits for an answer.
+  /// The robot's rows are gone, or the program that asked gave up: no answer is needed.
   bool finished = false;
   /// Of a finished one: the robot's rows were removed, though it may have a row again. False of
   /// those that an earlier build finished.
@@ -67,14 +67,14 @@ class ForgetRequests {
  public:
   virtual ~ForgetRequests() = default;
 
-  // --- Whoever asks for it ---
+  // --- The program that asks ---
 
   /// Asks the holder to let go of the robot. Returns the request's number.
   [[nodiscard]] virtual absl::StatusOr<std::uint64_t> Ask(std::string_view ruri,
                                                           bool end_stream) = 0;
   [[nodiscard]] virtual absl::StatusOr<AnsweredForget> AnswerTo(std::uint64_t number) = 0;
-  /// Nobody waits for an answer any more: the robot's rows were removed, or (`removed` is false)
-  /// whoever asked gave up. Takes the place of the answer.
+  /// No answer is needed any more: the robot's rows were removed, or (`removed` is false) the
+  /// program that asked gave up. Takes the place of the answer.
   [[nodiscard]] virtual absl::Status Finish(std::uint64_t number, bool removed) = 0;
 
   // --- Servers ---

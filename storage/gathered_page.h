@@ -28,7 +28,7 @@ struct GatheredPage {
 };
 
 /// The page after that item: shapes, then objects. `gather` is a template over the list: it adds
-/// what comes after a key, as far as there is room.
+/// what comes after a key, until the page is full.
 template <typename Gather>
 [[nodiscard]] absl::StatusOr<SharedPage> GatherPage(const std::optional<ItemKey>& after,
                                                     const Gather& gather) {

@@ -9,7 +9,7 @@
 
 namespace uplink::storage {
 
-/// The kinds of which the store keeps a robot's latest.
+/// The kinds whose latest message the store keeps for each robot.
 enum class LatestKind : std::uint8_t { kAgentInfo = 0, kSettings = 1, kUiCapabilities = 2 };
 inline constexpr std::size_t kLatestKinds = 3;
 inline constexpr std::array<LatestKind, kLatestKinds> kEachLatestKind = {

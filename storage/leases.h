@@ -24,7 +24,7 @@ inline constexpr std::uint32_t kForeignRobotsMax = 1'000;
 inline constexpr std::uint32_t kLeasesMax = 1'000;
 /// Characters of a card's texts that are read.
 inline constexpr std::uint32_t kCardTextMax = 256;
-/// A lease that nobody renewed for so long goes, once its process holds no robot.
+/// A lease that was not renewed for so long goes, once its process holds no robot.
 inline constexpr std::chrono::hours kLeaseKept{24};
 
 /// How a process presents itself to the others. A value.

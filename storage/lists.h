@@ -15,7 +15,7 @@
 ///
 /// Reader, the readers of both stores, tokens, the tables that a batch fills and what goes for its
 /// age are made from these rows, in this order. A new one also needs its row's struct, a table, a
-/// migration of each store, and a route for whoever asks.
+/// migration of each store, and a route of the HTTP API.
 #define UPLINK_LISTS(LIST)                                                          \
   /* Faults that are active now, one row per fault. */                              \
   LIST(FaultsActive, 1, FaultRow, HistoryQuery, kWhilePresent)                      \

@@ -68,7 +68,7 @@ struct OpenResult {
   std::size_t rejects_total = 0;
   /// Nothing if the store has no change of the robot's presence.
   std::optional<StoredPresence> presence;
-  /// Of which kinds the store has a latest message of the robot, of any process.
+  /// The kinds whose latest message of the robot the store has, from any process.
   LatestKindSet latest_kinds = 0;
 };
 

@@ -121,7 +121,7 @@ struct RobotRow {
   /// When that change was; means nothing without one.
   SystemTime presence_since;
   /// The session that was used last; of several at one time, the one with the highest id. It is
-  /// settled up to its last committed durable number, or as far as the last checkpoint says.
+  /// settled up to its last committed durable number, or up to where the last checkpoint says.
   std::optional<SettledSession> last_session;
   /// The process that opened its last stream, or adopted it.
   ProcessId holder{};

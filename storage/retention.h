@@ -15,7 +15,7 @@ namespace uplink::storage {
 struct Swept {
   /// Shapes and objects that had expired.
   std::size_t items = 0;
-  /// Changes of shared items that nobody needs any more (shared_items.h).
+  /// Changes of shared items that no reader needs any more (shared_items.h).
   std::size_t changes = 0;
 };
 
@@ -23,7 +23,7 @@ struct Swept {
 struct Trimmed {
   /// Rows that went; index: RejectReason.
   std::array<std::size_t, model::kRejectReasons + 1> dropped{};
-  /// Places in the request of robots of which kTrimRowsMax rows went: there may be more.
+  /// Places in the request of robots that lost kTrimRowsMax rows: there may be more.
   std::vector<std::size_t> unfinished;
 };
 

@@ -41,7 +41,7 @@ struct SampleMark {
   /// The record is no sample: it asks whether the claim holds. kDuplicate if it does; nothing is
   /// written, and nothing else here counts.
   bool is_question = false;
-  /// What is to be remembered with it as the last of its type. The bytes are the server's own, and
+  /// What to remember with it as the last of its type. The bytes are the server's own, and
   /// mean nothing to a store; at most kSampleLastBytesMax.
   std::string last;
 };

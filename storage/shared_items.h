@@ -29,20 +29,20 @@ namespace uplink::storage {
 inline constexpr std::size_t kChangesReadMax = 4'096;
 /// Items that one answer of SharedItems::Page has at most.
 inline constexpr std::size_t kSharedPageMax = 1'000;
-/// Changes of each writer that Store::Sweep leaves: whoever is further behind reads all anew.
+/// Changes of each writer that Store::Sweep leaves: a reader further behind reads all anew.
 inline constexpr std::size_t kChangesKept = 65'536;
 /// Changes that one call of Store::Sweep deletes: it must not hold up a commit.
 inline constexpr std::size_t kChangesSweptMax = 32'768;
 /// A writer that changed nothing for so long, by the store's own clock, goes with its changes.
 inline constexpr std::chrono::hours kChangeWriterKept{24};
-/// Whoever did not read for so long reads all anew: a writer may have come and gone meanwhile. An
+/// A reader that paused for so long reads all anew: a writer may have come and gone meanwhile. An
 /// hour less than writers are kept, since a change is noted a while before its commit.
 inline constexpr std::chrono::hours kChangesReadWithin{23};
 
 /// The kinds of items, in the order of their keys.
 inline constexpr std::array kItemKinds = {PresentKind::kShape, PresentKind::kObject};
-/// By which number a kind of items stands in a row of changes, as the triggers of both stores write
-/// it; nothing for a kind of which nobody else is told.
+/// The number of a kind of items in a row of changes, as the triggers of both stores write it;
+/// nothing for a kind that is not shared.
 [[nodiscard]] constexpr std::optional<std::int64_t> ItemNumberOf(PresentKind kind) {
   switch (kind) {
     case PresentKind::kShape:
@@ -102,7 +102,7 @@ struct SharedItem {
   [[nodiscard]] std::int64_t expires_at_ms() const;
 };
 
-/// Whoever writes changes one after the other: a session with the database. No two ever have one
+/// What writes changes one after the other: a session with the database. No two ever have one
 /// id.
 using WriterId = std::array<std::uint8_t, 16>;
 

@@ -75,9 +75,9 @@ class Store {
   ///
   /// A record with a SampleMark is decided by that alone, once for all records of its sample, and
   /// has no cursor: kFenced for all unless this process has the drone's claim of exactly that
-  /// epoch, whoever holds the robot; kDuplicate for all if the sample was stored before; else each
-  /// is written, or its quarantine row where a bound or the database refuses it alone, and the
-  /// sample is remembered.
+  /// epoch; who holds the robot does not matter. kDuplicate for all if the sample was stored
+  /// before. Otherwise each is written, or its quarantine row where a bound or the database refuses
+  /// it alone, and the sample is remembered.
   ///
   /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
   /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and
@@ -91,35 +91,33 @@ class Store {
   [[nodiscard]] virtual absl::StatusOr<std::vector<Outcome>> Commit(const Batch& batch) = 0;
 
   /// Deletes shapes and objects that expired kExpiredKept before `now` or earlier, at most
-  /// kSweepRowsMax of each; none while nobody vouches for `now` (StoreRules.clock). Also deletes
+  /// kSweepRowsMax of each; none until `now` is vouched for (StoreRules.clock). Also deletes
   /// changes beyond kChangesKept of each writer, at most kChangesSweptMax, and writers after
   /// kChangeWriterKept (shared_items.h); those go by no clock of ours. More may be left when as
   /// many went as may.
   [[nodiscard]] virtual absl::StatusOr<Swept> Sweep(SystemTime now) = 0;
 
   /// Closes mission runs that were left open and not reported for kOpenRunAgeMax before `now`, at
-  /// most kSweepRowsMax. Returns how many; more may be left when it is as many as that. None while
-  /// nobody vouches for `now` (StoreRules.clock).
+  /// most kSweepRowsMax. Returns how many; more may be left when it is as many as that. None until
+  /// `now` is vouched for (StoreRules.clock).
   [[nodiscard]] virtual absl::StatusOr<std::size_t> CloseRuns(SystemTime now) = 0;
 
   /// How many mission runs Commit closed for kOpenRunsPerRobotMax since the last call.
   [[nodiscard]] virtual std::size_t TakeRunsClosed() = 0;
 
-  /// Brings the quarantine of these robots to kQuarantineRowsPerRobotMax, as far as rows may go: of
-  /// each the oldest of sessions that are not kept, then the oldest at or below what the Hellos of
-  /// their sessions said is settled, or that did not come by the relay; no other, however many
-  /// there are. At most kTrimRowsMax of a
+  /// Trims the quarantine of these robots to kQuarantineRowsPerRobotMax. Only these rows go: first
+  /// a robot's oldest of sessions that are not kept, then its oldest at or below what the Hellos of
+  /// their sessions said is settled, or that did not come by the relay. At most kTrimRowsMax of a
   /// robot per call. How many went for which reason stays (Reader::QuarantineDropped). Goes by no
   /// clock.
   [[nodiscard]] virtual absl::StatusOr<Trimmed> TrimQuarantine(
       std::span<const std::string> ruris) = 0;
 
-  /// Keeps the histories to StoreRules: deletes what arrived before the first day that is to be
-  /// kept, at most kRetainRowsMax rows of each kind and whole days that hold nothing to keep, and
-  /// makes room for the days to come. Mission runs go when they have ended, or were closed, and
-  /// their last report is as old. Rejects that a Hello may still ask for are kept in the
-  /// transaction that deletes their row of quarantine. While nobody vouches for `now`
-  /// (StoreRules.clock) nothing is deleted.
+  /// Keeps the histories to StoreRules: deletes what arrived before the first day to keep, at most
+  /// kRetainRowsMax rows of each kind and whole days that hold nothing to keep, and makes room for
+  /// the days to come. Mission runs go when they have ended, or were closed, and their last report
+  /// is as old. Rejects that a Hello may still ask for are kept in the transaction that deletes
+  /// their row of quarantine. Deletes nothing until `now` is vouched for (StoreRules.clock).
   [[nodiscard]] virtual absl::StatusOr<Erased> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
@@ -134,9 +132,9 @@ class Store {
   /// it told before. Until EndDoubt, every call but Compare fails with kUnavailable, and does
   /// nothing. A store that is a file never is.
   [[nodiscard]] virtual bool InDoubt() const = 0;
-  /// What the store has of robots of which it told this, in their order: reads, and writes nothing.
-  /// At most kComparedMax; with none it only connects. Those that were compared before a call that
-  /// failed are to be compared anew.
+  /// What the store has now of robots that it answered for before, in their order. Writes nothing.
+  /// At most kComparedMax; with none it only connects. After a call that failed, robots compared
+  /// before it must be compared anew.
   [[nodiscard]] virtual absl::StatusOr<std::vector<FoundRobot>> Compare(
       std::span<const ToldRobot> robots) = 0;
   /// Names the run of the server, and the database, that answered last: what is connected to anew

@@ -12,7 +12,7 @@ namespace uplink::storage {
 /// dead versions of cursors lie there at this age, some 60 MB.
 inline constexpr std::chrono::minutes kOldSnapshot{10};
 
-/// What can be told of what lies behind a store.
+/// Facts about the database or file behind a store.
 struct StoreFacts {
   /// A loss of power may lose what was acked, and the operator accepted it.
   bool unsafe = false;

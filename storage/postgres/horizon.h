@@ -13,7 +13,7 @@
 namespace uplink::storage::postgres {
 
 /// What holds back cleaning in our database: row versions that were deleted by the transaction
-/// `oldest` or a later one stay, whoever sees them. Numbers of transactions are those of the
+/// `oldest` or a later one stay. Numbers of transactions are those of the
 /// server, which wrap.
 struct Horizon {
   /// The number that the next transaction gets, or a smaller one that is not done yet.

@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kFolderEvery{10};
 /// After a failure it is asked for so much later: each try may take a connect's time, on the thread
 /// that answers operators.
 constexpr std::chrono::minutes kFolderLater{1};
-/// Robots of which the latest is read in one round trip: their bodies come at once.
+/// Robots whose latest messages are read in one round trip: their bodies come at once.
 constexpr std::size_t kRobotsPerTrip = 16;
 
 // Commits touch a robot's sessions, or its claim, not its own row.
@@ -116,7 +116,7 @@ class PostgresReader::Pool final {
 
   [[nodiscard]] const Clock& clock() const { return clock_; }
   /// Runs `read` with a connection; waits for one. Once more, with a new one, if that had died
-  /// while nobody used it.
+  /// while it was idle.
   template <typename Read>
   auto With(const Read& read) -> decltype(read(std::declval<Connection&>())) {
     std::unique_ptr<Link> link;

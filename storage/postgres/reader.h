@@ -73,8 +73,8 @@ class PostgresReader final : public Reader {
                                                   LatestKindSet kinds) override;
   [[nodiscard]] absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) override;
 
-  /// How long something in the database has kept dead row versions from being removed, as far as
-  /// the calls of this before could see (HorizonAge). One call at a time.
+  /// How long something in the database has kept dead row versions from being removed; counts from
+  /// the first call that saw it (HorizonAge). One call at a time.
   [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot();
   /// What is left where the database lies; nothing where that cannot be known (ReadDataFolder),
   /// which is asked now and then. The server's log of writes (pg_wal) may lie elsewhere. One call

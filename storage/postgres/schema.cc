@@ -85,7 +85,7 @@ std::string GrantSql(const std::string& role) {
 
 absl::Status GrantAgain(Connection& connection) {
   std::vector<StoreCall> calls;
-  // Whoever may write robots is a server.
+  // A role that may write robots is a server's.
   calls.push_back(
       {"SELECT DISTINCT grantee::text FROM information_schema.role_table_grants"
        " WHERE table_schema = 'uplinkd' AND table_name = 'robots'"

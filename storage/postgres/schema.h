@@ -30,8 +30,8 @@ struct AppliedSchema {
 [[nodiscard]] absl::Status CheckSchema(Connection& connection,
                                        std::span<const Migration> migrations);
 
-/// Applies the steps that are missing, each in a transaction, under an advisory lock: whoever comes
-/// second waits and finds nothing left to do. Grants what new steps made to the roles that
+/// Applies the steps that are missing, each in a transaction, under an advisory lock: a second
+/// process waits and finds nothing left to do. Grants what new steps made to the roles that
 /// GrantTo named before. Returns the names of the steps that it applied.
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> Migrate(
     Connection& connection, std::span<const Migration> migrations);

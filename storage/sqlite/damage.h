@@ -14,7 +14,7 @@ namespace uplink::storage::sqlite {
 
 class Database;
 
-/// Ends what is told of damage.
+/// Ends each message about damage.
 inline constexpr std::string_view kIfDamaged =
     ". What to do: \"The file was overwritten or damaged\" in docs/operate/sqlite.md";
 
@@ -63,7 +63,7 @@ struct DamageCheck {
   /// Of the store's file: what there is to read.
   std::uint64_t bytes = 0;
 };
-/// Told of each step, as it is taken.
+/// Called with each step, as it is taken.
 using OnDamageCheck = std::function<void(const DamageCheck&)>;
 
 /// Reads the whole store, some seconds per GB, if there is a damaged_file(), and removes that if

@@ -68,8 +68,8 @@ class Database final {
   /// Rolls back if a transaction is open: some failures of SQLite end it, others do not.
   void RollbackIfOpen();
 
-  /// Moves the WAL into the database as far as readers allow (a passive checkpoint). What keeps it
-  /// from that is left to the next one, as SQLite does after a commit.
+  /// Moves as much of the WAL into the database as readers allow (a passive checkpoint). The rest
+  /// is left to the next one, as SQLite does after a commit.
   void MoveWal();
   /// Moves all of the WAL into the database and cuts its file to nothing, if no other connection
   /// uses it; what can be moved is moved even so. Waits for none of them.

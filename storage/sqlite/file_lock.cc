@@ -146,8 +146,8 @@ absl::Status CheckLinks(const std::string& path) {
   return file.st_nlink > 1 ? HasLinks(path, file.st_nlink) : absl::OkStatus();
 }
 
-/// Also behind a link to what is not there. Nobody here has a file open that was not there, so the
-/// descriptor may be closed.
+/// Also behind a link to what is not there. This process cannot have had a missing file open, so
+/// closing the descriptor drops no lock of ours.
 absl::Status MakeIfMissing(const std::string& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored)) return absl::OkStatus();
@@ -217,7 +217,7 @@ absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Join(const std::string& path
   // This process itself may have it, and must not open it again.
   if (*by_name) return lock;
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  // Whoever opens the database says why.
+  // Opening the database reports why.
   if (descriptor < 0) return lock;
   lock->file_ = std::make_unique<Held>(descriptor);
   if (!FileIsLocked(descriptor)) return lock;

@@ -11,7 +11,7 @@ namespace uplink::storage::sqlite {
 /// Keeps a second writer away from a store, by whatever name it comes, until this object goes or
 /// the process ends, however it ends. A resource.
 ///
-/// Three locks, of which each sees what the others do not:
+/// Three locks; each catches what the others miss:
 /// - the file `<path>.lock`, by the path as it was given: earlier versions know this one alone;
 /// - `<real path>.lock`, if the path leads through a link to the file: so does who was given the
 ///   real path, and who opens another file that was put in the place of ours;

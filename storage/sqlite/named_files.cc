@@ -20,7 +20,7 @@ absl::Status IsNotOurs(const std::string& name, const std::string& why) {
       "docs/operate/sqlite.md");
 }
 
-/// Whether this process has the file open. Where nobody can tell (no /proc), the name is believed.
+/// Whether this process has the file open. True without /proc, where it cannot be known.
 bool IsOpen(const std::pair<dev_t, ino_t>& file) {
   std::error_code error;
   fs::directory_iterator entry("/proc/self/fd", error);

@@ -15,7 +15,7 @@
 
 namespace uplink::storage::sqlite {
 
-/// The rows of one kind that is present by key, as far as they are alike: active faults, shapes or
+/// What the rows of all kinds that are present by key have in common: active faults, shapes or
 /// objects. How the tables differ is a row of a table in present_rows.cc.
 ///
 /// Errors: those of errors.h. Thread: confined to the thread of its database.

@@ -25,7 +25,7 @@ struct ReaderOptions {
   milliseconds wait_max{2'000};
   /// Steps of SQLite's machine that one call may take: some 100 million a second.
   std::int64_t steps_max = 200'000'000;
-  /// Told of what the reads find damaged.
+  /// Receives the damage that reads find.
   DamagePtr damage;
 };
 
@@ -73,8 +73,8 @@ class SqliteReader final : public Reader {
   ///
   /// Errors: as of a call; kUnavailable also where the disk cannot be asked.
   [[nodiscard]] absl::StatusOr<DiskSpace> Space();
-  /// How long another connection has kept the WAL from being moved into the database, as far as
-  /// the calls of this before could see. One call at a time.
+  /// How long another connection has kept the WAL from being moved into the database; counts from
+  /// the first call that saw it. One call at a time.
   [[nodiscard]] absl::StatusOr<milliseconds> OldestSnapshot(SteadyTime now);
 
  private:

@@ -36,7 +36,7 @@ absl::Status RetentionTables::Prepare(Database& database) {
       prepare.Into(statements.emplace_back(), EraseSql(List<kList>::kTable));
     }
   });
-  // The rows of quarantine that go next, as far as a Hello may still ask for them.
+  // Those rows of quarantine that go next and that a Hello may still ask for.
   prepare.Into(
       keep_rejects_,
       "INSERT OR IGNORE INTO kept_rejects"

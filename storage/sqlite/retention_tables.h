@@ -15,7 +15,7 @@
 
 namespace uplink::storage::sqlite {
 
-/// Deletes what is older than it is to be kept, the oldest first, at most kRetainRowsMax rows of
+/// Deletes what is past its retention, the oldest first, at most kRetainRowsMax rows of
 /// each table a call; closes mission runs past their bound or their age.
 ///
 /// Errors: those of errors.h. Thread: confined to the thread of its database.

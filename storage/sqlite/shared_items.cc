@@ -108,7 +108,7 @@ class SqliteSharedItems final : public SharedItems {
     prepare.Into(StatementsOf<kList>().one, kOne.view());
   }
 
-  /// Adds the items of one kind that come after `after`, as far as there is room for them.
+  /// Adds the items of one kind that come after `after`, until the page is full.
   template <PageKind kList>
   absl::Status Gather(const ItemKey& after, GatheredPage& gathered) {
     Rows rows = StatementsOf<kList>().page->Select(after.ruri, after.id);

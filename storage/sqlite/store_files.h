@@ -62,8 +62,8 @@ class StoreFiles final {
   ///
   /// Errors: as of Check.
   [[nodiscard]] absl::Status CheckCommitted();
-  /// Moves the WAL into the database, as far as readers allow. Where it is large and the disk has
-  /// less left than it takes, gives its room back to the disk once no reader uses it.
+  /// Moves as much of the WAL into the database as readers allow. Where the WAL is large and the
+  /// disk has less left than it takes, gives its room back to the disk once no reader uses it.
   ///
   /// Errors: as of Check.
   [[nodiscard]] absl::Status FreeRoom();

@@ -108,7 +108,7 @@ absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
     const TakeRequest& request) {
   const absl::StatusOr<std::vector<TopicLease>> leases = Read();
   if (!leases.ok()) return leases.status();
-  // There are no leases of processes: whoever has the file is the only one.
+  // There are no leases of processes: the one that has the file is the only one.
   const auto renewed_since = [](const ProcessId&, std::uint64_t) { return false; };
   std::optional<Epoch> epoch;
   for (const TopicLease& lease : *leases) {

@@ -12,7 +12,7 @@
 #include "storage/rows.h"
 #include "storage/tables/table.h"
 
-// Of which the latest alone is kept, and changes of presence.
+// The kinds whose latest message alone is kept, and changes of presence.
 namespace uplink::storage {
 
 /// A record of such a kind.
@@ -31,7 +31,7 @@ struct LatestReport {
       case LatestKind::kUiCapabilities:
         return json::Text(std::get<model::UiCapabilities>(body));
     }
-    CheckFailed(__FILE__, __LINE__, "kind", "a kind of which the latest is kept");
+    CheckFailed(__FILE__, __LINE__, "kind", "a kind whose latest message is kept");
   }
 };
 

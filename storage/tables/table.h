@@ -79,7 +79,7 @@ constexpr SqlText ListedColumns(const Table& table) {
   return sql;
 }
 
-/// What an insert does where the row `t` is there: nothing but fail, or an update by the roles.
+/// What an insert does where the row `t` exists: it fails, or updates by the columns' roles.
 template <typename Table>
 constexpr SqlText ConflictSql(const Table& table) {
   if (table.writes == Writes::kInserts) return {};

@@ -104,7 +104,7 @@ class Connection final {
   [[nodiscard]] std::optional<std::string> last_answers_warning() const;
 
   /// How many notifications have come from sessions other than `own_session` (pg_backend_pid) since
-  /// the last call, as far as they can be read without waiting. For a session that listens.
+  /// the last call; reads what is there and does not wait. For a session that listens.
   [[nodiscard]] absl::StatusOr<std::size_t> TakeNotifications(std::int64_t own_session);
   /// For poll(2): readable once something may have come. Valid until broken().
   [[nodiscard]] int socket() const;

@@ -58,13 +58,13 @@ class Link final {
   Link(Options options, const Clock& clock)
       : options_(std::move(options)), clock_(clock), to_migrate_(options_.migrate) {}
 
-  /// A connection that is good as far as anybody knows.
+  /// A connection that is not known to be broken; connects if there is none.
   ///
   /// Errors: of Connection::Open; kFailedPrecondition for a server that must not be used.
   [[nodiscard]] absl::StatusOr<Connection*> Get();
   /// How often it was connected to so far.
   [[nodiscard]] std::uint64_t connections() const { return connections_; }
-  /// The last connection stands, as far as anybody knows.
+  /// The last connection is not known to be broken.
   [[nodiscard]] bool connected() const { return connection_ != nullptr && !connection_->broken(); }
   /// Connection::died, of the last connection.
   [[nodiscard]] bool died() const { return connection_ != nullptr && connection_->died(); }
@@ -85,7 +85,7 @@ class Link final {
 };
 
 /// What `once` answers: a read that uses a connection of `link`. Asked a second time if the
-/// connection stood before and turned out to have died: while nobody used it the server, a pooler
+/// connection stood before and turned out to have died: while it was idle the server, a pooler
 /// or a firewall ended it, and a new one may do. Not for what writes.
 template <typename Once>
 auto ReadAgainIfDied(const Link& link, const Once& once) -> decltype(once()) {

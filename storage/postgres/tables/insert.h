@@ -29,7 +29,7 @@ template <typename Table>
 constexpr SqlText InsertSql(const Table& table) {
   SqlText values;
   for (const auto& column : table.columns) {
-    // The transaction's number, of which entries are made, is read once per statement.
+    // Entries are made from the transaction's number, which is read once per statement.
     const bool entry = column.type == ColumnType::kEntry;
     values.Add({values.view().empty() ? "" : ", ",
                 entry ? "(SELECT currval('uplinkd.batches') << 20) + " : "", column.name});

@@ -83,7 +83,7 @@ class BatchRows final {
   DeliveryChanges deliveries_;
   DroneRows drones_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;
-  /// Robots of which a bound is to be kept after the writes.
+  /// Robots for which a bound must be applied after the writes.
   std::set<std::string_view> robots_with_payloads_;
   std::set<std::string_view> robots_with_gaps_;
   /// With the latest arrival of a report that left its run open.

@@ -17,10 +17,10 @@ struct DatabaseRefusal {
   QuarantineDetail detail = QuarantineDetail::kAll;
 };
 
-/// Decides a slice of a batch (storage/decide.h) by what is known: gathers into `rows` what is to
-/// be written, and returns an outcome per record, then, with the rest, one per change of presence.
-/// `known` follows the writes. With `refusal` the slice's one record goes to quarantine for it, if
-/// it is to be written at all. `earlier` are the outcomes of the records before the slice.
+/// Decides a slice of a batch (storage/decide.h) by what is known: gathers into `rows` what to
+/// write, and returns an outcome per record, then, with the rest, one per change of presence.
+/// `known` follows the writes. With `refusal` the slice's one record goes to quarantine for it,
+/// unless it is not written at all. `earlier` are the outcomes of the records before the slice.
 [[nodiscard]] std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known,
                                                const StoreRules& rules,
                                                const std::optional<DatabaseRefusal>& refusal,

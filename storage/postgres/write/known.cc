@@ -14,11 +14,11 @@
 namespace uplink::storage::postgres {
 namespace {
 
-// Nobody takes these leases until the transaction ends; commits do not wait for each other.
+// These leases stay ours until the transaction ends; commits do not wait for each other.
 constexpr std::string_view kLockLeases =
     "SELECT client_id, epoch, process = $2::uuid FROM uplinkd.topic_clients"
     " WHERE client_id = ANY($1::text[]) ORDER BY client_id FOR SHARE";
-// A batch makes no robot: one that has no row is held by nobody.
+// A batch makes no robot: one that has no row has no holder.
 constexpr std::string_view kLockRobots =
     "SELECT ruri, held_since, owner = $2::uuid FROM uplinkd.robots WHERE ruri = ANY($1::text[])"
     " ORDER BY ruri FOR NO KEY UPDATE";
@@ -107,7 +107,7 @@ void ReadRobots(const Slice& slice, const ProcessId& process, KnownRows& known, 
 
 void ReadSessions(const Slice& slice, const ProcessId& process, KnownRows& known, Reads& reads) {
   struct Use {
-    /// Records of one session may come under several holds, of which one may stand.
+    /// Records of one session may come under several holds; at most one of them is valid.
     std::set<Epoch> holds;
     SystemTime used;
   };
@@ -176,7 +176,7 @@ struct Upserts {
 /// The entries of one kind that a slice names.
 struct Named {
   Array ruri{Type::kText}, id{Type::kText}, source{Type::kText};
-  /// Of each robot of which entries are named.
+  /// For each robot that has entries here.
   std::map<std::string_view, Upserts> upserts;
 };
 

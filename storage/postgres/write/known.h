@@ -65,13 +65,13 @@ struct KnownRows {
   std::map<std::pair<std::string, std::uint32_t>, KnownSamples> samples;
   /// By RURI: of robots of whose requests the slice has any.
   std::map<std::string, KnownRobot::RequestIds, std::less<>> open_requests;
-  /// The epochs of the client ids under whose leases the slice came, as far as the process has
-  /// them.
+  /// By client id: the epochs of the leases under which the slice came, if this process has them
+  /// still.
   std::map<std::string, Epoch, std::less<>> leases;
   /// Why a number was rejected: of those that the slice names.
   std::map<Number, model::Rejection> rejected;
-  /// By PresentKind: the entries that the slice names, as far as they are there; of robots that may
-  /// meet their bound also those that have expired when the last of its upserts arrives.
+  /// By PresentKind: the entries that the slice names and that exist; of robots that may meet
+  /// their bound also those that have expired when the last of its upserts arrives.
   std::array<Entries, kPresentKinds> present;
 
   [[nodiscard]] Entries& entries(PresentKind kind) {

@@ -28,7 +28,7 @@ constexpr std::string_view kOpenRobots =
     " FROM (SELECT greatest(nextval('uplinkd.epochs'), r.epoch + 1) AS epoch) AS d),"
     " owner = excluded.owner, holder_silent = false, last_seen = greatest(r.last_seen, "
     "excluded.last_seen)"
-    // A stream that has ended ($5) takes its robot from nobody who did not release its lease.
+    // A stream that has ended ($5) takes its robot only from a process that released its lease.
     " WHERE NOT (r.ruri = ANY ($5::text[]) AND r.owner <> excluded.owner AND EXISTS (SELECT 1"
     " FROM uplinkd.processes AS p WHERE p.process = r.owner AND NOT p.released))"
     // A word that moves nothing ($6) stands for no robot of another fleet.
@@ -45,7 +45,7 @@ constexpr std::string_view kNumberNewRobots =
     " FROM (SELECT greatest(nextval('uplinkd.epochs'), r.epoch + 1) AS epoch) AS d)"
     " WHERE r.ruri = ANY ($1::text[]) AND r.epoch = 0 RETURNING r.ruri, r.epoch";
 // A session's row is looked for from the greatest part down (see the migration of session parts).
-// The robots' rows are locked by then, so nobody adds the same session meanwhile.
+// The robots' rows are locked by then, so no one adds the same session meanwhile.
 constexpr std::string_view kOpenSessions =
     "WITH u AS (SELECT * FROM unnest($1::text[], $2::uuid[], $3::timestamptz[], $5::bigint[],"
     " $6::text[]) AS u (ruri, session, used, settled, fleet)"
@@ -86,7 +86,7 @@ constexpr std::string_view kCountRejects =
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.last > u.settled"
     " AND p.last <= s.cursor_seq AND p.entry >= s.first_entry"
     " ORDER BY p.last LIMIT $4::bigint) AS rows) AS k";
-// Of each robot, the least recently used sessions over the bound that nobody holds. From one
+// Of each robot, the least recently used sessions over the bound that no stream holds. From one
 // session to the next by its key, so that dead versions of their rows are passed over. The Rejects
 // that are kept of a session go with it.
 constexpr std::string_view kEvictSessions =

@@ -10,8 +10,8 @@
 namespace uplink::storage::postgres {
 
 /// The part of Store::Retain for quarantine. A day that goes may have millions of rows, and each
-/// may be of a Reject that is to be kept: so a day is emptied by slices of kRetainRowsMax rows, one
-/// per call, and dropped once it is empty.
+/// may belong to a Reject that must stay. So each call empties a slice of kRetainRowsMax rows, and
+/// the day is dropped once it is empty.
 ///
 /// Thread: confined to the thread of its connection.
 class QuarantineDays final {
@@ -30,8 +30,8 @@ class QuarantineDays final {
   SystemTime since_;
 };
 
-/// Days before and after today of which the partitions are there: clocks jump, and a server may be
-/// away for a while.
+/// Days before and after today that have partitions: clocks jump, and a server may be away for a
+/// while.
 inline constexpr int kPartitionDaysBefore = 1;
 inline constexpr int kPartitionDaysAfter = 3;
 /// Days after its own today up to which the database makes partitions
@@ -43,7 +43,7 @@ static_assert(kPartitionDaysAfter + 1 < kPartitionDaysAheadMax, "clocks may diff
 /// dropped, those of quarantine by `days`; their rows in default partitions, closed runs and gaps
 /// are deleted.
 ///
-/// While nobody vouches for our clock nothing is deleted, and the partitions are those of the
+/// Until our clock is vouched for, nothing is deleted, and the partitions are those of the
 /// database's own days: by ours they might lie years ahead.
 [[nodiscard]] absl::StatusOr<Erased> RetainRows(Connection& connection, SystemTime now,
                                                 const StoreRules& rules, QuarantineDays& days);
