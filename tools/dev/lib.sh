@@ -58,7 +58,7 @@ build_preset() {
 
 # Files of the tree, tracked or new, ended by NUL: list_files PATTERN ...
 list_files() {
-  # Whoever runs ./dev trusts this tree, so its owner does not matter.
+  # The user who runs ./dev trusts this tree, so its owner does not matter.
   git -c safe.directory='*' ls-files -z --cached --others --exclude-standard --deduplicate -- "$@" |
     while IFS= read -r -d '' file; do
       # A file that was removed but not yet committed is still listed.

@@ -123,7 +123,7 @@ CONF
   serve
 }
 
-# The folder and the port stay, so that whoever names them in a URL finds it again.
+# The folder and the port stay, so that a URL with them finds it again.
 rejoin() {
   local bin folder
   bin="$(value_of bin)"

@@ -267,7 +267,7 @@ def exit_rows(tree):
 
 @dataclasses.dataclass(frozen=True)
 class Page:
-    """A table: its columns from code, the first `key` of which name a row, and those by hand."""
+    """A table: its columns from code, whose first `key` name a row, and those by hand."""
 
     path: str
     rows: object
@@ -311,7 +311,7 @@ def cells_of(line):
 
 @dataclasses.dataclass
 class Made:
-    """A page as it should be, and what is to be written by hand or was dropped: (line, text)."""
+    """A page as it should be, and what must be written by hand or was dropped: (line, text)."""
 
     text: str
     findings: list

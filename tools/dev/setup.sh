@@ -42,7 +42,7 @@ fi
 # Lists that are there may name versions that the mirror no longer has.
 install_missing || { apt update && install_missing; } || die "apt-get could not install the packages"
 
-# The tests call prometheus' checker; nobody asked for its service.
+# The tests need only prometheus' checker, not its service.
 for package in "${missing[@]}"; do
   if [[ "$package" == prometheus ]] && command -v systemctl >/dev/null; then
     "${as_root[@]}" systemctl disable --now prometheus.service >/dev/null 2>&1 ||

@@ -86,7 +86,7 @@ class GrpcConnection final : public StreamConnection, private LinkUser, private 
   std::string grpc_message_;
   std::string http_status_;
   std::optional<StreamEnd> ended_;
-  /// Nobody else owns it: by it a posted job sees that the connection is gone.
+  /// Its only owner is this object: a posted job sees by a weak_ptr that the connection is gone.
   std::shared_ptr<GrpcConnection*> self_ = std::make_shared<GrpcConnection*>(this);
 };
 

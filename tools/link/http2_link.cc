@@ -26,7 +26,7 @@ void Http2Link::Leave(LinkUser& user) {
 void Http2Link::Connect() {
   if (!std::exchange(connecting_, true)) return link_->Connect();
   if (!up_) return;
-  // Whoever joins one that is up is told so like the first.
+  // A user that joins a connected link gets OnUp like the first.
   boost::asio::post(loop_.io, [weak = std::weak_ptr(self_)] {
     if (const auto self = weak.lock()) (*self)->TellAll([](LinkUser& user) { user.OnUp(); });
   });

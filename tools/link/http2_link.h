@@ -19,7 +19,7 @@ class LinkUser {
   /// The kernel has taken all that waited.
   virtual void OnSent() = 0;
   virtual void OnDown(const absl::Status& why) = 0;
-  /// It was touched: what nghttp2's callbacks put off is to be done, now or soon.
+  /// After Touch: do what nghttp2's callbacks put off, now or soon.
   virtual void AfterBytes() = 0;
   virtual void Soon() = 0;
 };
@@ -41,7 +41,7 @@ class Http2Link final : private LinkEvents {
   void Leave(LinkUser& user);
   /// Idempotent.
   void Connect();
-  /// The user is to be asked what nghttp2's callbacks put off.
+  /// The user will be called to do what nghttp2's callbacks put off (AfterBytes).
   void Touch(LinkUser& user);
   /// What waits goes out.
   void Flush();
@@ -84,7 +84,7 @@ class Http2Link final : private LinkEvents {
   bool down_ = false;
   bool busy_ = false;
   bool receiving_ = false;
-  /// Nobody else owns it: by it a posted job sees that the link is gone.
+  /// Its only owner is this object: a posted job sees by a weak_ptr that the link is gone.
   std::shared_ptr<Http2Link*> self_ = std::make_shared<Http2Link*>(this);
 };
 

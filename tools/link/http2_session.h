@@ -61,7 +61,7 @@ class Http2Session final {
   void Consume(std::int32_t stream, std::size_t bytes);
   /// Bytes from the peer; false if they are not HTTP/2.
   bool Receive(std::string_view bytes);
-  /// Appends what is to be sent now.
+  /// Appends the bytes to send now.
   void Produce(std::string& out) {
     while (ProduceFrame(out)) {
     }

@@ -25,7 +25,7 @@ constexpr const char* kMethod = "/uplink.v1.UplinkRelay/Relay";
 struct LibraryConnection::Channel {
   explicit Channel(const DialOptions& options) {
     grpc::ChannelArguments arguments;
-    // A connection of its own, whoever else dials the same server.
+    // A connection of its own, also beside others to the same server.
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
     stub = v1::UplinkRelay::NewStub(grpc::CreateCustomChannel(
@@ -99,7 +99,7 @@ class LibraryConnection::Call final
              LibraryConnection& connection) {
       reading_ = false;
       if (!ok) return Release();
-      // Whoever gets the message may drop the connection.
+      // The receiver of the message may drop the connection.
       const auto owner = owner_;
       connection.OnMessage(message);
       if (*owner != nullptr && connection.call_.get() == this) ReadOn();

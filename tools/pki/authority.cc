@@ -200,7 +200,7 @@ absl::StatusOr<Credentials> Authority::Issue(const Profile& profile, int days) c
       X509_sign(certificate, handles_->key.get(), EVP_sha256()) == 0) {
     return Failed("a certificate");
   }
-  // Nobody judges a server's; robots show theirs, and what signed it may stand behind it.
+  // A server judges what robots show: the certificate, and what signed it behind it.
   if (!profile.server) {
     if (absl::Status shown = CheckShown({ToDer(certificate), ToDer(issuer)}); !shown.ok()) {
       return shown;

@@ -20,7 +20,7 @@ enum class Existing { kRefuse, kReplace };
 /// here. Files are written aside and renamed, so a reader never sees half of one.
 ///
 /// Errors: each names the path: kAlreadyExists, kNotFound, kPermissionDenied, kInternal.
-/// Thread: any; holds nothing but its path.
+/// Thread: any; holds only its path.
 class Directory final {
  public:
   explicit Directory(std::string path) : path_(std::move(path)) {}

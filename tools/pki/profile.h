@@ -7,7 +7,7 @@
 
 namespace uplink::pki {
 
-/// Days that a certificate is valid when nobody says otherwise.
+/// Days that a certificate is valid unless the caller says otherwise.
 inline constexpr int kDaysDefault = 365;
 inline constexpr int kAuthorityDaysDefault = 3650;
 inline constexpr int kDaysMax = 36'500;

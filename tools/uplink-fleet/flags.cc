@@ -94,7 +94,7 @@ class ScenarioFlags {
               phase.options.malformed_share, RangeOf(kMalformedNumber));
     flags.Add({"--breaks-per-minute", "How often each robot breaks its stream off"},
               phase.trouble.breaks_per_minute, RangeOf(kBreaksNumber));
-    flags.Add({"--lost-answers", "Share of a drone's calls of which it takes no answer"},
+    flags.Add({"--lost-answers", "Share of a drone's calls whose answer it does not read"},
               phase.trouble.lost_answers, RangeOf(kLostAnswersNumber));
   }
 

@@ -56,7 +56,7 @@ struct Target {
 
 /// Locks an SQLite file that is there and that no server has.
 absl::Status Lock(Target& target) {
-  // What is not there, or cannot be looked at, is named by whoever opens it.
+  // Opening the file reports one that is missing or cannot be read.
   std::error_code error;
   if (!std::filesystem::exists(target.path, error)) return absl::OkStatus();
   auto lock = storage::sqlite::FileLock::Take(target.path);
@@ -99,10 +99,10 @@ absl::StatusOr<Target> Open(const StoreForgetRequest& request, const Clock& cloc
   return OpenPostgres(std::get<storage::postgres::StoreOptions>(*target), clock);
 }
 
-/// Who has the robot in memory, as far as the store tells.
+/// Which server has the robot in memory, by what the store says.
 struct Holder {
   enum class State : std::uint8_t {
-    /// No server, or one that was not heard for longer than kLeaseKept: nobody need be asked.
+    /// No server, or one that was silent for longer than kLeaseKept: there is none to ask.
     kNone,
     kThere,
     /// It did not give the robot up, and was not heard for longer than its lease lasts: it may
@@ -239,7 +239,7 @@ absl::Status Forget(Target& target, const Found& found, bool end_stream, const C
   const auto number = requests.Ask(found.ruri, end_stream);
   if (!number.ok()) return number.status();
   const auto removed = RemoveNow(target, found, *number, clock);
-  // Either way: the others follow, or nobody answers any more.
+  // Either way: the others follow, or no longer answer.
   absl::Status finished = requests.Finish(*number, removed.ok());
   if (!removed.ok()) return removed.status();
   if (!finished.ok()) return finished;
@@ -268,7 +268,7 @@ int StoreForget(const StoreForgetRequest& request) {
   auto found = Find(*target, request.ruri);
   if (!found.ok()) return ExitOf(found.status());
   Show(request, found->holder, *counts);
-  // Whoever thinks about the answer keeps no server from starting.
+  // A server can start while the operator thinks about the answer.
   target->store = nullptr;
   target->lock = nullptr;
   if (!request.yes && !SaysYes("Forget the robot, and delete all of this for good?")) {

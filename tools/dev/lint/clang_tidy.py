@@ -83,7 +83,7 @@ def judge_planted(root, output):
 
 
 def judge(root, build, precompiled, unit):
-    """What is to be printed about a unit; nothing if it is clean."""
+    """The text to print about a unit; nothing if it is clean."""
     status, output = run_clang_tidy(root, build, precompiled, unit)
     if unit.path.startswith(PLANTED):
         return judge_planted(root, output)

@@ -14,7 +14,7 @@ COMMON = ("-Xclang", "-fno-cxx-modules")
 class Precompiled:
     """The header and the flags that go with it: the foreign part of every unit's flags together.
 
-    A define is foreign if no file of ours mentions it: libraries export such to whoever links them.
+    A define is foreign if no file of ours mentions it: libraries export such to what links them.
     """
 
     def __init__(self, units):

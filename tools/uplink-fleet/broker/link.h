@@ -60,7 +60,7 @@ class BrokerLibrary final {
 /// new connection begins a new session at the broker; what was published at QoS 1 and not acked is
 /// published again on it.
 ///
-/// Errors: kUnavailable for the network and a broker that lets nobody in, with its reason;
+/// Errors: kUnavailable for the network and a broker that refuses the connection, with its reason;
 ///         kInvalidArgument for settings that the library refuses.
 /// Thread: confined to one thread. Connecting and TLS's handshake block.
 class BrokerLink final {

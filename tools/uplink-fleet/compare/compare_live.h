@@ -11,7 +11,7 @@
 #include "tools/uplink-fleet/robot/account.h"
 #include "uplink/v1/fleet.pb.h"
 
-/// One robot's account against the state of it that the server shows. Pure; any thread.
+/// One robot's account against its state as the server shows it. Pure; any thread.
 namespace uplink::synthetic {
 
 /// Whether the server shows as many robots online and connected as there are. A robot whose
@@ -26,8 +26,8 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
 void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
                      Findings& findings);
 
-/// What is wrong with changes of presence of which the latest up to the span's end must be online
-/// and, within the span, no more than `offline_max` offline; empty: nothing.
+/// What is wrong with changes of presence; empty: nothing. The latest up to the span's end must be
+/// online and, within the span, no more than `offline_max` offline.
 [[nodiscard]] std::string WrongPresence(const std::vector<v1::PresenceChange>& newest_first,
                                         const Span& run, std::uint64_t offline_max);
 

@@ -157,7 +157,7 @@ class TwinRows final {
     if (!unknown) ActiveFaults(active);  // else what was raised last is not known either
   }
 
-  void Quarantine(std::vector<v1::Quarantined>& nobody) {
+  void Quarantine(std::vector<v1::Quarantined>& no_robot) {
     RowSet set = SetOf(Thing::kTwinQuarantine);
     for (const auto& [number, wrong] : twin_.account().wrongs()) {
       set.Expect(std::to_string(number),
@@ -166,8 +166,8 @@ class TwinRows final {
                   .times = TimesOf(number)});
     }
     for (const v1::Quarantined& row : real_.quarantine) FindWrong(row, false, set);
-    for (const v1::Quarantined& row : nobody) FindWrong(row, true, set);
-    FindThinned(nobody, set);
+    for (const v1::Quarantined& row : no_robot) FindWrong(row, true, set);
+    FindThinned(no_robot, set);
     set.Finish(static_cast<std::uint64_t>(real_.quarantine_dropped));
   }
 
@@ -215,7 +215,7 @@ class TwinRows final {
     return std::nullopt;
   }
 
-  /// A row of the twin's own robot, or of nobody's.
+  /// A row of the twin's own robot, or one that belongs to no robot.
   void FindWrong(const v1::Quarantined& row, bool of_no_robot, RowSet& set) {
     if (IsThinned(row)) return;
     std::optional<std::uint64_t> number = MarkIn(twin_.options(), row.payload());
@@ -225,21 +225,21 @@ class TwinRows final {
       set.Find(std::to_string(*number), HashOf(text), [&text] { return std::move(text); });
       return;
     }
-    // Nobody's rows are of all twins; what has a mark of another run is its own.
+    // Rows of no robot come from all twins; one with a mark of another run belongs to that run.
     const bool foreign = of_no_robot || row.payload().find('~') != std::string::npos;
     if (!foreign) Differ(Thing::kTwinQuarantine, kOnlyWrong, text);
   }
 
   /// Rows whose payload the server dropped have no mark: each stands for one message that is still
-  /// missing and that it describes. Those of nobody's are taken out, since another twin may lack
-  /// one like it; one of the robot's own that nothing lacks is told.
-  void FindThinned(std::vector<v1::Quarantined>& nobody, RowSet& set) {
+  /// missing and that it describes. Those of no robot are taken out, since another twin may lack
+  /// one like it; one of the robot's own that nothing lacks is reported.
+  void FindThinned(std::vector<v1::Quarantined>& no_robot, RowSet& set) {
     std::vector<v1::Quarantined> own = real_.quarantine;
     std::erase_if(own, [](const v1::Quarantined& row) { return !IsThinned(row); });
     for (const auto& [number, wrong] : twin_.account().wrongs()) {
       const std::string key = std::to_string(number);
       if (set.Found(key)) continue;
-      std::vector<v1::Quarantined>& rows = wrong.of_no_robot ? nobody : own;
+      std::vector<v1::Quarantined>& rows = wrong.of_no_robot ? no_robot : own;
       std::string text = TextOf(wrong);
       const auto row =
           std::ranges::find_if(rows, [&text, &wrong = wrong](const v1::Quarantined& each) {
@@ -277,7 +277,7 @@ Times TimesOf(Delivery delivery) {
 }
 
 void CompareTwinRows(const TwinScript& twin, const StoredTwin& stored,
-                     std::vector<v1::Quarantined>& nobody, Findings& findings) {
+                     std::vector<v1::Quarantined>& no_robot, Findings& findings) {
   TwinRows rows(twin, stored, findings);
   for (const Side side : {Side::kReal, Side::kSim}) {
     rows.Contents(Thing::kTwinEvents, RowKind::kEvent, side, stored.Of(side).events);
@@ -286,7 +286,7 @@ void CompareTwinRows(const TwinScript& twin, const StoredTwin& stored,
   rows.Contents(Thing::kTwinScopes, RowKind::kScope, Side::kReal, stored.scopes);
   rows.Runs();
   rows.Faults();
-  rows.Quarantine(nobody);
+  rows.Quarantine(no_robot);
   for (const v1::Quarantined& row : stored.Of(Side::kSim).quarantine) {
     findings.Differ(Thing::kTwinQuarantine, twin.ids().sim_ruri, "nothing of it is wrong",
                     TextOf(row, false));

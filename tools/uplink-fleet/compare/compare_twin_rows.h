@@ -10,10 +10,10 @@
 namespace uplink::synthetic {
 
 /// One twin's account against the store: events, log lines and updates of scopes, each told apart
-/// by its mark, as often as its delivery says; runs, faults and quarantine, where `nobody` is that
-/// of what belongs to no robot. Rows of other runs are passed over. Pure; any thread.
+/// by its mark, as often as its delivery says; runs, faults and quarantine, where `no_robot` is
+/// that of what belongs to no robot. Rows of other runs are passed over. Pure; any thread.
 void CompareTwinRows(const TwinScript& twin, const StoredTwin& stored,
-                     std::vector<v1::Quarantined>& nobody, Findings& findings);
+                     std::vector<v1::Quarantined>& no_robot, Findings& findings);
 
 /// How often what was delivered so must be there. Pure.
 [[nodiscard]] Times TimesOf(Delivery delivery);

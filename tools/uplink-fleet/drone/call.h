@@ -75,7 +75,7 @@ struct AvatarCall {
   DueAnswer due;
 };
 
-/// Which drone of which run. A value.
+/// Names a drone and its run. A value.
 struct DroneOptions {
   /// The same seed and index give the same drone, which says the same; times and `run` apart.
   std::uint64_t seed = 1;

@@ -40,7 +40,7 @@ constexpr std::uint64_t kLinkSalt = 0x6c'696e'6bULL;
 
 std::unique_ptr<Stub> Connect(const DroneDial& dial) {
   grpc::ChannelArguments arguments;
-  // A connection of its own, whoever else dials the same server.
+  // A connection of its own, also beside others to the same server.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, static_cast<int>(kReconnectMin.count()));

@@ -34,7 +34,7 @@ struct DronesShared {
   std::atomic<std::uint64_t> sent{0};
   std::atomic<std::uint64_t> again{0};
   std::atomic<std::uint64_t> answered{0};
-  /// Calls of which no answer was taken on purpose, and links that were cut.
+  /// Calls whose answer was not taken on purpose, and links that were cut.
   std::atomic<std::uint64_t> lost{0};
   std::atomic<std::uint64_t> cut{0};
   FirstText first_error;

@@ -16,7 +16,7 @@ namespace uplink::synthetic {
 /// answered is sent again after a pause, unless it is live and a newer one has come.
 ///
 /// Limits: a live line has one call that waits, since a newer one takes its place; for the others
-///         whoever adds asks IsBusy first.
+///         the caller of Add asks IsBusy first.
 /// Thread: confined to one thread.
 class DroneOutbox final {
  public:

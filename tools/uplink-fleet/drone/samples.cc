@@ -18,7 +18,7 @@ namespace {
 
 namespace js = boost::json;
 
-/// What the server makes of a sample: nothing but what it shows; an event if it says something
+/// What the server makes of a sample: only live state; an event if it says something
 /// new; an event; a message for people.
 enum class Becomes : std::uint8_t { kLive, kChange, kEvent, kText };
 

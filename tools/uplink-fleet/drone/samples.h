@@ -37,7 +37,7 @@ class DroneSamples final {
     Seeded chance;
     /// The latest sample; its number is 0 if there is none.
     AvatarCall last{};
-    /// What a change is told of, once something was said.
+    /// The value that a change is compared with, once something was said.
     std::string said{};
   };
 

@@ -24,8 +24,8 @@ class DroneScript final {
   DroneScript(const DroneScript&) = delete;
   DroneScript& operator=(const DroneScript&) = delete;
 
-  /// The calls of a second, of which the first says both sets as they are. Of a line that is `busy`
-  /// none that must be answered.
+  /// The calls of a second; the first says both sets as they are. A line that is `busy` gets none
+  /// that must be answered.
   [[nodiscard]] std::vector<AvatarCall> Second(std::int64_t now_us, const ScenarioOptions& options,
                                                const std::function<bool(std::size_t)>& busy);
   /// How it ends: a new sample of each line, and both sets, which stay as they are.

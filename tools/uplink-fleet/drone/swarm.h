@@ -19,7 +19,7 @@ namespace uplink::synthetic {
 /// Thread: confined to main's; owns those of the groups.
 class DroneSwarm final {
  public:
-  /// `options` says where, of which fleet, in how many threads and by which scenario; its first
+  /// `options` names the server, the fleet, the number of threads and the scenario; its first
   /// phase says seed and run. All references outlive the swarm.
   ///
   /// Errors: those of the pki folder.

@@ -22,8 +22,8 @@ struct ProcessUse {
 /// such process. CPU is known to the kernel's tick, 10 ms.
 [[nodiscard]] std::optional<ProcessUse> UseOf(pid_t pid);
 
-/// The process of this machine that listens on that TCP port, as far as this user may look; none
-/// otherwise.
+/// The process of this machine that listens on that TCP port; nothing if there is none or this
+/// user may not see it.
 [[nodiscard]] std::optional<pid_t> ListenerOf(std::uint16_t port);
 
 }  // namespace uplink::synthetic

@@ -27,15 +27,15 @@ struct RunFigures {
   /// Of these, what left before the robots began to settle: what server and own CPU stand for.
   std::uint64_t sent_while_measured = 0;
   std::uint64_t resent = 0;
-  /// Messages that the server judged, as far as it told the robots.
+  /// Messages that the server judged and said so to the robots.
   std::uint64_t judged = 0;
   std::uint64_t acked_durable = 0;
   std::uint64_t rejects = 0;
   /// Rejects that robots were told, by reason as JSON spells it.
   std::map<std::string, std::uint64_t> rejects_by_reason;
   std::uint64_t notices = 0;
-  /// Robots that take what others share; the changes of it that came to all of them, and the
-  /// snapshots.
+  /// Robots that receive what others share; the changes that came to all of them together, and
+  /// the snapshots.
   std::uint64_t receivers = 0;
   std::uint64_t forwarded_changes = 0;
   std::uint64_t forwarded_snapshots = 0;
@@ -88,7 +88,7 @@ struct DroneFigures {
   /// For which calls were made.
   double seconds = 0;
   DroneTotals totals;
-  /// Of the calls: those that were the second time or later, those of which no answer was taken on
+  /// Of the calls: those that were the second time or later, those whose answer was not taken on
   /// purpose, and links that were cut.
   std::uint64_t again = 0;
   std::uint64_t lost = 0;

@@ -152,7 +152,7 @@ struct RobotOutcome {
   std::uint64_t last_seq = 0;
   std::uint64_t sent = 0;
   std::uint64_t resent = 0;
-  /// Its messages that the server has judged, stored or rejected, as far as it was told.
+  /// Its messages that the server has judged, stored or rejected and said so.
   std::uint64_t judged = 0;
   std::uint64_t notices = 0;
   /// Times that the robot itself was silent for longer than 3 s while it ran: the server may

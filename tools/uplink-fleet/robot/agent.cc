@@ -51,7 +51,7 @@ void Agent::LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime 
     const auto at = now - std::chrono::duration_cast<SystemTime::duration>(left);
     for (Outgoing& message : LifeAt(UnixMs(at))) Offer(std::move(message), {});
   }
-  // That was no wait of a message: nobody was there to take it.
+  // No message waited that long: without a connection none could be sent.
   static_cast<void>(model_.TakeGaveWay());
   for (const std::uint64_t tag : model_.TakeReplaced()) account_.GiveWay(tag);
 }

@@ -42,7 +42,7 @@ class Agent final {
   /// Lives `age` without a connection, up to `now`, tick by tick: live messages give way to newer
   /// ones, durable ones are kept.
   void LiveOffline(milliseconds age, SteadyTime::duration tick, SystemTime now);
-  /// The run begins: before, nobody could have taken what was kept.
+  /// The run begins: waits count from `start`, since what was kept could not be sent before.
   void Begin(SteadyTime start) { model_.DueAt(start); }
   /// Makes the messages of the tick that was due at `due`, as the stage asks.
   void Tick(SteadyTime due, SystemTime system_now);
@@ -64,7 +64,7 @@ class Agent final {
 
  private:
   void Offer(Outgoing message, SteadyTime due);
-  /// What the script makes in one tick, as far as there is room.
+  /// What the script makes in one tick, within the room that is left.
   [[nodiscard]] std::vector<Outgoing> LifeAt(std::int64_t now_ms);
   void NoteGaveWay(SteadyTime now);
   /// Room is left for what the script makes in one tick.

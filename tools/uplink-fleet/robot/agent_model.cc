@@ -177,7 +177,7 @@ bool AgentModel::Fits(const v1::UplinkBatch& batch, std::size_t bytes, const Out
                       std::size_t uplinks_max) const {
   const auto count = static_cast<std::size_t>(batch.uplinks_size());
   if (count >= uplinks_max || count >= limits_.batch_uplinks_max()) return false;
-  // A message too large for any frame goes alone: the server shall say so.
+  // A message too large for any frame goes alone, so that the server rejects it.
   return count == 0 ||
          bytes + message.payload.size() + kUplinkOverheadBytes + kFrameOverheadBytes <=
              limits_.frame_bytes_max();

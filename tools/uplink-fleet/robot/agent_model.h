@@ -75,7 +75,7 @@ class AgentModel final {
   [[nodiscard]] bool welcomed() const {
     return phase_ != Phase::kClosed && phase_ != Phase::kGreeting;
   }
-  /// Something is to be sent again on this stream.
+  /// Something must still be sent again on this stream.
   [[nodiscard]] bool resending() const;
   [[nodiscard]] std::size_t waiting() const { return send_queue_.waiting(); }
   /// Messages that have a number and no Ack.

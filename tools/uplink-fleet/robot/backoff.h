@@ -8,8 +8,8 @@
 
 namespace uplink::synthetic {
 
-/// How long a robot waits before it connects again: from 100 ms on twice as long after each
-/// failure, up to 2 s, of which the upper half is drawn by chance (protocol page: reconnecting).
+/// How long a robot waits before it connects again: 100 ms, then twice as long after each
+/// failure, up to 2 s; drawn by chance from the upper half of that (protocol page: reconnecting).
 ///
 /// Thread: confined to one thread.
 class Backoff final {

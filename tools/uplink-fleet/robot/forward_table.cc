@@ -89,7 +89,7 @@ void ForwardTable::TakeCommand(const v1::Forward& forward) {
   if (read.deletion) {
     if (coming_) return Violated(fmt::format("{} ended within a snapshot", Shown(*read.item)));
     if (held_.erase(read.item) == 0) {
-      Violated(fmt::format("{} ended, of which nothing was told", Shown(*read.item)));
+      Violated(fmt::format("{} ended, but was never shared", Shown(*read.item)));
     }
     return;
   }

@@ -46,8 +46,8 @@ using ItemMap = std::unordered_map<ItemRef, Value, ItemHash, ItemEqual>;
 /// The item belongs to that robot, by its id.
 [[nodiscard]] bool IsOf(const ItemName& item, std::string_view ruri);
 
-// The same for equal contents, as a robot is told of them and as the server shows them. The name is
-// no part of it, and a shape's expiry is not, since robots are not told of it.
+// The same for equal contents, as a robot receives them and as the server shows them. Neither the
+// name is part of it, nor a shape's expiry, which robots do not receive.
 [[nodiscard]] std::uint64_t FingerprintOf(v1::Shape row);
 [[nodiscard]] std::uint64_t FingerprintOf(v1::TrackedObject row);
 [[nodiscard]] std::uint64_t FingerprintOf(const nexus_command::Shape& shape);

@@ -12,7 +12,7 @@ namespace uplink::synthetic {
 
 class Account;
 
-/// How many ways there are to be wrong.
+/// How many ways of being wrong there are.
 inline constexpr std::size_t kWaysToBeWrong = 14;
 
 /// Messages that are wrong on purpose, in their structure or in a field, of durable and of live

@@ -18,7 +18,7 @@ struct RunOutcome {
   /// Unique to the run.
   std::string id;
   std::vector<RobotOutcome> robots;
-  /// Robots whose shapes and objects others were told of.
+  /// Robots whose shapes and objects went to others.
   std::set<std::string> origins;
   LastLook look;
 };

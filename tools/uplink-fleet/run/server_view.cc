@@ -11,7 +11,7 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr int kPageSize = 1000;
-/// Every part: the live ones, then those of which the store keeps the latest.
+/// Every part: the live ones, then those whose latest message the store keeps.
 constexpr const char* kParts =
 #define UPLINK_PART(Part, column, view, Message, keys_max) view ","
     UPLINK_LIVE_PARTS(UPLINK_PART)
@@ -187,7 +187,7 @@ absl::StatusOr<std::vector<v1::OperatorRequest>> ServerView::OperatorRequests(
   return requests;
 }
 
-absl::StatusOr<std::vector<v1::Quarantined>> ServerView::QuarantineOfNobody(std::int64_t from_ms) {
+absl::StatusOr<std::vector<v1::Quarantined>> ServerView::QuarantineOfNoRobot(std::int64_t from_ms) {
   std::vector<v1::Quarantined> rows;
   const absl::Status status = FetchPages<v1::ListQuarantineResponse>(
       http_, fmt::format("/api/v1/quarantine?source=cyberwave&fromMs={}", from_ms),

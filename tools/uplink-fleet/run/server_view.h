@@ -42,7 +42,7 @@ class ServerView final {
   [[nodiscard]] absl::StatusOr<std::vector<v1::OperatorRequest>> OperatorRequests(
       const std::string& ruri);
   /// Rejected messages from brokers that belong to no robot, from `from_ms` on.
-  [[nodiscard]] absl::StatusOr<std::vector<v1::Quarantined>> QuarantineOfNobody(
+  [[nodiscard]] absl::StatusOr<std::vector<v1::Quarantined>> QuarantineOfNoRobot(
       std::int64_t from_ms);
   /// The server's metrics page.
   [[nodiscard]] absl::StatusOr<std::string> Metrics() { return http_.Get("/metrics"); }

@@ -71,7 +71,7 @@ bool Agree(const ForwardsLook& look, std::size_t receivers) {
 }
 
 /// Looks, in Stage::kLast, until both sides agree, for some seconds: items expire meanwhile, and
-/// receivers are told of that a moment later. The last look if they never do.
+/// receivers hear that a moment later. The last look if they never do.
 ForwardsLook LookAtForwards(const RunContext& run) {
   const std::size_t receivers = ReceiversOf(run.options.swarm.scenario);
   ForwardsLook look;

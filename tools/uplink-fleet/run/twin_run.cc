@@ -174,12 +174,12 @@ absl::StatusOr<StoredTwin> TwinRun::StoredOf(const TwinScript& twin) {
 }
 
 absl::Status TwinRun::CompareTwin(const TwinScript& twin, const TwinLook& look,
-                                  std::vector<v1::Quarantined>& nobody) {
+                                  std::vector<v1::Quarantined>& no_robot) {
   CompareTwinLive(twin, look, evidence_.findings);
   const absl::StatusOr<StoredTwin> stored = StoredOf(twin);
   if (!stored.ok()) return stored.status();
   ++evidence_.twins_read;
-  CompareTwinRows(twin, *stored, nobody, evidence_.findings);
+  CompareTwinRows(twin, *stored, no_robot, evidence_.findings);
   CompareTwinPresence(twin, *stored, span_, evidence_.findings);
   return absl::OkStatus();
 }
@@ -202,8 +202,8 @@ absl::Status TwinRun::Gather(const TwinSwarm& swarm) {
   if (!now.ok()) return now.status();
   span_.to_ms = now->now_ms();
   evidence_.restarted = now->started_at_ms() != started_at_ms_;
-  auto nobody = AskAgain(context_, [this] { return view_.QuarantineOfNobody(span_.from_ms); });
-  if (!nobody.ok()) return nobody.status();
+  auto no_robot = AskAgain(context_, [this] { return view_.QuarantineOfNoRobot(span_.from_ms); });
+  if (!no_robot.ok()) return no_robot.status();
   std::size_t compared = 0;
   swarm.ForEach([&](const TwinScript& twin) {
     if (!status.ok()) return;
@@ -215,7 +215,7 @@ absl::Status TwinRun::Gather(const TwinSwarm& swarm) {
     if (line_.Due(clock_.Steady())) {
       line_.Show(fmt::format("compared {} of {} twins", compared, looks_.size()));
     }
-    status = CompareTwin(twin, looks_[compared++], *nobody);
+    status = CompareTwin(twin, looks_[compared++], *no_robot);
   });
   return status;
 }

@@ -46,7 +46,7 @@ class TwinRun final {
   void AwaitServer();
   [[nodiscard]] absl::Status Gather(const TwinSwarm& swarm);
   [[nodiscard]] absl::Status CompareTwin(const TwinScript& twin, const TwinLook& look,
-                                         std::vector<v1::Quarantined>& nobody);
+                                         std::vector<v1::Quarantined>& no_robot);
   [[nodiscard]] absl::StatusOr<TwinLook> LookAt(const TwinScript& twin);
   [[nodiscard]] absl::StatusOr<StoredTwin> StoredOf(const TwinScript& twin);
   void Look();

@@ -40,7 +40,7 @@ struct Trouble {
   double breaks_per_minute = 0;
   /// The network forgets the connection: a TCP reset.
   double cuts_per_minute = 0;
-  /// Nothing passes any more, and nobody is told.
+  /// Nothing passes any more, and neither side is told.
   double half_opens_per_minute = 0;
   /// A second connection opens while the first one goes on.
   double takeovers_per_minute = 0;
@@ -73,7 +73,7 @@ inline constexpr std::uint32_t kSlowWindowBytes = 64;
 struct Phase {
   /// Where there are several, which follow each other again and again.
   milliseconds lasts{0};
-  /// Of which seed and run are the whole run's.
+  /// Seed and run in it are those of the whole run.
   ScenarioOptions options;
   /// Messages that are gathered for a frame.
   std::size_t batch = 1;

@@ -49,7 +49,7 @@ struct SentWrong {
   model::RejectReason reason = model::RejectReason::kMalformed;
   std::string topic;
   std::size_t bytes = 0;
-  /// Whose quarantine it is in: the real robot's, or nobody's.
+  /// Which quarantine it is in: the real robot's, or that of no robot.
   bool of_no_robot = false;
   /// Published on a topic that the server reads at QoS 1.
   bool sure = true;

@@ -29,7 +29,7 @@ constexpr std::string_view kEvent = "twin/{twin}/event";
 constexpr std::string_view kTelemetry = "twin/{twin}/telemetry";
 constexpr std::string_view kEnvironment = "environment/{environment}/twin_added";
 
-/// Levels in any case, and words that nobody knows.
+/// Levels in any case, and unknown words.
 constexpr std::string_view kLog =
     R"({"level":"debug|INFO|Warning|warn|ERROR|critical|verbose",)"
     R"("container_name":"driver","sdk_version":"0.7.4","message":"driver says {mark}"})";
@@ -54,7 +54,7 @@ constexpr auto kHappenings = std::to_array<Happening>({
      With(Head::kNone,
           FromDriver(kEvent, R"({"event_type":"zone_entered","data":{"mark":"{mark}","zone":7}})")),
      RowKind::kEvent, "zone_entered", true},
-    // Telemetry of types that nobody knows.
+    // Telemetry of unknown types.
     {24, FromDriver(kTelemetry, R"({"type":"gripper_closed","mark":"{mark}","force":"0..40"})"),
      RowKind::kEvent, "gripper_closed", true},
     {12, FromSimulation(kTelemetry, R"({"type":"camera_moved","mark":"{mark}"})"), RowKind::kEvent,

@@ -12,7 +12,7 @@ namespace uplink::synthetic {
 enum class Side : std::uint8_t { kReal, kSim };
 inline constexpr std::size_t kSides = 2;
 
-/// Which twin of which run. A value.
+/// Names a twin and its run. A value.
 struct TwinOptions {
   /// The same seed and index give the same twin, which says the same; times and `run` apart.
   std::uint64_t seed = 1;

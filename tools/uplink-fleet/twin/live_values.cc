@@ -61,7 +61,7 @@ constexpr std::string_view kMaps = R"({"positions":{"_1":"-3..3","_2":"-3..3","_
                                    R"("efforts":{"_1":"-3..3","_2":"-3..3","_3":"-3..3"}})";
 
 constexpr auto kKinds = std::to_array<LiveKind>({
-    // A word that nobody knows counts as edge, and is kept.
+    // An unknown word counts as edge, and is kept.
     {1, FromDriver(kPosition, kPlace, "edge_v2"), Shown::kMember, "position", "edge_v2"},
     {19, FromDriver(kPosition, kPlace), Shown::kMember, "position"},
     // Half of them let the session say that they are simulated.

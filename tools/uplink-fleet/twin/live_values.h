@@ -13,9 +13,9 @@ inline constexpr std::string_view kSecret = "candidate:secret";
 /// One row of the table.
 struct LiveKind;
 
-/// What a twin says of which the last is shown: where it is, its joints, the reports of its
-/// computers and devices; and what must change none of it: what comes late, is only wanted, steers
-/// or carries a secret. By a table of its messages. Thread: confined to one thread.
+/// Messages of a twin whose last value is shown: where it is, its joints, the reports of its
+/// computers and devices; and messages that must not change it: what comes late, is only wanted,
+/// steers or carries a secret. By a table of its messages. Thread: confined to one thread.
 class LiveValues final {
  public:
   explicit LiveValues(const Speech& speech) : speech_(speech) {}

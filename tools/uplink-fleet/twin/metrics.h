@@ -7,7 +7,7 @@
 
 namespace uplink::synthetic {
 
-/// A twin's metrics, of which the latest are shown, and the errors among them, which are faults.
+/// A twin's metrics: the latest are shown, and the errors among them are faults.
 /// Thread: confined to one thread.
 class Metrics final {
  public:

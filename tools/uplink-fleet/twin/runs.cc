@@ -41,7 +41,7 @@ SentRun& Runs::Advance(Going& going, const char* name, Draft& draft) {
   SentRun& run = speech_.account.Run(going.id);
   run.updates.push_back(draft.number);
   run.status = "unknown";
-  // A word that nobody knows stands before the text.
+  // An unknown word stands before the text.
   run.message = word;
   for (const StatusWord& each : kWords) {
     if (word != each.said) continue;

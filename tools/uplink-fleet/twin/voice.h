@@ -17,7 +17,7 @@ enum class Qos : std::uint8_t { k0 = 0, k1 = 1 };
 
 /// One message as it leaves for the broker. A value.
 struct Publication {
-  /// Within its twin, from 1; what is published at QoS 1 is told of by it when it is acked.
+  /// Within its twin, from 1. Names what is published at QoS 1 when it is acked.
   std::uint64_t number = 0;
   std::string topic;
   std::string payload;
@@ -98,7 +98,7 @@ class Voice final {
   /// the twin's ids and `{mark}` the message's mark; `1..9` becomes a number between, `1..9#` a
   /// whole one, `a|b` one of both.
   [[nodiscard]] Draft Begin(const Words& words);
-  /// A draft of which nothing is said yet.
+  /// A draft that says nothing yet.
   [[nodiscard]] Draft BeginBare();
   [[nodiscard]] std::string MarkOf(const Draft& draft) const {
     return synthetic::MarkOf(options_, draft.number);

@@ -12,7 +12,7 @@ namespace uplink::synthetic {
 
 inline constexpr std::size_t kArmJoints = 6;
 
-/// An arm of six joints, the last of which lifts, that swing each at their own pace; they stand
+/// An arm of six joints that swing each at their own pace; the last one lifts. They stand
 /// still in an emergency stop. Position, velocity and effort fit each other. Reported as RCAN's
 /// Robot State. Confined to one thread.
 class Arm final {

@@ -18,7 +18,7 @@ struct Moment {
   double dt_s = 0;
 };
 
-/// What a robot is now, as far as its behaviours look at each other. A value.
+/// The part of a robot's state that its behaviours share. A value.
 struct Facts {
   model::Pose pose;
   double speed_mps = 0;
@@ -42,7 +42,7 @@ struct Facts {
   [[nodiscard]] bool may_drive() const { return !estop && !charging; }
 };
 
-/// Where behaviours put what is to be sent, in order.
+/// Where behaviours put what to send, in order.
 using Outbox = std::vector<model::Body>;
 
 }  // namespace uplink::synthetic

@@ -8,7 +8,7 @@ namespace uplink::synthetic {
 namespace {
 
 constexpr std::int64_t kFlashMs = 2'000;
-/// Of one that is told of again: it is still there then.
+/// Of one that is reported again: it is still there then.
 constexpr std::int64_t kLongFlashMs = 30'000;
 constexpr std::int64_t kLongerFlashMs = 45'000;
 constexpr double kDeletedShare = 0.2;

@@ -13,7 +13,7 @@ namespace uplink::synthetic {
 
 /// What a robot shares with the others, in all the ways in which that can end: a hazard and an
 /// object whose ids are those of every robot of the run are revised, kept to the robot, shared
-/// again, and deleted; short-lived ones expire, some after they were told of once more.
+/// again, and deleted; short-lived ones expire, some after they were reported once more.
 class Sharing final {
  public:
   /// The ids of its own begin with `mark`, those that all robots use with `run`.

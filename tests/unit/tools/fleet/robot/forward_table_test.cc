@@ -136,7 +136,7 @@ TEST_F(ForwardTableTest, ACommandBeforeTheFirstSnapshot) {
 TEST_F(ForwardTableTest, ADeleteOfWhatIsNotHeld) {
   Snapshot({"a"});
   table_.Take(Delete("b"));
-  ExpectViolation("shape b@rcan://test/other ended, of which nothing was told");
+  ExpectViolation("shape b@rcan://test/other ended, but was never shared");
 }
 
 TEST_F(ForwardTableTest, ADeleteWithinASnapshot) {
