@@ -75,7 +75,7 @@ void Connection::BeginGrpc() {
     return grpc_->TurnAway(TurnedAway::kFull, "the server has no place for more connections");
   }
   const auto evicted = place_.Count(grpc_->tls_peer(), origin_, now);
-  if (evicted) owner_.OnEvicted(*evicted);
+  if (evicted) owner_.EvictOther(*evicted);
 }
 
 void Connection::ReadPlain() {

@@ -26,7 +26,7 @@ class ConnectionOwner {
   /// The TLS handshake has ended, with or without success.
   virtual void OnHandshakeEnded(Connection& connection) = 0;
   /// Another connection of the same certificate must be closed.
-  virtual void OnEvicted(std::uint64_t connection) = 0;
+  virtual void EvictOther(std::uint64_t connection) = 0;
   /// It is closed, and may be destroyed after this call.
   virtual void OnClosed(Connection& connection) = 0;
 };

@@ -13,7 +13,7 @@
 #include "server/front/call/relay_handler.h"
 #include "server/front/door/acceptor.h"
 #include "server/front/door/door.h"
-#include "server/front/door/greeter.h"
+#include "server/front/door/origin_reader.h"
 #include "server/front/tls/tls_context.h"
 #include "server/front/worker.h"
 #include "server/log/rate_limited.h"
@@ -106,7 +106,7 @@ struct FrontServer::Impl {
   std::unique_ptr<Acceptor> acceptor;
   /// Both are used on the acceptor's thread.
   std::unique_ptr<Door> door;
-  std::unique_ptr<Greeter> greeter;
+  std::unique_ptr<OriginReader> origin_reader;
 };
 
 absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
@@ -194,17 +194,17 @@ void FrontServer::Impl::OpenDoor() {
                                                     for (const auto& worker : workers)
                                                       worker->CutHandshake(id);
                                                   }});
-  greeter = std::make_unique<Greeter>(acceptor->context(), book, context.probe, context.clock,
-                                      Greeter::Setup{.load_balancers = options.proxy_protocol_from,
-                                                     .waiting_max = limits.proxy_headers_max,
-                                                     .hand = [this](Visitor visitor) {
-                                                       door->Arrive(std::move(visitor),
-                                                                    context.clock.Steady());
-                                                     }});
-  acceptor->Start([this](Accepted accepted) { greeter->Arrive(std::move(accepted)); },
+  origin_reader = std::make_unique<OriginReader>(
+      acceptor->context(), book, context.probe, context.clock,
+      OriginReader::Setup{.load_balancers = options.proxy_protocol_from,
+                          .waiting_max = limits.proxy_headers_max,
+                          .hand = [this](Visitor visitor) {
+                            door->Arrive(std::move(visitor), context.clock.Steady());
+                          }});
+  acceptor->Start([this](Accepted accepted) { origin_reader->Arrive(std::move(accepted)); },
                   {.tick =
                        [this] {
-                         greeter->Tick();
+                         origin_reader->Tick();
                          door->Tick(context.clock.Steady());
                        },
                    .paused = [this](std::error_code why) { NotePause(why); }});
@@ -218,7 +218,7 @@ void FrontServer::Impl::NotePause(std::error_code why) {
 void FrontServer::Impl::CloseDoor() {
   acceptor->Stop();
   // Work that workers still post does not run.
-  greeter.reset();
+  origin_reader.reset();
   door.reset();
 }
 

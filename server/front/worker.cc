@@ -155,7 +155,7 @@ void Worker::RunTimers() {
 
 void Worker::OnHandshakeEnded(Connection& connection) { setup_.handshake_ended(connection.id()); }
 
-void Worker::OnEvicted(std::uint64_t connection) { setup_.evict(connection); }
+void Worker::EvictOther(std::uint64_t connection) { setup_.evict(connection); }
 
 void Worker::OnClosed(Connection& connection) {
   closed_.push_back(connection.id());

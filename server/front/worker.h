@@ -64,7 +64,7 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
 
   // ConnectionOwner
   void OnHandshakeEnded(Connection& connection) override;
-  void OnEvicted(std::uint64_t connection) override;
+  void EvictOther(std::uint64_t connection) override;
   void OnClosed(Connection& connection) override;
 
  private:

@@ -209,7 +209,7 @@ void Call::Settle() {
 }
 
 void Call::OnWake() {
-  if (inbound_.ToEnd()) {
+  if (inbound_.MustEnd()) {
     thread_.relay.probe.unfinished_ends_total.Add();
     Fail(absl::ResourceExhaustedError(
         "the memory for unfinished frames is used up, and this one was the slowest"));

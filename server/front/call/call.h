@@ -137,7 +137,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void Deliver();
   bool DeliverOne();
   void EndOfMessages();
-  void OpenWindow(Inbound::Opens bytes) {
+  void OpenWindow(Inbound::WindowBytes bytes) {
     if (bytes > 0) http2_.ConsumeStream(stream_, bytes);
   }
   /// Notes the memory of the message that the handler waits for.

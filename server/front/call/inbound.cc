@@ -6,18 +6,18 @@
 
 namespace uplink::front {
 
-Inbound::Opens Inbound::Open(std::size_t taken) {
+Inbound::WindowBytes Inbound::Open(std::size_t taken) {
   const std::size_t early = std::exchange(opened_early_, 0);
   return taken > early ? taken - early : 0;
 }
 
-Inbound::Opens Inbound::Drop() {
-  const Opens opens = Open(reader_.waiting());
+Inbound::WindowBytes Inbound::Drop() {
+  const WindowBytes opens = Open(reader_.waiting());
   reader_.Clear();
   return opens;
 }
 
-Inbound::Opens Inbound::NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now) {
+Inbound::WindowBytes Inbound::NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now) {
   const std::optional<std::size_t> whole = awaited ? reader_.unfinished() : std::nullopt;
   NoteHeld(key, whole ? reader_.held() : 0, now);
   // nghttp2 announces a window only once half of it was given back, so a message may have to do

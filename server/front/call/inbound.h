@@ -18,7 +18,7 @@ namespace uplink::front {
 class Inbound final {
  public:
   /// The bytes by which the stream's window opens.
-  using Opens = std::size_t;
+  using WindowBytes = std::size_t;
 
   Inbound(Unfinished& unfinished, const loop::StreamRef& call)
       : unfinished_(unfinished), call_(call) {}
@@ -28,19 +28,19 @@ class Inbound final {
 
   [[nodiscard]] MessageReader& reader() { return reader_; }
   /// Takes the message that reader().Peek showed.
-  [[nodiscard]] Opens Pop() { return Open(reader_.Pop()); }
+  [[nodiscard]] WindowBytes Pop() { return Open(reader_.Pop()); }
   /// Forgets all that waits.
-  [[nodiscard]] Opens Drop();
+  [[nodiscard]] WindowBytes Drop();
   /// Notes whether the handler waits for a message. While that is incomplete, its memory counts for
   /// `key`; if it is longer than half the stream's window, the window opens early.
-  [[nodiscard]] Opens NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now);
+  [[nodiscard]] WindowBytes NoteUnfinished(bool awaited, const KeyDigest& key, SteadyTime now);
   /// The call takes no more messages: no memory counts.
   void End() { NoteHeld({}, 0, {}); }
   /// Whether the call, which was woken, must end because of the memory that it holds.
-  [[nodiscard]] bool ToEnd() const { return held_ > 0 && unfinished_.ToEnd(call_); }
+  [[nodiscard]] bool MustEnd() const { return held_ > 0 && unfinished_.MustEnd(call_); }
 
  private:
-  [[nodiscard]] Opens Open(std::size_t taken);
+  [[nodiscard]] WindowBytes Open(std::size_t taken);
   void NoteHeld(const KeyDigest& key, std::size_t bytes, SteadyTime now);
 
   Unfinished& unfinished_;

@@ -80,7 +80,7 @@ std::optional<Unfinished::CallId> Unfinished::Choose() const {
   return (most->bytes > limits_.share_max ? most : slowest)->calls.begin()->second;
 }
 
-bool Unfinished::ToEnd(const loop::StreamRef& call) const {
+bool Unfinished::MustEnd(const loop::StreamRef& call) const {
   const std::lock_guard lock(mutex_);
   return chosen_ == CallId{call.inbox, call.stream};
 }

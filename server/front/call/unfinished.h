@@ -44,7 +44,7 @@ class Unfinished final {
   void Set(const loop::StreamRef& call, const KeyDigest& key, std::uint64_t message,
            std::size_t bytes, SteadyTime now);
   /// Whether this call, which was woken, must end.
-  [[nodiscard]] bool ToEnd(const loop::StreamRef& call) const;
+  [[nodiscard]] bool MustEnd(const loop::StreamRef& call) const;
 
  private:
   /// Names a call among all threads'.

@@ -93,7 +93,7 @@ void Door::HandshakeEnded(std::uint64_t id, SteadyTime now) {
 void Door::Tick(SteadyTime now) {
   // One per place that is wanted: each cut handshake makes room for one that waits.
   for (std::size_t i = 0; i < queue_.waiting(); ++i) {
-    const auto longest = queue_.ToGiveWay();
+    const auto longest = queue_.ChooseToCut();
     if (!longest) return;
     const auto began = began_.find(*longest);
     if (began == began_.end() || now < began->second + kSpared) return;

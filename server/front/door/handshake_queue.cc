@@ -31,7 +31,7 @@ std::optional<std::uint64_t> HandshakeQueue::Arrive(std::uint64_t id, const Sour
   connections_.emplace(id, std::prev(source.waiting.end()));
   List(source);
   if (waiting() <= limits_.waiting_max) return std::nullopt;
-  const std::uint64_t refused = ToRefuse();
+  const std::uint64_t refused = ChooseToRefuse();
   Ended(refused);
   return refused;
 }
@@ -73,7 +73,7 @@ void HandshakeQueue::Ended(std::uint64_t id) {
   List(source);
 }
 
-std::optional<std::uint64_t> HandshakeQueue::ToGiveWay() const {
+std::optional<std::uint64_t> HandshakeQueue::ChooseToCut() const {
   if (under_way() < limits_.under_way_max) return std::nullopt;
   const Source& holder = **holders_.begin();
   const std::size_t share = std::max<std::size_t>(1, limits_.under_way_max / sources_.size());
@@ -145,7 +145,7 @@ HandshakeQueue::Source* HandshakeQueue::InTurn(std::size_t strangers_under_way) 
   return fourth && have_room ? *strangers.in_turn.begin() : *known.in_turn.begin();
 }
 
-std::uint64_t HandshakeQueue::ToRefuse() const {
+std::uint64_t HandshakeQueue::ChooseToRefuse() const {
   const Ranked& strangers = Of(Rank::kStranger);
   const Ranked& known = Of(Rank::kKnown);
   const bool too_many = strangers.waiting * kStrangersEvery > limits_.waiting_max;

@@ -78,7 +78,7 @@ class HandshakeQueue final {
   /// source below its fair share, and that source is above its own. A fair share is under_way_max
   /// divided by the sources that have or want a place, at least 1. Once the handshake has Ended,
   /// Next serves the source that was short. The caller spares a handshake that has only just begun.
-  [[nodiscard]] std::optional<std::uint64_t> ToGiveWay() const;
+  [[nodiscard]] std::optional<std::uint64_t> ChooseToCut() const;
 
   /// A connection waits for a place, not just for our CPU: handshakes get less time.
   [[nodiscard]] bool pressed() const {
@@ -140,7 +140,7 @@ class HandshakeQueue final {
   void List(Source& source);
   /// The source that Next serves if strangers hold so many places; null if none waits.
   [[nodiscard]] Source* InTurn(std::size_t strangers_under_way) const;
-  [[nodiscard]] std::uint64_t ToRefuse() const;
+  [[nodiscard]] std::uint64_t ChooseToRefuse() const;
   /// Updates whether the source, which is unlisted, is over the rate.
   void Rate(Source& source, SteadyTime now);
   /// The same for all waiting sources that are within the rate again.

@@ -18,7 +18,7 @@ std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_
   connections_.emplace(connection, std::prev(key.connections.end()));
   if (key.connections.size() <= per_key_max) return std::nullopt;
 
-  const Connections::iterator evicted = ToEvict(key.connections);
+  const Connections::iterator evicted = ChooseToEvict(key.connections);
   const std::uint64_t evicted_id = evicted->id;
   connections_.erase(evicted_id);
   key.connections.erase(evicted);
@@ -64,7 +64,7 @@ std::size_t KeyTable::keys() const {
   return keys_.size();
 }
 
-KeyTable::Connections::iterator KeyTable::ToEvict(Connections& connections) {
+KeyTable::Connections::iterator KeyTable::ChooseToEvict(Connections& connections) {
   const auto newcomer = std::prev(connections.end());
   const auto idle = std::find_if(connections.begin(), newcomer,
                                  [](const Connection& one) { return one.streams == 0; });

@@ -58,7 +58,7 @@ class KeyTable final {
   };
 
   /// The connection to close so that the newcomer may stay; the key has at least two.
-  [[nodiscard]] static Connections::iterator ToEvict(Connections& connections);
+  [[nodiscard]] static Connections::iterator ChooseToEvict(Connections& connections);
 
   mutable std::mutex mutex_;
   std::unordered_map<KeyDigest, Key, DigestHash> keys_;

@@ -120,7 +120,7 @@ std::int64_t ConnectionBench::TurnedAwayFor(transport::TurnedAway cause) {
 
 void ConnectionBench::OnHandshakeEnded(front::Connection& /*connection*/) {}
 
-void ConnectionBench::OnEvicted(std::uint64_t connection) {
+void ConnectionBench::EvictOther(std::uint64_t connection) {
   loop_.Post([this, connection] {
     if (const auto found = connections_.find(connection); found != connections_.end()) {
       found->second->Evict();

@@ -51,7 +51,7 @@ class ConnectionBench final : public front::ConnectionOwner {
 
   // front::ConnectionOwner
   void OnHandshakeEnded(front::Connection& connection) override;
-  void OnEvicted(std::uint64_t connection) override;
+  void EvictOther(std::uint64_t connection) override;
   void OnClosed(front::Connection& connection) override;
 
  private:

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "server/front/door/door.h"
-#include "server/front/door/greeter.h"
+#include "server/front/door/origin_reader.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"
 #include "tests/support/proxy_headers.h"

@@ -24,7 +24,7 @@ class InboundTest : public ::testing::Test {
  protected:
   InboundTest() { inbound_.reader().SetMax(kLargest); }
   /// Bytes arrive while the handler waits; by how many the window opens.
-  Inbound::Opens Arrive(const std::string& bytes) {
+  Inbound::WindowBytes Arrive(const std::string& bytes) {
     inbound_.reader().Add(bytes);
     inbound_.reader().Keep();
     return inbound_.NoteUnfinished(true, kKey, SteadyTime{});

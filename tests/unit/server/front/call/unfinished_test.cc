@@ -35,7 +35,7 @@ class UnfinishedTest : public ::testing::Test {
              SteadyTime now) {
     unfinished_.Set({&wakes_, call}, {key}, message, bytes, now);
   }
-  [[nodiscard]] bool ToEnd(std::uint64_t call) { return unfinished_.ToEnd({&wakes_, call}); }
+  [[nodiscard]] bool MustEnd(std::uint64_t call) { return unfinished_.MustEnd({&wakes_, call}); }
   [[nodiscard]] std::int64_t bytes() const { return probe_.unfinished_bytes.value(); }
 
   transport::RelayProbe probe_;
@@ -48,7 +48,7 @@ TEST_F(UnfinishedTest, NobodyEndsAtTheLimit) {
   Set(1, 0, 40, At(1));
   Set(2, 0, 60, At(2));
   EXPECT_EQ(bytes(), static_cast<std::int64_t>(kBytesMax));
-  EXPECT_FALSE(ToEnd(1));
+  EXPECT_FALSE(MustEnd(1));
   EXPECT_EQ(wakes_.calls(), Calls());
 }
 
@@ -57,10 +57,10 @@ TEST_F(UnfinishedTest, PastItTheOneThatBeganFirstEnds) {
   Set(1, 0, 50, At(2));
   Set(3, 0, 50, At(3));
   EXPECT_EQ(wakes_.calls(), Calls{2});
-  EXPECT_TRUE(ToEnd(2)) << "how much it holds is no measure of how slow it is";
-  EXPECT_FALSE(ToEnd(1));
+  EXPECT_TRUE(MustEnd(2)) << "how much it holds is no measure of how slow it is";
+  EXPECT_FALSE(MustEnd(1));
   Set(2, 0, 0, At(4));
-  EXPECT_FALSE(ToEnd(1)) << "it is enough";
+  EXPECT_FALSE(MustEnd(1)) << "it is enough";
 }
 
 TEST_F(UnfinishedTest, TheNextEndsIfThatWasNotEnough) {
@@ -78,7 +78,7 @@ TEST_F(UnfinishedTest, AMessageKeepsTheTimeOfItsBeginning) {
   Set(1, 0, 10, At(1));
   Set(2, 0, 45, At(2));
   Set(1, 0, 56, At(9));
-  EXPECT_TRUE(ToEnd(1));
+  EXPECT_TRUE(MustEnd(1));
 }
 
 TEST_F(UnfinishedTest, AnotherMessageOfTheCallBeginsAnew) {
@@ -86,7 +86,7 @@ TEST_F(UnfinishedTest, AnotherMessageOfTheCallBeginsAnew) {
   Set(2, 0, 50, At(2));
   Set(1, 0, 0, At(3));
   Set(1, 0, 55, At(4));
-  EXPECT_TRUE(ToEnd(2));
+  EXPECT_TRUE(MustEnd(2));
 }
 
 // A busy stream always has one that is unfinished, each time another.
@@ -94,7 +94,7 @@ TEST_F(UnfinishedTest, TheNextMessageOfTheCallBeginsAnewThoughNoMomentWasWithout
   Set(1, 0, 10, At(1));
   Set(2, 0, 50, At(2));
   Set(1, 1, 55, At(3));
-  EXPECT_TRUE(ToEnd(2));
+  EXPECT_TRUE(MustEnd(2));
   Set(1, 1, 0, At(4));
   EXPECT_EQ(bytes(), 50);
 }
@@ -110,7 +110,7 @@ TEST_F(UnfinishedTest, ThreadsShareTheMemoryAndTheSlowestOfAllEnds) {
   EXPECT_EQ(bytes(), 101);
   EXPECT_EQ(wakes_.calls(), Calls{1});
   EXPECT_EQ(other_wakes_.calls(), Calls());
-  EXPECT_FALSE(unfinished_.ToEnd({&other_wakes_, 1}));
+  EXPECT_FALSE(unfinished_.MustEnd({&other_wakes_, 1}));
 }
 
 TEST_F(UnfinishedTest, AKeyOverItsShareCostsItselfAlone) {

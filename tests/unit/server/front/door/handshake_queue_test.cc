@@ -48,7 +48,7 @@ std::vector<std::uint64_t> TakeAll(HandshakeQueue& queue) {
 TEST(HandshakeQueue, IsEmptyAtFirst) {
   HandshakeQueue queue({.under_way_max = 2, .waiting_max = 2});
   EXPECT_EQ(queue.Next(kNow), std::nullopt);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt);
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt);
   EXPECT_FALSE(queue.pressed());
 }
 
@@ -220,15 +220,15 @@ TEST(HandshakeQueue, TheLongestOfTheSourceThatHasTooManyGivesWay) {
   HandshakeQueue queue({.under_way_max = 4, .waiting_max = 100});
   ArriveMany(queue, 1, 10, kA);
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2, 3, 4));
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "nobody else wants a place";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "nobody else wants a place";
   ArriveMany(queue, 20, 3, kB);
-  EXPECT_EQ(queue.ToGiveWay(), 1U);
+  EXPECT_EQ(queue.ChooseToCut(), 1U);
   queue.Ended(1);
   EXPECT_EQ(queue.Next(kNow), 20U);
-  EXPECT_EQ(queue.ToGiveWay(), 2U);
+  EXPECT_EQ(queue.ChooseToCut(), 2U);
   queue.Ended(2);
   EXPECT_EQ(queue.Next(kNow), 21U);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "both have their share";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "both have their share";
 }
 
 TEST(HandshakeQueue, NobodyGivesWayWhileAPlaceIsFree) {
@@ -236,14 +236,14 @@ TEST(HandshakeQueue, NobodyGivesWayWhileAPlaceIsFree) {
   ArriveMany(queue, 1, 3, kA);
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2, 3));
   ArriveMany(queue, 20, 1, kB);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt);
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt);
 }
 
 TEST(HandshakeQueue, NobodyGivesWayWhereEachHasOneAndMoreWaitThanThereArePlaces) {
   HandshakeQueue queue({.under_way_max = 2, .waiting_max = 100});
   for (std::uint32_t i = 1; i <= 5; ++i) ArriveMany(queue, i, 1, From(i));
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2));
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt);
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt);
 }
 
 TEST(HandshakeQueue, OneOfTwoGivesWayWhereMoreSourcesWaitThanThereArePlaces) {
@@ -251,13 +251,13 @@ TEST(HandshakeQueue, OneOfTwoGivesWayWhereMoreSourcesWaitThanThereArePlaces) {
   ArriveMany(queue, 100, 3, kA);
   ASSERT_THAT(TakeAll(queue), ElementsAre(100, 101, 102));
   for (std::uint32_t i = 1; i <= 5; ++i) ArriveMany(queue, i, 1, From(i));
-  EXPECT_EQ(queue.ToGiveWay(), 100U);
+  EXPECT_EQ(queue.ChooseToCut(), 100U);
   queue.Ended(100);
   ASSERT_EQ(queue.Next(kNow), 1U);
-  EXPECT_EQ(queue.ToGiveWay(), 101U);
+  EXPECT_EQ(queue.ChooseToCut(), 101U);
   queue.Ended(101);
   ASSERT_EQ(queue.Next(kNow), 2U);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "each share is one";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "each share is one";
 }
 
 TEST(HandshakeQueue, NobodyGivesWayToAStrangerIfTheKnownSourceWouldGetThePlaceBack) {
@@ -268,7 +268,7 @@ TEST(HandshakeQueue, NobodyGivesWayToAStrangerIfTheKnownSourceWouldGetThePlaceBa
   ArriveMany(queue, 30, 1, kB);
   ASSERT_EQ(queue.Next(kNow), 30U) << "the fourth place";
   ArriveMany(queue, 40, 1, kC);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "it is a known source's place, three times";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "it is a known source's place, three times";
 }
 
 TEST(HandshakeQueue, NoStrangerGivesWayIfThePlaceWouldBeAStrangersAgain) {
@@ -278,9 +278,9 @@ TEST(HandshakeQueue, NoStrangerGivesWayIfThePlaceWouldBeAStrangersAgain) {
   for (std::uint32_t i = 1; i <= 6; ++i) ArriveMany(queue, i, 1, From(i), Rank::kKnown);
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2, 3, 4, 5, 6));
   ArriveMany(queue, 7, 1, From(7), Rank::kKnown);
-  EXPECT_EQ(queue.ToGiveWay(), 100U) << "the known source has none, and each share is one";
+  EXPECT_EQ(queue.ChooseToCut(), 100U) << "the known source has none, and each share is one";
   ArriveMany(queue, 102, 1, kA);
-  EXPECT_EQ(queue.ToGiveWay(), std::nullopt) << "strangers with less than their fourth are next";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "strangers with less than their fourth are next";
 }
 
 constexpr HandshakeLimits kModelLimits{.under_way_max = 9, .waiting_max = 30};
@@ -397,7 +397,7 @@ void ExpectTheSame(const HandshakeQueue& queue, const Model& model) {
 
 /// Cuts a handshake short, if one should be: its place is a source's that lacked one.
 void LetGiveWay(HandshakeQueue& queue, Model& model) {
-  const auto gives_way = queue.ToGiveWay();
+  const auto gives_way = queue.ChooseToCut();
   if (!gives_way) return;
   const std::size_t share = model.Share();
   queue.Ended(*gives_way);

@@ -1,4 +1,4 @@
-#include "server/front/door/greeter.h"
+#include "server/front/door/origin_reader.h"
 
 #include <array>
 #include <cerrno>
@@ -11,25 +11,25 @@ namespace uplink::front {
 namespace asio = boost::asio;
 using transport::TurnedAway;
 
-Greeter::Guest::Guest(asio::io_context& context, Descriptor its_descriptor, Origin load_balancer,
-                      SteadyTime until)
+OriginReader::Guest::Guest(asio::io_context& context, Descriptor its_descriptor,
+                           Origin load_balancer, SteadyTime until)
     : descriptor(std::move(its_descriptor)),
       watch(context),
       origin(std::move(load_balancer)),
       by(until) {}
 
-Greeter::Guest::~Guest() {
+OriginReader::Guest::~Guest() {
   // Otherwise both `watch` and `descriptor` would close it.
   watch.release();
 }
 
-Greeter::Greeter(asio::io_context& context, DoorBook& book, transport::RelayProbe& probe,
-                 const Clock& clock, Setup setup)
+OriginReader::OriginReader(asio::io_context& context, DoorBook& book, transport::RelayProbe& probe,
+                           const Clock& clock, Setup setup)
     : context_(context), book_(book), probe_(probe), clock_(clock), setup_(std::move(setup)) {}
 
-Greeter::~Greeter() { probe_.proxy_headers_waiting.Set(0); }
+OriginReader::~OriginReader() { probe_.proxy_headers_waiting.Set(0); }
 
-void Greeter::Arrive(Accepted accepted) {
+void OriginReader::Arrive(Accepted accepted) {
   Origin origin = OriginOf(accepted.peer);
   origin.own = IsOwnProbe(accepted.descriptor.get(), accepted.peer, probe_.own_port.load());
   origin.health_check = origin.own;
@@ -47,7 +47,7 @@ void Greeter::Arrive(Accepted accepted) {
   }
 }
 
-void Greeter::Tick() {
+void OriginReader::Tick() {
   const SteadyTime now = clock_.Steady();
   while (!waiting_.empty() && waiting_.begin()->second.by <= now) {
     TurnAway(waiting_.begin()->second);
@@ -55,7 +55,7 @@ void Greeter::Tick() {
   }
 }
 
-void Greeter::Serve(std::uint64_t id, Guest& guest) {
+void OriginReader::Serve(std::uint64_t id, Guest& guest) {
   const bool there = Read(guest);
   switch (guest.header.result()) {
     case ProxyHeader::Result::kMore:
@@ -80,7 +80,7 @@ void Greeter::Serve(std::uint64_t id, Guest& guest) {
   Forget(id);
 }
 
-bool Greeter::Read(Guest& guest) {
+bool OriginReader::Read(Guest& guest) {
   std::array<char, ProxyHeader::kRestBytesMax> bytes{};
   static_assert(ProxyHeader::kFixedBytes <= ProxyHeader::kRestBytesMax);
   while (const std::size_t wanted = guest.header.wanted()) {
@@ -93,7 +93,7 @@ bool Greeter::Read(Guest& guest) {
   return true;
 }
 
-void Greeter::Wait(std::uint64_t id, Guest& guest) {
+void OriginReader::Wait(std::uint64_t id, Guest& guest) {
   if (!guest.watch.is_open()) {
     boost::system::error_code error;
     guest.watch.assign(guest.descriptor.get(), error);
@@ -106,22 +106,22 @@ void Greeter::Wait(std::uint64_t id, Guest& guest) {
   probe_.proxy_headers_waiting.Set(static_cast<std::int64_t>(waiting_.size()));
 }
 
-void Greeter::OnReadable(std::uint64_t id) {
+void OriginReader::OnReadable(std::uint64_t id) {
   // It may have gone since the system reported it.
   if (const auto found = waiting_.find(id); found != waiting_.end()) Serve(id, found->second);
 }
 
-void Greeter::HandOn(Guest& guest, Origin origin) {
+void OriginReader::HandOn(Guest& guest, Origin origin) {
   // Its next owner watches it in another context.
   guest.watch.release();
   setup_.hand({std::move(guest.descriptor), std::move(origin)});
 }
 
-void Greeter::TurnAway(const Guest& guest) {
+void OriginReader::TurnAway(const Guest& guest) {
   book_.Note(TurnedAway::kProxyHeader, guest.origin, clock_.Steady());
 }
 
-void Greeter::Forget(std::uint64_t id) {
+void OriginReader::Forget(std::uint64_t id) {
   waiting_.erase(id);
   probe_.proxy_headers_waiting.Set(static_cast<std::int64_t>(waiting_.size()));
 }

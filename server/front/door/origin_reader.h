@@ -32,7 +32,7 @@ inline constexpr std::chrono::seconds kProxyHeaderWait{5};
 /// Limits: kProxyHeaderWait; Setup::waiting_max, past which the oldest one goes.
 /// Thread: confined to the acceptor's, whose context it waits with. Made and destroyed while that
 ///         does not run.
-class Greeter final {
+class OriginReader final {
  public:
   struct Setup {
     /// listen.proxy_protocol_from.
@@ -43,12 +43,12 @@ class Greeter final {
     std::function<void(Visitor visitor)> hand;
   };
 
-  Greeter(boost::asio::io_context& context, DoorBook& book, transport::RelayProbe& probe,
-          const Clock& clock, Setup setup);
+  OriginReader(boost::asio::io_context& context, DoorBook& book, transport::RelayProbe& probe,
+               const Clock& clock, Setup setup);
   /// Closes what waits.
-  ~Greeter();
-  Greeter(const Greeter&) = delete;
-  Greeter& operator=(const Greeter&) = delete;
+  ~OriginReader();
+  OriginReader(const OriginReader&) = delete;
+  OriginReader& operator=(const OriginReader&) = delete;
 
   void Arrive(Accepted accepted);
   /// A second has passed: drops connections that took too long.

@@ -1,4 +1,4 @@
-#include "server/front/door/greeter.h"
+#include "server/front/door/origin_reader.h"
 
 #include <array>
 #include <cstring>
@@ -59,7 +59,7 @@ class Peer final {
   Descriptor descriptor_;
 };
 
-class GreeterTest : public ::testing::Test {
+class OriginReaderTest : public ::testing::Test {
  protected:
   static constexpr std::size_t kWaitingMax = 3;
 
@@ -69,7 +69,7 @@ class GreeterTest : public ::testing::Test {
     EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()), 0);
     Peer peer(ends[0]);
     if (!said.empty()) peer.Send(said);
-    greeter_->Arrive({Descriptor(ends[1]), PeerAt(address)});
+    origin_reader_->Arrive({Descriptor(ends[1]), PeerAt(address)});
     return peer;
   }
   /// All that the system has to tell is told.
@@ -91,14 +91,15 @@ class GreeterTest : public ::testing::Test {
   DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, &logger_};
   boost::asio::io_context context_;
   std::vector<Visitor> handed_;
-  std::unique_ptr<Greeter> greeter_ = std::make_unique<Greeter>(
+  std::unique_ptr<OriginReader> origin_reader_ = std::make_unique<OriginReader>(
       context_, book_, probe_, clock_,
-      Greeter::Setup{.load_balancers = {*config::Network::Parse(kLoadBalancer)},
-                     .waiting_max = kWaitingMax,
-                     .hand = [this](Visitor visitor) { handed_.push_back(std::move(visitor)); }});
+      OriginReader::Setup{
+          .load_balancers = {*config::Network::Parse(kLoadBalancer)},
+          .waiting_max = kWaitingMax,
+          .hand = [this](Visitor visitor) { handed_.push_back(std::move(visitor)); }});
 };
 
-TEST_F(GreeterTest, WhoSaysNothingAndLeavesMakesNoNoise) {
+TEST_F(OriginReaderTest, WhoSaysNothingAndLeavesMakesNoNoise) {
   Peer before_it_is_seen = Arrive(kLoadBalancer);
   before_it_is_seen.Leave();
   Turn();
@@ -106,14 +107,14 @@ TEST_F(GreeterTest, WhoSaysNothingAndLeavesMakesNoNoise) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
   ::close(ends[0]);
-  greeter_->Arrive({Descriptor(ends[1]), PeerAt(kLoadBalancer)});
-  EXPECT_EQ(greeter_->waiting(), 0U);
+  origin_reader_->Arrive({Descriptor(ends[1]), PeerAt(kLoadBalancer)});
+  EXPECT_EQ(origin_reader_->waiting(), 0U);
   EXPECT_EQ(turned_away(), 0);
   EXPECT_THAT(lines_, IsEmpty());
   EXPECT_THAT(handed_, IsEmpty());
 }
 
-TEST_F(GreeterTest, WhoseAddressStaysUntoldComesFromTheLoadBalancer) {
+TEST_F(OriginReaderTest, WhoseAddressStaysUntoldComesFromTheLoadBalancer) {
   const Peer peer = Arrive(
       kLoadBalancer, ProxyHeaderBytes(testing::kProxyRelayed, testing::kProxyUnspec, "whatever"));
   ASSERT_THAT(handed_, SizeIs(1));
@@ -121,7 +122,7 @@ TEST_F(GreeterTest, WhoseAddressStaysUntoldComesFromTheLoadBalancer) {
   EXPECT_FALSE(handed_[0].origin.health_check);
 }
 
-TEST_F(GreeterTest, WhoLeavesInTheMiddleOfAHeaderIsTurnedAway) {
+TEST_F(OriginReaderTest, WhoLeavesInTheMiddleOfAHeaderIsTurnedAway) {
   Peer peer = Arrive(kLoadBalancer, ProxyHeaderFor("203.0.113.7").substr(0, 20));
   EXPECT_EQ(waiting(), 1);
   peer.Leave();
@@ -130,27 +131,27 @@ TEST_F(GreeterTest, WhoLeavesInTheMiddleOfAHeaderIsTurnedAway) {
   EXPECT_EQ(waiting(), 0);
 }
 
-TEST_F(GreeterTest, AHeaderThatDoesNotComeInTimeIsTurnedAway) {
+TEST_F(OriginReaderTest, AHeaderThatDoesNotComeInTimeIsTurnedAway) {
   const Peer silent = Arrive(kLoadBalancer);
   clock_.Advance(milliseconds(1));
   const Peer half = Arrive(kLoadBalancer, "\r\n\r\n");
   clock_.Advance(kProxyHeaderWait - milliseconds(2));
-  greeter_->Tick();
+  origin_reader_->Tick();
   EXPECT_EQ(waiting(), 2);
   clock_.Advance(milliseconds(1));
-  greeter_->Tick();
+  origin_reader_->Tick();
   EXPECT_EQ(waiting(), 1);
   EXPECT_TRUE(silent.IsClosed());
   EXPECT_FALSE(half.IsClosed());
   clock_.Advance(milliseconds(1));
-  greeter_->Tick();
+  origin_reader_->Tick();
   EXPECT_TRUE(half.IsClosed());
   EXPECT_EQ(turned_away(), 2);
   Turn();
   EXPECT_EQ(waiting(), 0);
 }
 
-TEST_F(GreeterTest, PastItsBoundTheFirstGoes) {
+TEST_F(OriginReaderTest, PastItsBoundTheFirstGoes) {
   std::vector<Peer> peers;
   for (std::size_t i = 0; i < kWaitingMax; ++i) peers.push_back(Arrive(kLoadBalancer));
   EXPECT_EQ(waiting(), 3);
@@ -168,11 +169,11 @@ TEST_F(GreeterTest, PastItsBoundTheFirstGoes) {
   EXPECT_THAT(handed_, SizeIs(2));
 }
 
-TEST_F(GreeterTest, WhatTheSystemSaidBeforeSomebodyWentIsForgotten) {
+TEST_F(OriginReaderTest, WhatTheSystemSaidBeforeSomebodyWentIsForgotten) {
   const Peer peer = Arrive(kLoadBalancer);
   peer.Send(ProxyHeaderFor("203.0.113.7"));
   clock_.Advance(kProxyHeaderWait);
-  greeter_->Tick();
+  origin_reader_->Tick();
   Turn();
   EXPECT_THAT(handed_, IsEmpty());
   EXPECT_EQ(turned_away(), 1);
