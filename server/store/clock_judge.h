@@ -15,11 +15,11 @@ inline constexpr std::chrono::hours kPastMarkMax{24};
 /// How far before the mark a trusted clock may stand: further back, its rows would be too old once
 /// the clock is right.
 inline constexpr std::chrono::hours kBeforeMarkTrusted{24};
-/// How far past the mark a clock may stand after a jump, or far ahead of the database: another
-/// server with the right time, or an operator, set the mark within this.
+/// How far past the mark a doubtful clock may stand, one that jumped or is far ahead of the
+/// database: another server with the right time, or an operator, set the mark within this.
 inline constexpr std::chrono::minutes kPastMarkDoubtful{2};
-/// For so long after a jump, the kernel's word does not count without a database to confirm it: a
-/// time daemon needs a while to notice that another program moved its clock.
+/// For so long after a jump, the kernel's word counts only if a database confirms it: a time daemon
+/// needs a while to notice that another program moved its clock.
 inline constexpr std::chrono::minutes kKernelNotices{15};
 /// A clock so far ahead of the database's is doubtful.
 inline constexpr std::chrono::hours kAheadOfDatabaseMax{1};
@@ -36,8 +36,8 @@ struct ClockFacts {
   bool kernel_synchronised = false;
   /// The database's clock; empty if the store has none of its own.
   std::optional<SystemTime> database;
-  /// How long ago civil time was seen to run ahead of the monotonic clock, unless it has come back
-  /// or was vouched for since.
+  /// How long ago civil time was seen ahead of the monotonic clock; empty if it has come back or
+  /// was vouched for since.
   std::optional<milliseconds> since_jump;
   /// The mark or the kernel has vouched for it since the start, and since then civil time has
   /// advanced with the monotonic clock.
@@ -70,8 +70,8 @@ enum class Voucher : std::uint8_t {
 /// the database or the kernel must confirm it.
 [[nodiscard]] bool MayMoveMark(const ClockFacts& facts);
 
-/// The time for the mark: ours, but not ahead of the database's, since servers share the mark. If
-/// an operator confirmed a clock that is far ahead of it, ours all the same.
+/// The time for the mark: ours, but not ahead of the database's, since servers share the mark. It
+/// is ours even so if an operator confirmed a clock that is far ahead of the database.
 [[nodiscard]] SystemTime MarkToSet(const ClockFacts& facts);
 
 /// Why the clock is not vouched for, for people.

@@ -49,8 +49,8 @@ class ClockRounds final {
  private:
   void Read();
   [[nodiscard]] ClockFacts FactsAt(const ClockPair& now) const;
-  /// Keeps the clock that stamps rows from standing well before the mark, unless the kernel knows
-  /// better.
+  /// Tells MarkedClock the mark, so that it stamps no row well before it; or to forget the mark if
+  /// the kernel or the database confirms the clock.
   void TellMark(Voucher voucher, const ClockFacts& facts);
   /// Notes whether civil time ran ahead since it was vouched for.
   void NoteJump(const ClockPair& now);

@@ -120,7 +120,7 @@ absl::StatusOr<ForgetRounds::Look> ForgetRounds::Tell(const storage::PendingForg
 }
 
 ForgetRounds::Look ForgetRounds::Follow(const storage::PendingForget& asked) {
-  const bool is_gone = !asked.hold;  // else it stayed, or is there again
+  const bool is_gone = !asked.hold;  // otherwise it stayed, or is there again
   if (told_.insert(asked.number).second && !first_look_) {
     if (is_gone || asked.removed) {
       context_.logger.Info("robot_removed", {{"ruri", asked.ruri}, {"came_back", !is_gone}});

@@ -53,8 +53,8 @@ class LeaseJudge final {
   struct Rules {
     /// This process.
     storage::ProcessId self{};
-    /// How long robots may take to come to this process after theirs stopped (presence.timeout:
-    /// until then they count as heard).
+    /// How long robots may take to connect to this process after theirs stopped. This is
+    /// presence.timeout, since until then they count as heard.
     milliseconds time_to_move{0};
     /// Whether the process with this life has ended (process_life.h).
     std::function<bool(std::string_view life)> is_gone;
@@ -91,11 +91,11 @@ class LeaseJudge final {
   /// Other processes that are not known to be over: one that was silent counts again only after a
   /// sign of life.
   [[nodiscard]] std::size_t others();
-  /// Late processes, as of the last look: they may live and hear robots, and cannot tell. For
-  /// people: the name in the lease by process.
+  /// Late processes, as of the last look: they may live and hear robots, and cannot tell us. With
+  /// the name for people.
   [[nodiscard]] std::map<storage::ProcessId, std::string> Late() const;
-  /// Looks are failing, for at most Rules::cut_off_max: any other process may hear robots, even one
-  /// that came meanwhile.
+  /// Whether looks have been failing, for at most Rules::cut_off_max: any other process may hear
+  /// robots meanwhile, even a new one.
   [[nodiscard]] bool blind() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace uplink::store {
 
 static_assert(fleet::Fleet::kReplacedKnown >= kLateAfter + kLookEvery,
-              "whoever does not know of another store by then is known to be late");
+              "a process that has not noticed another store by then counts as late");
 
 LeaseRounds::LeaseRounds(std::unique_ptr<storage::Leases> leases, Context context)
     : leases_(std::move(leases)),

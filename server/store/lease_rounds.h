@@ -28,8 +28,8 @@
 
 namespace uplink::store {
 
-/// If a robot that another process held is in no list for so many looks, and the store did not give
-/// it to us, it has no row any more.
+/// A robot that another process held has no row any more once it was in no list for so many looks,
+/// unless the store gave it to us.
 inline constexpr int kUnlistedLooksMax = 4;
 
 /// Processes whose verdicts are kept for VerdictOf.
@@ -78,15 +78,15 @@ class LeaseRounds final {
     kToOthers,
     kToNobody,
   };
-  /// Ends the rounds and gives up this process's robots. If several processes leave at the same
-  /// time, the last one finds no other. A failure is logged; the others then wait until the lease
-  /// is silent. Thread: main.
+  /// Ends the rounds and releases this process's lease, and so its robots. If several processes
+  /// leave at the same time, the last one finds no other. A failure is logged; the others then wait
+  /// until the lease is silent. Thread: main.
   Left Leave();
   /// Whether a process that holds something is over, as of the last look. Empty before the first
   /// look after it was asked for, which comes at once. Thread: any.
   [[nodiscard]] std::optional<LeaseJudge::Verdict> VerdictOf(const storage::ProcessId& process);
-  /// Other processes may hear robots without our knowledge: by the last look, or because looks fail
-  /// or take too long (kLookGapMax). Ends after config::PresenceConfig::adopted_grace. Thread: any.
+  /// Whether other processes may hear robots without our knowledge: by the last look, or because
+  /// looks fail or take too long (kLookGapMax). Ends after config::PresenceConfig::adopted_grace.
   /// Thread: any.
   [[nodiscard]] bool OthersUnseen() const;
   /// This process stops: it renews its lease until Stop, and adopts no more robots.

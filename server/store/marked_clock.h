@@ -28,7 +28,7 @@ class MarkedClock final : public Clock {
   [[nodiscard]] SystemTime System() const override;
   /// The store's mark as it was read at `at`; it may have gone back.
   void NoteMark(SystemTime mark, SteadyTime at);
-  /// Something else vouches for the machine's clock: the mark is wrong.
+  /// The kernel or the database confirms the machine's clock, or there is no mark.
   void ForgetMark() { mark_less_steady_ms_.store(kNone); }
   [[nodiscard]] const Clock& machine() const { return machine_; }
 

@@ -5,8 +5,8 @@
 
 namespace uplink::store {
 
-/// The id of the kernel's boot, from the kernel or else from the service manager: one name for
-/// both. Empty if neither knows.
+/// The id of the kernel's boot, from the kernel, otherwise from the service manager, in one form.
+/// Empty if neither knows.
 [[nodiscard]] std::string BootId(std::string_view from_kernel, std::string_view from_manager);
 
 /// Identifies this run of this process anywhere: the boot of its kernel, its namespace of process

@@ -11,8 +11,8 @@
 
 namespace uplink::store {
 
-/// What stored durable reports say of these robots now, by RURI, for their series. Robots without a
-/// stored report are left out.
+/// What the stored durable reports of these robots say now, by RURI, for their series. Robots
+/// without a stored report are left out.
 ///
 /// Errors: of the reader.
 [[nodiscard]] absl::StatusOr<std::map<std::string, robot::Reported>> ReadReported(

@@ -16,12 +16,12 @@
 
 namespace uplink::store {
 
-/// Fleets of which only the name is read, if limits.robots_max leaves no room for all robots: those
-/// with a name beyond ASCII, since such a name may be odd (fleet::OddFleets).
+/// If limits.robots_max leaves no room for all robots, we still read the names of so many fleets:
+/// those with a name beyond ASCII, since such a name may be odd (fleet::OddFleets).
 inline constexpr std::uint32_t kFleetsReadMax = 10'000;
 
-/// Takes the robots that the store knows into the fleet, as their last holders wrote them, with
-/// their last sessions: at the start, or once the store can be reached. A robot that came by itself
+/// Loads the robots that the store knows into the fleet, as their last holders wrote them, with
+/// their last sessions: at the start, or once the store can be reached. A robot that connected
 /// meanwhile stays as it is.
 ///
 /// Thread: Run by one thread at a time.

@@ -17,7 +17,7 @@
 
 namespace uplink::store {
 
-/// How often rows of robots that were silent for longer than anything is kept are searched.
+/// How often to search for rows of robots that were silent for longer than anything is kept.
 inline constexpr std::chrono::hours kRemoveSilentEvery{1};
 /// The same after the store failed.
 inline constexpr std::chrono::minutes kRemoveSilentAgainAfter{1};

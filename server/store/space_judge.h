@@ -8,7 +8,7 @@
 
 namespace uplink::store {
 
-/// How much the store's disk has left, as far as it matters for storing.
+/// Whether the store's disk has enough room to store.
 enum class SpaceState : std::uint8_t {
   kEnough,
   /// Below store.free_min: robots that store far more than the others are slowed down.
@@ -33,8 +33,8 @@ struct SpaceFacts {
   SpaceState before = SpaceState::kEnough;
 };
 
-/// A pure function. A bound that was passed holds until 1.2 times of it are free again, so that the
-/// state does not flip with every row.
+/// A pure function. Once free space fell below a bound, the state holds until 1.2 times the bound
+/// is free again, so that it does not flip with every row.
 [[nodiscard]] SpaceState JudgeSpace(const SpaceFacts& facts);
 
 /// The state of the store's disk, and what is done about it. A value.

@@ -47,7 +47,7 @@ class TopicRounds final : public broker::LeaseView {
     storage::ProcessId process{};
     std::string client_id;
     std::vector<std::string> prefixes;
-    /// The verdict on a process with a lease, and where it is; empty: not judged yet.
+    /// The verdict on a process with a lease; empty: not judged yet.
     std::function<std::optional<LeaseJudge::Verdict>(const storage::ProcessId& process)> judge;
     /// These are called on the thread of the looks.
     std::function<void(broker::Grant grant)> taken;

@@ -22,7 +22,7 @@ class Watch final {
     std::function<absl::Status()> retention;
     std::function<absl::Status()> checkpoints;
     std::function<absl::Status()> store;
-    /// Robots for which the store was found to have gone back since the last call, by shard.
+    /// By shard, the robots for which the store was found to have gone back since the last call.
     std::function<std::vector<journal::WentBack>()> went_back = [] {
       return std::vector<journal::WentBack>();
     };
