@@ -42,9 +42,9 @@ class PinnedServer final {
   [[nodiscard]] synthetic::ProcessUse use() const { return UseOf(*process_); }
   /// It has ended by itself.
   [[nodiscard]] bool ended() const;
-  /// Reads its log, so that it need not wait for a reader. To be called every second or so.
+  /// Reads its log, so that it need not wait for a reader. Call it every second or so.
   void ReadLog();
-  /// All of it that was read.
+  /// The log as read so far.
   [[nodiscard]] const std::string& log() const { return process_->text(); }
   /// Ends it, if need be by force: how it ended. With a lot still to write that may take some
   /// seconds.

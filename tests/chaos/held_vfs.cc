@@ -45,7 +45,7 @@ class Files final {
 /// SQLite makes room for it, and behind it for the usual file.
 struct File {
   sqlite3_file base;
-  /// Null: a file of which nothing is held.
+  /// Null: a file without held blocks.
   std::shared_ptr<HeldBlocks> blocks;
   sqlite3_file* usual;
 };

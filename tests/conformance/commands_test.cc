@@ -10,7 +10,7 @@
 #include "tests/support/records.h"
 #include "tests/support/vector_files.h"
 
-/// The vendor's shapes and objects as other robots are told of them: all but the id is as it came.
+/// The vendor's shapes and objects as other robots receive them: all but the id is as it came.
 namespace uplink::nexus_command {
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include "tests/contract/store_contract.h"
 
-/// What operators and servers say to each other of robots that are to be forgotten.
+/// What operators and servers say to each other about robots to forget.
 namespace uplink::testing {
 namespace {
 

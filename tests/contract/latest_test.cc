@@ -7,7 +7,7 @@
 #include "tests/contract/store_contract.h"
 #include "tests/unit/schema/samples.h"
 
-/// The kinds of which a robot's latest is kept.
+/// The kinds whose latest message is kept for each robot.
 namespace uplink::testing {
 namespace {
 
@@ -140,7 +140,7 @@ TEST_P(LatestContract, TellsAnOpeningOfWhichKindsItHasOne) {
   store_->Reopen();
   storage::OpenRequest other_session = Request();
   other_session.session = Session(2);
-  EXPECT_EQ(Open(other_session, kOther).latest_kinds, kAllLatest) << "whoever committed it";
+  EXPECT_EQ(Open(other_session, kOther).latest_kinds, kAllLatest) << "from any process";
 }
 
 TEST_P(LatestContract, HoldsAfterAReopening) {

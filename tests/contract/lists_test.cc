@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-/// A row of any list: which item of the test it is, and of which robot.
+/// A row of any list: the item of the test that it is, and its robot.
 struct Seen {
   int item = 0;
   model::RobotId robot;

@@ -7,7 +7,7 @@
 #include "storage/bounds.h"
 #include "tests/contract/store_contract.h"
 
-/// What did not come by the relay, and what of it belongs to no robot.
+/// What did not come by the relay, also what belongs to no robot.
 namespace uplink::testing {
 namespace {
 
@@ -167,7 +167,7 @@ TEST_P(NoRobotContract, ItHasBoundsOfItsOwnThatNoHelloHoldsUp) {
   const auto trimmed = store_->Process(kProcess).TrimQuarantine(both);
   ASSERT_TRUE(trimmed.ok()) << trimmed.status();
   EXPECT_EQ(trimmed->dropped[static_cast<std::size_t>(BadReason().reason)], 3U)
-      << "of a session that is kept, and that nobody confirmed";
+      << "of a session that is kept, and that no Hello confirmed";
   EXPECT_THAT(Topics(From(MessageSource::kCyberwave, {.ruri = both[1]})), ElementsAre("kept"));
   const auto dropped = store_->reader().QuarantineDropped(Nobody()->ruri);
   ASSERT_TRUE(dropped.ok()) << dropped.status();

@@ -239,7 +239,7 @@ TEST_P(OpenRunsContract, ARunThatWasClosedGoesByItsLastReport) {
   EXPECT_TRUE(store_->Process(kProcess).Retain(Time(91 * kDayMs)).ok());
   EXPECT_THAT(Runs(), IsEmpty());
   Commit({Report("old", MissionStatus::kRunning, 91 * kDayMs)});
-  EXPECT_EQ(Run("old").updates, 1U) << "nobody knows it any more";
+  EXPECT_EQ(Run("old").updates, 1U) << "the earlier run is gone";
 }
 
 INSTANTIATE_TEST_SUITE_P(Stores, OpenRunsContract, EveryStore(), NameOfKind);

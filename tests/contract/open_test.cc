@@ -243,7 +243,7 @@ TEST_P(StoreContract, ReadsRejectsByPages) {
   EXPECT_THAT(read(), SizeIs(0));
   query.session = Session(2);
   EXPECT_THAT(read(), SizeIs(0)) << "a session that is not known";
-  query.ruri = "rcan://nobody";
+  query.ruri = "rcan://unknown";
   EXPECT_THAT(read(), SizeIs(0));
 }
 

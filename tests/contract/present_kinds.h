@@ -11,7 +11,7 @@
 
 namespace uplink::testing {
 
-/// A shape or an object, as far as the rules of both look at it.
+/// The members of a shape or an object that the rules of both look at.
 struct PresentSeen {
   model::RobotId robot;
   std::string id;

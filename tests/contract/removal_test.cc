@@ -179,7 +179,7 @@ TEST_P(RemovalContract, FinishesWhatWasLeftWithoutARow) {
   Fill();
   ASSERT_TRUE(Remove(EpochNow()));
   EXPECT_EQ(EpochNow(), 0U);
-  store_->Reopen();  // whoever removed it was ended before the histories
+  store_->Reopen();  // the process that removed it was ended before the histories
   EXPECT_FALSE(Remove(1)) << "it has no row";
   EXPECT_TRUE(Remove(0));
   EXPECT_EQ(EpochNow(), 0U) << "no row was left behind";

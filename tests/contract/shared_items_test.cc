@@ -10,7 +10,7 @@
 #include "tests/support/fake_trust.h"
 #include "tests/unit/schema/samples.h"
 
-/// Shapes and objects of scope fleet or world, as whoever hands them on to other robots reads them.
+/// Shapes and objects of scope fleet or world, as a server reads them to forward them.
 namespace uplink::testing {
 namespace {
 
@@ -109,7 +109,7 @@ class SharedItemsContract : public StoreContract {
       if (!changes.more) return rounds;
     }
   }
-  /// An empty store, of which nothing was read.
+  /// An empty store that was not read yet.
   void FreshBegin(const storage::StoreRules& rules = {}) {
     Fresh(rules);
     Begin();

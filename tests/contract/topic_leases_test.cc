@@ -5,7 +5,7 @@
 
 #include "tests/contract/topic_contract.h"
 
-/// Which process has the lease of which topics, and what is fenced for it.
+/// Which process has the lease of a topic, and what is fenced for it.
 namespace uplink::testing {
 namespace {
 
@@ -51,7 +51,7 @@ TEST_P(TopicLeaseContract, ItIsFreeOnceItWasReleased) {
   EXPECT_EQ(Take(Wants(), kOther), std::nullopt);
   ASSERT_TRUE(Leases().Release("uplinkd").ok());
   ASSERT_TRUE(Leases().Release("uplinkd").ok()) << "again";
-  ASSERT_TRUE(Leases().Release("nobody").ok());
+  ASSERT_TRUE(Leases().Release("unknown").ok());
   ASSERT_THAT(Read(), SizeIs(1));
   EXPECT_TRUE(Read()[0].released);
   EXPECT_THAT(Read()[0].prefixes, IsEmpty());
@@ -126,7 +126,7 @@ TEST_P(TopicLeaseContract, WhatCameUnderALeaseThatStandsIsStored) {
               Each(OutcomeKind::kStored));
   ASSERT_TRUE(Leases().Release("uplinkd").ok());
   EXPECT_THAT(Commit({Under(Hold(epoch), Good(3))}), Each(OutcomeKind::kStored))
-      << "released, and nobody took it";
+      << "released, and not taken";
 }
 
 TEST_P(TopicLeaseContract, NothingIsWrittenOfWhatCameUnderALeaseThatIsOver) {

@@ -222,7 +222,7 @@ TEST_P(RedeliveryContract, TwiceTheWindowIsKeptAndNoMore) {
   }
   EXPECT_EQ(Memory().known.front(), Of(7, 7, 1));
   EXPECT_EQ(Memory().known.back(), Of(12, 12, 1));
-  // Fewer are to be kept from the next lease on.
+  // The next lease keeps fewer.
   storage::TakeRequest fewer = After(kProcess, Wants());
   fewer.unacked_max = 1;
   Take(fewer, kOther);

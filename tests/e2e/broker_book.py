@@ -1,4 +1,4 @@
-"""What publishers and their broker said of each message, and what of it is stored: the book of the
+"""What publishers and their broker said of each message, and what is stored of it: the book of the
 crash campaign with a broker (broker_chaos.py).
 
 A message is called by its key: (twin, kind, number). A publisher that was not told whether the broker

@@ -101,7 +101,7 @@ class Twins:
         self.client.flush()
 
     def tell_unacked(self, keys):
-        """At QoS 0: nobody answers for them."""
+        """At QoS 0: no PUBACK answers them."""
         for key in keys:
             self.book.publish(key)
             self.client.publish(*message_of(*key))
@@ -286,7 +286,7 @@ class Reading(EndToEnd):
 
     def assert_never_offline(self, twins):
         lies = [twin for twin in twins if OFFLINE in self.watch.seen(twin)]
-        self.assertEqual(lies, [], "shown as offline, though nobody could know that")
+        self.assertEqual(lies, [], "shown as offline, though no server could know that")
 
     def assert_offline_at_last(self, twins):
         """They are silent now, and it is heard; and they were never before."""

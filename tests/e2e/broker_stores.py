@@ -26,5 +26,5 @@ def keys(store):
 
 
 def unbalanced(store):
-    """Faults of which a raise or a clear is missing or doubled."""
+    """Faults that lack a raise or a clear, or have one twice."""
     return [f"{ruri}: {fault}" for ruri, fault in store.table(UNBALANCED)]

@@ -149,7 +149,7 @@ class Rounds:
 
     @contextlib.contextmanager
     def store_alone(self):
-        """Of SQLite nobody else may read what uplinkd_held serves: it is not all in the file."""
+        """No other process may read an SQLite store that uplinkd_held serves: part of it is in memory."""
         if isinstance(self.store, broker_stores.Postgres):
             yield
             return

@@ -1,4 +1,4 @@
-"""What a drone published and was answered, and what of it has to be stored: the book that a drone of these
+"""What a drone published and was answered, and what must be stored: the book that a drone of these
 tests keeps (drone.py), and its comparison with the rows of a server.
 
 A drone sends a durable sample again until it has an OK answer, and only then the next one of the type.
@@ -99,7 +99,7 @@ class Book:
 
     def problems(self, stored):
         """A text for each thing that is wrong. `stored`: by type the rows in the order of the store, each
-        (line, value), of which those of one line have an order (see rows_of)."""
+        (line, value); those of one line have an order (see rows_of)."""
         found = [f"{name} {number}: {' '.join(words)}" for name in KEPT for number, words in self.samples[name].items()
                  if self.is_settled(name, number) and (name == WRONG) != ("REJECTED" in words)]  # fmt: skip
         for name in KEPT:

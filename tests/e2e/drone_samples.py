@@ -72,7 +72,7 @@ STORED = tuple(name for name in TYPES if name not in UNSTORED)
 
 
 def value_of(name, number):
-    """The value of which a change is told, or which the stored row names."""
+    """The value whose change is reported, or that the stored row names."""
     if name == "Armed":
         return number % 2 == 1
     if name == "FlightMode":

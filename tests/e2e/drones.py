@@ -119,7 +119,7 @@ class DroneTest(EndToEnd):
     # What it says.
 
     def call(self, drone, name, sample, number=0, to="server", uav="", **more):
-        """`number`: of which the sample has its times; none: it has no times."""
+        """`number` gives the sample its times; None: it has no times."""
         said = {} if number is None else times(number)
         request = request_of(name, sample, {**said, "uav_id": uav})
         return drone.tell("call", to=to, type=name, request=request, **more)

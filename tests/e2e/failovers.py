@@ -133,7 +133,7 @@ class FailoverCampaign:
         self.wait_for_more(self.random.randrange(1, 400))
         kills_robots = self.random.random() < 2 / 3
         if kills_robots:
-            # Frames that are on their way are committed, and their acks reach nobody.
+            # Frames that are on their way are committed, and their acks get lost.
             self.road.cut(Cut.BLACK_HOLE)
             self.wait_a_moment(0.1)
             self.robots.kill()
@@ -211,7 +211,7 @@ class FailoverCampaign:
                 f" doubled {self.doubled}, offline {self.offline}, repeated {self.repeated}")  # fmt: skip
 
     def recovery_lines(self):
-        return [f"robots of which the store went back: {self.went_back:.0f}"] if self.done else []
+        return [f"robots whose store went back: {self.went_back:.0f}"] if self.done else []
 
     def run(self, failovers, progress=None):
         """To the end, or to the first thing that is wrong."""

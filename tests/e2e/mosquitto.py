@@ -8,7 +8,7 @@ from harness import START_SECONDS, wait_until
 
 PROGRAM = "/usr/sbin/mosquitto"
 STOP_SECONDS = 30
-# Its queue is far above what the tests publish while nobody reads, and its window above uplinkd's.
+# Its queue is far above what the tests publish while uplinkd does not read, its window above uplinkd's.
 CONFIGURATION = """user root
 listener {port} 127.0.0.1
 allow_anonymous true

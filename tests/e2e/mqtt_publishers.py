@@ -58,7 +58,7 @@ class Publisher:
         self.packet_ids = itertools.cycle(range(1, PACKET_IDS + 1))
         # By packet id, in the order in which they were sent.
         self.unacked = {}
-        # What is to be published before anything new.
+        # What must be published before anything new.
         self.again = collections.deque()
 
     async def run(self):

@@ -6,7 +6,7 @@ import urllib.parse
 # By the number in the table.
 NAMES = ("PRESENCE_UNKNOWN", "PRESENCE_ONLINE", "PRESENCE_OFFLINE")
 UNKNOWN, ONLINE, OFFLINE = NAMES
-# The rows of a time in which nobody hears a robot: its holder is gone, or stands still.
+# The rows of a time in which no server hears a robot: its holder is gone, or stands still.
 PAUSE = [UNKNOWN, ONLINE]
 
 

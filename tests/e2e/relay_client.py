@@ -52,7 +52,7 @@ def call_of(channel, frames, path=PATH, **options):
 
 
 def stream(channel):
-    """A thousand messages that nobody can read, and a half-close: each is rejected, and all settle."""
+    """A thousand unreadable messages, and a half-close: each is rejected, and all settle."""
     batches = [batch(first, BATCH) for first in range(1, MESSAGES + 1, BATCH)]
     call = call_of(channel, [hello(), *batches])
     frames = list(call)

@@ -21,7 +21,7 @@ class Cut(enum.Enum):
 
 
 def close_both(sockets):
-    """Wakes whoever waits in them, too."""
+    """Also wakes the threads that wait in them."""
     for end in sockets:
         with contextlib.suppress(OSError):
             end.shutdown(socket.SHUT_RDWR)
@@ -68,7 +68,7 @@ class TcpProxy:
 
     def part(self, target):
         """Ends the connections to this target at their clients alone: the target is told nothing, and what
-        it says goes nowhere. A network that cuts off whoever leaves it."""
+        it says goes nowhere. So does a network that cuts off a client that leaves it."""
         with self.lock:
             parted = [ends for ends, to in self.connections.items() if to == target]
             self.half_open.update(parted)
@@ -143,7 +143,7 @@ class TcpProxy:
         close_both(ends)
 
     def _take(self, _ends, _source, data):
-        """What of it is passed on. `ends`: client and server."""
+        """The part of the data to pass on. `ends`: client and server."""
         return data
 
     def _pass_on(self, ends, source, sink):

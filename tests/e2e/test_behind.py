@@ -50,7 +50,7 @@ class Behind(EndToEnd):
         try:
             self.assertTrue(any(self.stand_still(server) for _ in range(STOPS)), "no stop without a lock")
         except PermissionError as error:
-            self.skipTest(f"this system lets nobody stop threads: {error}")
+            self.skipTest(f"this system does not let us stop threads: {error}")
         self.wait_for_presence(server, "PRESENCE_ONLINE")
         self.wait_for_word(server, False, "relay_caught_up")
         for robot in self.robots(server):

@@ -119,7 +119,7 @@ class Access(MessageTest):
     def test_who_watches_the_broker_reads_its_numbers_alone(self):
         monitor = self.robot_client(MONITOR, "cyberwave/#", DROPPED)
         monitor.wait(lambda: monitor.heard, "how many messages were dropped")
-        # And nobody else reads them. What follows says that nothing else has come.
+        # And no other client reads them. What follows says that nothing else has come.
         robot = self.robot_client(A, "cyberwave/#", DROPPED)
         robot.publish(topic(A, "event"), event(1), qos=1)
         robot.wait(lambda: robot.heard, "its own event")

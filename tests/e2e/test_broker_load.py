@@ -112,7 +112,7 @@ class Flood(MessageTest):
         self.assertEqual(rows(server, "/api/v1/quarantine"), [])
 
     def test_large_messages_of_one_id_are_not_all_looked_into(self):
-        """Of a twin that nobody heard: its commands make no robot, and no robot's rate holds them back."""
+        """Of a twin that never reported: its commands make no robot, and no robot's rate holds them back."""
         server = self.serve()
         large = json.dumps({"command": "x", "data": [{}] * 15_000})
         flood = self.flood(self.client("flood"), self.LARGE, topic(A, "command"), lambda _: large, 0)
@@ -134,7 +134,7 @@ class Flood(MessageTest):
         records_max = 4000
         server = self.serve(more=f"[journal]\nrecords_max = {records_max}\nrobot_share = 1\n")
         client = self.client("durable")
-        # Its messages are used up, and what is to be stored passes all the same.
+        # Its budget of messages is used up, and what must be stored passes all the same.
         for number in range(10_000):
             client.publish(topic(A, "position"), position(number))
         for number in range(1000):

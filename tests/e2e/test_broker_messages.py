@@ -58,7 +58,7 @@ class Sources(MessageTest):
         client.publish(joints(A), json.dumps({"source_type": "edit", "_2": 9}))
         client.publish(topic(A, "position"), position(9, "tele"))
         for uuid in (A, B):
-            # Such a twin does not exist by what others want of it.
+            # A wish of others about a twin does not make it known.
             client.publish(topic(uuid, "position"), position(9, "sim_tele"))
         client.publish(joints(B), json.dumps({"source_type": "tele", "target_positions": {"_1": 9}}))
         client.publish(topic(B, "command"), json.dumps({"command": "arm"}))
@@ -218,7 +218,7 @@ class RetainedOrMalformed(MessageTest):
         server = self.serve(UPLINKD_MQTT_VERSION="3.1.1")
         client.publish(topic(B, "position"), position(2))
         client.publish(topic(B, "event"), event(2), qos=1)
-        # By 3.1.1 nobody can ask the broker to keep them to itself.
+        # MQTT 3.1.1 has no option that asks the broker to keep them to itself.
         self.assertEqual(self.outcomes(server, 4), {"applied": 1, "ignored": 2, "stored": 1})
         self.assertEqual(self.ruris(server), {twin(B)})
 
@@ -241,7 +241,7 @@ class RetainedOrMalformed(MessageTest):
             (topic(A, "position"), '{"source_type": "edge", "position": {"x": NaN, "y": 0, "z": 0}}'),
             (joints(A), '{"source_type": "edge", "_1": -Infinity}'),
             (topic(A, "event"), '{"event_type": "step", "data": {"n": NaN}}'),
-            # It decodes to nothing, so nobody is heard.
+            # It decodes to nothing, so no robot counts as heard.
             (topic(B, "position"), '{"source_type": "edge", "position": {"x": NaN, "y": 0, "z": 0}}'),
         ]
         for where, payload in wrong:

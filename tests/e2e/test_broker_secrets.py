@@ -15,7 +15,7 @@ def shapes(text):
     coded = []
     for before in range(3):
         whole = base64.b64encode(b"x" * before + data)
-        # The characters that say nothing but bits of it.
+        # The characters that consist only of its bits.
         coded.append(whole[-(-8 * before // 6) : 8 * (before + len(data)) // 6])
     return [data, text.encode("utf-16-le"), text.encode("utf-16-be"), *coded]
 
@@ -25,7 +25,7 @@ class Secrets(MessageTest):
 
     # Of each kind of secret: what no place may show, whole or in part.
     SECRET = "s3cr3t"
-    # What is to be found, so that the search is known to work.
+    # What the search must find, so that it is known to work.
     PLAIN = "pl41n"
     PATHS = ("/livez", "/readyz", "/metrics", "/metrics/robots", "/api/v1/status", "/api/v1/robots",
              "/api/v1/robots?parts=motion,status,extras,health,usage,consumables,directives,agentInfo,settings,"

@@ -1,6 +1,6 @@
 """A server and its broker in trouble: no room, no store, small windows, a way that swallows everything, a
-broker that forgets or refuses. What the broker acked to publishers is stored once, and nobody is called
-offline who was not heard."""
+broker that forgets or refuses. What the broker acked to publishers is stored once, and no robot is called
+offline while it could not be heard."""
 
 import contextlib
 import json
@@ -167,7 +167,7 @@ class StoreAway(Reading):
 
     def test_a_store_that_does_not_answer_loses_and_doubles_nothing(self):
         talk = self.begin(by_way=True)
-        # What was being committed may be committed, and nobody is told.
+        # What was being committed may be committed without an answer.
         self.way.cut(Cut.BLACK_HOLE)
         self.go_through(self.HOLE_SECONDS)
         self.way.drop()
@@ -181,12 +181,12 @@ class StuckShard(Reading):
     # The session of a robot that has one: its next commit writes there.
     HOLD = "BEGIN; SELECT FROM uplinkd.sessions WHERE ruri = '{ruri}' FOR UPDATE; SELECT pg_sleep(3600)"
     EACH = 10
-    # Longer than it takes where nobody is stuck.
+    # Longer than it takes where no commit is stuck.
     OLD_SECONDS = 2
 
     @contextlib.contextmanager
     def held(self, twin):
-        """Until then whoever commits something of that twin waits."""
+        """Until the end a commit for that twin waits."""
         url = self.store.cluster.url("postgres")
         holder = subprocess.Popen(
             ["psql", "-X", "-q", "-c", self.HOLD.format(ruri=ruri_of(twin)), url],

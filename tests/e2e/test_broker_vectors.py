@@ -31,7 +31,7 @@ class Vectors(MessageTest):
     SCOPES, PINGS = 3, 3
 
     def publish_all(self, server, client):
-        """How many there are, and how many of them are on topics that nobody asks for. A message comes once
+        """How many there are, and how many of them are on topics without a subscriber. A message comes once
         those of other topics have: else one connection may bring it before what another one brings."""
         lines = (VECTORS / "sdk-0.7.4.jsonl").read_text(encoding="utf-8").splitlines()
         judged = (VECTORS / "sdk-0.7.4.expected").read_text(encoding="utf-8").splitlines()

@@ -255,7 +255,7 @@ class DiskScarce(EndToEnd):
 
         greedy = self.flood()
         self.assertRegex(self.running.text(), rf"store_space_(scarce|limits) .*{GREEDY}")
-        # The others go on, though nobody made space.
+        # The others go on, though no space was made.
         self.campaign.wait_for_more(500)
         # It comes and goes: the greedy one stores a record now and then, at the median's rate.
         held = {ruri for ruri, why in self.held_back().items() if why == "disk"}
@@ -272,7 +272,7 @@ class DiskScarce(EndToEnd):
         self.disk.make_space(process)
         self.wait_for(lambda: "store_space_enough" in self.running.text(), "there is space")
         self.campaign.wait_for_more(500)
-        self.wait_for(lambda: "disk" not in self.held_back().values(), "nobody is held back")
+        self.wait_for(lambda: "disk" not in self.held_back().values(), "no robot is held back")
         self.assert_nothing_is_lost(greedy)
         self.assertNotIn("store_fails", self.running.text())
 

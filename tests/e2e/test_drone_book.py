@@ -10,7 +10,7 @@ NUMBERS = range(1, 10)
 
 
 def flown():
-    """A book of which everything was answered for, and what a store has of that."""
+    """A book in which every sample was answered, and what a store has of that."""
     book = Book()
     for name in STORED:
         for number in NUMBERS:

@@ -1,4 +1,4 @@
-"""A robot whose stream is not read: what operators are told of it."""
+"""A robot whose stream is not read: what operators see."""
 
 import sqlite3
 import time

@@ -20,7 +20,7 @@ from prometheus import Prometheus
 ROBOTS = 6
 WAIT_SECONDS = 60
 OPEN_METRICS = "application/openmetrics-text;version=1.0.0"
-# What promtool says of RCAN's own names, of which nothing can be changed.
+# What promtool says of RCAN's own names, which we cannot change.
 OF_RCANS_UNITS = re.compile(r"^rcan_\w+ metric names should not contain abbreviated units$")
 TYPE_LINE = re.compile(rb"^# TYPE (\S+)", re.MULTILINE)
 # Debian's own interpreter, for which its packages are.
@@ -142,7 +142,7 @@ class Scrapes(EndToEnd):
         self.compare_with_the_catalogue(lambda name: not name.startswith((OF_A_BROKER, *OF_DRONES)))
 
     def test_where_a_broker_is_read_and_drones_call_their_metrics_are_there_too(self):
-        # Nobody answers on port 1: what is counted of a broker is told all the same.
+        # Port 1 has no listener: what is counted of a broker is shown all the same.
         self.running = Server(self.folder / "reading", '[mqtt]\nurl = "mqtt://127.0.0.1:1"\n' + UNCREW)
         self.open_things.append(self.running)
         self.running.start()

@@ -86,7 +86,7 @@ class Restart(EndToEnd):
 
 
 class Presence(EndToEnd):
-    """Robots of which one half went offline before the restart, and the other half was online."""
+    """Robots: one half went offline before the restart, and the other half was online."""
 
     ROBOTS = 3
     SETTINGS = """[presence]

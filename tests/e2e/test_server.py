@@ -40,7 +40,7 @@ class Crash(EndToEnd):
 
 
 def settling(server):
-    """The robots of which something is settled, so that they were welcomed."""
+    """The robots that have something settled, so that they were welcomed."""
     robots = (server.get("/api/v1/robots") or {"robots": []})["robots"]
     return [robot for robot in robots if int(robot["settledSeq"]) > 0]
 
@@ -49,7 +49,7 @@ class Drain(EndToEnd):
     def test_a_drain_finishes_acks_and_the_fleet_comes_back(self):
         server = self.server(f'[drain]\ntimeout = "{DRAIN_SECONDS}s"').start()
         fleet = self.fleet(server, "--robots", 8, "--faults", 20, "--malformed-share", 0.02)
-        # A stream that was not welcomed yet is not told of a drain.
+        # A stream that was not welcomed yet gets no Drain.
         server.wait_for_status(
             lambda status: int(status["uplinks"]["stored"]) >= 20 and len(settling(server)) == 8,
             ROUND_SECONDS, "the whole fleet is at work",

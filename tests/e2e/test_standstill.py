@@ -1,4 +1,4 @@
-"""A server that stands still under load: what it did not hear meanwhile is nobody's silence."""
+"""A server that stands still under load: what it did not hear meanwhile counts as no robot's silence."""
 
 import signal
 import time

@@ -159,7 +159,7 @@ class StoreForget(EndToEnd):
         self.assertIn("forgotten", self.forget("--yes", ruris[1]).stdout)
         for server in servers:
             self.wait_for(server, lambda server=server: ruris[1] not in self.robots(server), "both follow")
-        # The holder is gone: nobody need be asked.
+        # The holder is gone: there is no server to ask.
         self.assertEqual(servers[1].terminate(DEADLINE_SECONDS), 0)
         self.assertEqual(servers[0].terminate(DEADLINE_SECONDS), 0)
         self.assertIn("no server", self.forget("--yes", ruris[0]).stdout)
@@ -199,7 +199,7 @@ class StoreForget(EndToEnd):
         self.assertIn("did not stop in order", done.stderr)
         self.assertIn("--end-stream", done.stderr)
         self.assertIn("forgotten", self.forget("--yes", "--end-stream", ruris[0]).stdout)
-        # After a day nobody thinks that it may live.
+        # After a day it counts as gone.
         heard("23 hours 59 minutes")
         self.assertIn("did not stop in order", self.forget("--yes", ruris[1], code=1).stderr)
         heard("24 hours 1 minute")

@@ -1,4 +1,4 @@
-"""Two servers on one store: whoever holds a robot judges it, and nobody else.
+"""Two servers on one store: only the one that holds a robot judges it.
 
 UPLINK_SPANS=full gives the spans for which the promises are made (two_servers.py): ten minutes of
 overlap, of a cut and so on; about an hour in all, each test by itself.
@@ -184,7 +184,7 @@ class Kills(TwoServers):
             shown = self.robots(B).values()
             return [robot["presence"] for robot in shown] == ROBOTS * [OFFLINE]
 
-        self.wait_for(all_are_offline, "B knows that A is dead, and hears nobody", B)
+        self.wait_for(all_are_offline, "B knows that A is dead, and hears no robot", B)
         self.wait_for(lambda: list(self.histories().values()) == ROBOTS * [gone], "a row a change", B)
 
     def test_robots_whose_holder_is_killed_stay_online_at_the_other(self):
@@ -219,7 +219,7 @@ class Cuts(TwoServers):
         before = self.histories()
 
         def unchanged():
-            self.assert_histories_go_on(before, "nobody's lease ran out")
+            self.assert_histories_go_on(before, "no lease ran out")
 
         for place, how in ((A, Cut.BLACK_HOLE), (B, Cut.REFUSE)):
             self.cut([place], how, SPANS.short_cut, unchanged)
@@ -258,7 +258,7 @@ class Cuts(TwoServers):
     def test_robots_that_move_there_and_leave_half_open_connections_are_not_offline(self):
         def part():
             self.road.part(A)
-            # Longer than presence.timeout: A has streams, and hears nobody on them.
+            # Longer than presence.timeout: A has streams, and hears nothing on them.
             self.watch(SPANS.after, check=lambda: self.assertEqual(self.streams(A), ROBOTS))
 
         self.assert_robots_that_left_are_not_offline(part)
@@ -283,7 +283,7 @@ class Cuts(TwoServers):
         before = self.histories()
         self.cut([A, B], Cut.REFUSE, SPANS.away)
         # Long enough for a lease to be missed, if it was counted while the store was away.
-        self.watch(SPANS.after, check=lambda: self.assert_histories_go_on(before, "nobody's lease ran out"))
+        self.watch(SPANS.after, check=lambda: self.assert_histories_go_on(before, "no lease ran out"))
 
 
 class Stops(TwoServers):

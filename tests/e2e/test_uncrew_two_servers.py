@@ -88,7 +88,7 @@ class Alternating(TwoServersWithDrones):
 
     def test_live_samples_are_the_first_servers_until_it_stops(self):
         self.assert_outcome(self.at(A, "Battery", 1), "APPLIED")
-        # What is durable passes, and takes the drone from nobody.
+        # What is durable passes, and does not move the drone.
         self.assert_outcome(self.at(B, "Error", 1), "STORED")
         self.assert_status(self.at(B, "Battery", 2), "UNAVAILABLE")
         self.assert_outcome(self.at(A, "Battery", 3), "APPLIED")

@@ -40,7 +40,7 @@ class Unreplicated(EndToEnd):
     def test_a_commit_whose_wait_was_cancelled_is_not_acked(self):
         self.campaign.start()
         self.campaign.wait_for_more(100)
-        self.set_standby("nobody")
+        self.set_standby("absent")
         waiters = self.wait_for_waiters(set())
         cursors = dict(map(int, line.split()) for line in self.cluster.sql(CURSORS).splitlines())
         for _ in range(CANCELS):

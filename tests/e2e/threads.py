@@ -1,4 +1,4 @@
-"""Stops single threads of a process that goes on: a server of which one part stands still."""
+"""Stops single threads of a process that goes on: a server with one part that stands still."""
 
 import contextlib
 import ctypes

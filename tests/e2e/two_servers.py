@@ -152,7 +152,7 @@ class TwoServers(EndToEnd):
         self.wait_for(lambda: self.all_are_online(places or self.running()), "all are online, by every server")
 
     def watch(self, seconds, places=None, check=lambda: None):
-        """For so long nobody is shown as offline by these servers, all live, and the check passes."""
+        """For so long these servers show no robot as offline, all live, and the check passes."""
         places = self.running() if places is None else places
         end = time.monotonic() + seconds
 

@@ -18,7 +18,7 @@ from tcp_proxy import TcpProxy
 UAVS = tuple(f"d{number}" for number in range(6))
 # What one drone publishes at a time: its types are dealt to so many flights.
 FLIGHTS = 4
-# Calls of which a drone takes no answer, and the chance that one with two servers stays where it is.
+# Share of calls whose answer a drone does not read; chance that one with two servers stays where it is.
 LOST = 0.05
 STAY = 0.95
 CANARIES = {"answers_early": "uplinkd_answers_early", "forgets_samples": "uplinkd_forgets_samples"}

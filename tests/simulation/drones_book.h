@@ -20,7 +20,7 @@
 
 namespace uplink::simulation {
 
-/// What drones made, and what of it transactions really applied. It checks what it is told: each
+/// What drones made, and what transactions really applied. It checks what it is told: each
 /// sample is stored once, under the drone's claim; changes form a chain; a set that is stored
 /// leaves exactly what is in it.
 ///
@@ -41,7 +41,7 @@ class DronesBook final {
   [[nodiscard]] bool Has(const std::string& ruri, const DroneSample& sample) const;
   /// Ids of a set that the store has as active, or open.
   [[nodiscard]] const std::set<std::string>& Active(const std::string& ruri, SampleType set);
-  /// The last mode of which a change is stored; nothing if none is.
+  /// The last mode whose change is stored; nothing if none is.
   [[nodiscard]] std::optional<std::string> Mode(const std::string& ruri, SampleType mode) const;
   /// What lies in the store, against the book; a sentence for the first difference.
   [[nodiscard]] std::optional<std::string> Compare(storage::Reader& reader) const;

@@ -211,7 +211,7 @@ void DronesWorld::BreakConnection(Drone& drone, std::size_t place) {
   for (auto& [id, call] : calls_) {
     if (call.drone == index && call.place == place) call.awaited = false;
   }
-  // An answer that nobody waits for is no more.
+  // An answer without a waiter is dropped.
   std::erase_if(calls_, [](const auto& each) {
     return !each.second.awaited && each.second.at == Call::At::kAnswered;
   });

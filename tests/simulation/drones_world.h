@@ -76,7 +76,7 @@ class DronesWorld final {
     SteadyTime repeats_at;
     /// Live samples that were unavailable, one after the other.
     int unavailable = 0;
-    /// Types of which it knows, at the end, that its last word was heard.
+    /// Types for which it knows, at the end, that its last word was heard.
     std::set<SampleType> said;
   };
   /// One call, from the drone to the answer.

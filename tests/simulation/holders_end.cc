@@ -95,7 +95,7 @@ void HoldersWorld::CheckEnd() {
       return place.process != nullptr && place.process->id() == hold->second.holder;
     });
     if (holder == places_.end()) {
-      truth_.Fail(fmt::format("nobody adopted {}", ruri));
+      truth_.Fail(fmt::format("no process adopted {}", ruri));
       continue;
     }
     CheckEndOf(robot, *holder->process, hold->second.since);
@@ -151,7 +151,7 @@ bool HoldersWorld::MayBeUnknown(const Robot& robot) {
   if (!began.adopted || clock_.Steady() > began.at + kHoldersAdoptedGrace + kSlack) return false;
   // One of those before may live.
   if (!began.ended_fresh || began.chained) return true;
-  // Nobody sees that a process was killed, if not from its own machine.
+  // Only processes on its own machine see that a process was killed.
   return *began.ended_fresh == HoldersTruth::End::kKilled && !places_[began.from[0] - 1U].seen;
 }
 

@@ -21,11 +21,11 @@ namespace uplink::simulation {
 /// nothing.
 enum class HoldersFault : std::uint8_t {
   kNone,
-  /// The store takes changes of presence from whoever sends them.
+  /// The store takes changes of presence from any process.
   kHoldNotChecked,
   /// After a failed look every other process counts as released.
   kOverAfterAFailedLook,
-  /// A robot is adopted whoever holds it by then.
+  /// A robot is adopted even if another process holds it by then.
   kAdoptedWithoutCompare,
   /// A stream that has ended takes its robot like one that has not.
   kEndedStreamTakes,
@@ -39,11 +39,11 @@ enum class HoldersFault : std::uint8_t {
   kSilenceForgotten,
   /// Robots that may stream to a process that is cut off from the store are judged like others.
   kLateIsForgotten,
-  /// Silence counts though nobody is there to answer a ping.
+  /// Silence counts though the peer is gone and cannot answer a ping.
   kHalfOpenAnswers,
   /// After a standstill robots have no more time to come back than after a start without a grace.
   kNoGraceAfterStandstill,
-  /// Nobody notices that the machine was suspended.
+  /// A suspend of the machine goes unnoticed.
   kSuspendUnnoticed,
   /// A robot's epochs begin anew with its row.
   kEpochsInEachRow,

@@ -88,7 +88,7 @@ void HoldersWorld::TroubleOf(Robot& robot) {
     case 1:
       return FallSilent(robot, Between(seconds(3), seconds(6)));
     case 2: {
-      // While nobody reaches the store it stays where it is.
+      // While no process reaches the store it stays where it is.
       const std::vector<std::size_t> ready = Ready();
       if (ready.empty() || !Reaches(places_[ready.front()])) return;
       ++result_.moves;

@@ -11,7 +11,7 @@
 namespace uplink::simulation {
 namespace {
 
-/// A process that nobody is: all robots are of others.
+/// The id of no process: all robots are of others.
 constexpr storage::ProcessId kNobody{};
 
 std::string NameOf(const storage::ProcessId& process) {
@@ -93,7 +93,7 @@ void HoldersTruth::OnAdopted(const storage::ProcessId& process,
     // A chain of adoptions: what any of its holders hears is a sign of life.
     robot.began.chained = robot.began.adopted;
     robot.began.adopted = true;
-    // Whoever heard it before that stream does not count any more.
+    // A process that heard it before that stream does not count any more.
     if (std::exchange(robot.began.opened, false)) robot.began.formers.clear();
     robot.began.at = clock_.Steady();
     robot.began.system_at = clock_.System();

@@ -21,13 +21,13 @@ namespace uplink::simulation {
 /// What really happened to robots and processes, and the promises that every write of a process is
 /// held against. Nothing that the product believes goes into it.
 ///
-/// A sign of life counts for a robot if a process took it that the store would name as the robot's
-/// holder, or from which the present holder adopted the robot: a process that is cut off from the
-/// store goes on to hear, and its robots are not offline. So does what a process hears that has
-/// been cut off for long enough and had a lease before, whoever holds the robot. These do not
-/// count, since nobody could know of them: what any other process hears of a robot before the store
-/// has opened its stream, or after another process opened one; what it reads of a stream that has
-/// ended; what is heard by one whose adopter was adopted from in turn.
+/// A sign of life counts for a robot if the process that took it is the robot's holder in the
+/// store, or the one from which the present holder adopted the robot: a process that is cut off
+/// from the store goes on to hear, and its robots are not offline. It also counts if that process
+/// has been cut off for long enough and had a lease before, even if another holds the robot. These
+/// do not count, since no holder can know them: what another process hears of a robot before the
+/// store has opened its stream, or after another process opened one; what it reads of a stream that
+/// has ended; what is heard by one whose adopter was adopted from in turn.
 ///
 /// The time of a row is that of the judgement, however late it is written, so an OFFLINE row is
 /// held against the last sign before that time, with no tolerance: each step of the simulation has
@@ -52,7 +52,7 @@ class HoldersTruth final {
   /// A lease that was renewed so lately is not silent before its end is seen.
   static constexpr std::chrono::seconds kFresh{15};
   void NoteEnded(const storage::ProcessId& process, End end);
-  /// A process took a sign of life of a robot that it holds since then, as far as it knows.
+  /// A process took a sign of life of a robot that, by what it knows, it holds since then.
   void NoteSign(const std::string& ruri, const storage::ProcessId& process,
                 storage::Epoch held_since);
   /// A process took one that has been cut off from the store for so long that the others know; if

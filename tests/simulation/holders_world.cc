@@ -134,7 +134,7 @@ void HoldersWorld::NoteOnItsWay(const Robot& robot) {
   const Place& place = places_[robot.broke->place];
   if (place.process == nullptr || place.lives != robot.broke->life || !Hears(place)) return;
   const storage::Epoch held_since = place.process->fleet().Find(robot.id->ruri)->state.held_since();
-  // Whom the store names as its holder instead did not stand still, and nobody hears the robot.
+  // The store names another holder, which did not stand still and does not hear the robot.
   if (truth_.IsLost(robot.id->ruri, place.process->id(), held_since)) return;
   truth_.NoteSign(robot.id->ruri, place.process->id(), held_since);
 }

@@ -19,7 +19,7 @@ struct HoldersOptions {
   enum class Trouble : std::uint8_t {
     /// Robots move and fall silent; each true change is one row.
     kNone,
-    /// Processes stop in order and are followed by others; nobody's presence changes.
+    /// Processes stop in order and are followed by others; no presence changes.
     kUpdates,
     /// Kills, standstills, processes that are cut off from the store, lost answers, and the above.
     kAll,
@@ -45,7 +45,7 @@ struct HoldersResult {
   std::uint64_t moves = 0;
   /// Streams that came to a process that is known as cut off.
   std::uint64_t moves_to_cut = 0;
-  /// Streams whose robots left while the network told nobody.
+  /// Streams whose robots left while the network told neither side.
   std::uint64_t half_open = 0;
   std::uint64_t kills = 0;
   std::uint64_t standstills = 0;

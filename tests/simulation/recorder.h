@@ -122,8 +122,8 @@ class Recorder final : public storage::Store {
   void Reconnect();
   void Note(const storage::CommitRecord& record, const storage::Outcome& outcome);
   void NotePresence(const storage::Batch& batch, std::span<const storage::Outcome> outcomes);
-  /// Nothing is to be taken while the robot has no row, and nothing to be fenced that was committed
-  /// under the hold that the server was told.
+  /// Checks that nothing is stored while the robot has no row, and that nothing is fenced that was
+  /// committed under the hold that the server was told.
   void CheckHold(const std::string& ruri, storage::Epoch held_since, storage::OutcomeKind outcome);
 
   const Violation violation_;

@@ -78,7 +78,7 @@ class SimAgent final {
   /// Welcome has come, so batches may be sent.
   [[nodiscard]] bool Ready() const { return session_ != nullptr && welcomed_; }
   [[nodiscard]] bool HasResends() const { return !resend_.empty() || HasLimited(); }
-  /// Something was rejected for its rate, and is to be sent again.
+  /// Something was rejected for its rate, and must be sent again.
   [[nodiscard]] bool HasLimited() const { return !limited_.empty(); }
   enum class Fresh : std::uint8_t { kNo, kYes };
   /// Up to `messages_max` messages: what is sent again first, then fresh ones.

@@ -59,7 +59,7 @@ class SimBroker final {
   struct Unacked {
     Message message;
     std::uint16_t id = 0;
-    /// It is to be delivered by the connection that there is.
+    /// The present connection must still deliver it.
     bool due = true;
     bool dup = false;
   };

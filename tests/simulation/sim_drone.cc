@@ -18,7 +18,7 @@ namespace {
 /// Civil time of the drones' first sample, by a clock of their own.
 constexpr std::int64_t kUnixMs = 1'763'683'200'000;
 constexpr std::int64_t kUsPerMs = 1'000;
-/// Batteries that are told apart, of which the server keeps eight.
+/// Batteries that are told apart; the server keeps eight.
 constexpr std::size_t kBatteries = 10;
 constexpr std::size_t kItemsMax = 6;
 constexpr std::size_t kItemIds = 8;

@@ -49,7 +49,7 @@ class SimItems final : public storage::SharedItems {
   bool away_ = false;
   bool trims_ = false;
   std::optional<std::size_t> fails_after_;
-  /// Of a planted fault: the position is to be taken; all items as they were.
+  /// For planted faults: the position is not taken yet; all items as they were.
   bool position_due_ = false;
   std::vector<storage::SharedItem> seen_;
 };

@@ -43,7 +43,7 @@ TwinsProcess::TwinsProcess(const Ground& ground)
                                    .over = ground_.over,
                                    .at = ground_.clock.System(),
                                    .unacked_max = kUnackedMax});
-  UPLINK_CHECK(epoch.ok() && *epoch, "nobody else has the topics");
+  UPLINK_CHECK(epoch.ok() && *epoch, "no other process has the topics");
   broker_.Begin({.hold = std::make_shared<const storage::TopicHold>(storage::TopicHold{
                      .client_id = kClientId, .epoch = **epoch, .unacked_max = kUnackedMax}),
                  .memory = *leases_.MemoryOf(kClientId),

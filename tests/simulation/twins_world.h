@@ -51,7 +51,7 @@ class TwinsWorld final {
   void Start();
   void Kill();
   void GoBack();
-  /// The journal has connected anew, and the reader is to be told.
+  /// The journal has connected anew, and the reader must hear it.
   void OnReconnected();
   /// The reader knows of the oldest time that the journal connected anew.
   void OnTold();

@@ -55,7 +55,7 @@ class Backend {
   virtual bool GoBack() { return false; }
 };
 
-/// Troubles of which each is a promise more. A value.
+/// Troubles; each one tests one more promise. A value.
 struct Troubles {
   /// Shapes and objects have a rate, and the network loses answers.
   bool rates = true;

@@ -17,7 +17,7 @@ namespace uplink::testing::attack {
 [[nodiscard]] std::string Opened(std::uint32_t first, std::size_t streams);
 /// Calls of Relay that are taken back at once (CVE-2023-44487, "rapid reset").
 [[nodiscard]] std::string RapidResets(std::uint32_t first, std::size_t streams);
-/// A call whose message announces so many bytes, of which `sent` come.
+/// A call whose message announces so many bytes, and only `sent` come.
 [[nodiscard]] std::string Announcement(std::uint32_t stream, std::uint32_t bytes, std::size_t sent);
 /// A call with a header of so many bytes, in a frame and its CONTINUATIONs.
 [[nodiscard]] std::string LongHeader(std::uint32_t stream, std::size_t bytes);

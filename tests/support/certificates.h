@@ -26,7 +26,7 @@ struct CertificateSpec {
   /// In OpenSSL's words; empty: no extension.
   std::string name_constraints = {};
   /// The kind of its key: `P-256`, `P-384`, `P-521`, `RSA` (2,048 bits), `ED25519` or `ED448`; and
-  /// what nobody should have: `RSA-1024`, and curves by OpenSSL's name (`secp256k1`,
+  /// what no robot should have: `RSA-1024`, and curves by OpenSSL's name (`secp256k1`,
   /// `brainpoolP256r1`).
   std::string key = "P-256";
   /// Its point is compressed, if its key has one.

@@ -74,8 +74,8 @@ struct FakeRules {
   /// A mutation: changes of presence are written whatever their number. A test that claims to watch
   /// them must fail with it.
   bool presence_without_cursor = false;
-  /// A mutation: changes of presence are written whoever holds the robot. A test that claims to
-  /// watch holds must fail with it.
+  /// A mutation: changes of presence are written without a look at the holder. A test that claims
+  /// to watch holds must fail with it.
   bool presence_without_hold = false;
   /// A mutation: a drone's samples are taken under whatever claim. A test that claims to watch
   /// claims must fail with it.

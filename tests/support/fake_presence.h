@@ -23,7 +23,7 @@ class FakePresence final {
  public:
   /// True for a change that another process's hold of the robot fences.
   using IsFenced = std::function<bool(const storage::PresenceItem& item)>;
-  /// Writes what nobody fences and what is above the cursor of the batch's session; an outcome per
+  /// Writes what is not fenced and is above the cursor of the batch's session; an outcome per
   /// change. `entries` counts all rows. `no_cursor` plants a fault: what the cursor covers is
   /// written again.
   std::vector<storage::Outcome> Write(const storage::Batch& batch, std::uint64_t& entries,

@@ -14,7 +14,7 @@ namespace uplink::testing {
 class FakeRejects final {
  public:
   void Add(model::Seq seq, const model::Rejection& rejection) { rejects_[seq] = rejection; }
-  /// Limited numbers, of which `last` is the greatest.
+  /// Limited numbers up to `last`.
   void AddRange(const storage::LimitedRange& range, model::Seq last) {
     for (model::Seq seq = range.first; seq <= last; ++seq) rejects_[seq] = range.rejection;
     kept_[last] = range.first;

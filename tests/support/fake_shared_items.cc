@@ -25,7 +25,7 @@ ChangePositions LastOf(const FakeChanges& changes) {
   return last;
 }
 
-/// Adds the items after `after`, as far as there is room for them.
+/// Adds the items after `after`, until the page is full.
 template <typename Row>
 void Gather(const FakePresent<Row>& present, const ItemKey& after,
             storage::GatheredPage& gathered) {

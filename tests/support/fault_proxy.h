@@ -14,8 +14,8 @@ namespace uplink::testing {
 /// What a FaultProxy does to what passes through it.
 enum class ProxyMode : std::uint8_t {
   kPass,
-  /// Nobody listens, and what was connected is cut. The port stays ours: somebody else would take
-  /// it meanwhile, on a busy machine.
+  /// Connections are refused, and what was connected is cut. The port stays ours: another program
+  /// could take it meanwhile, on a busy machine.
   kRefuse,
   /// Connections are taken and stand; not a byte passes.
   kBlackHole,

@@ -11,7 +11,7 @@
 
 namespace uplink::testing {
 
-/// How a broker is to be. A value.
+/// How a broker is configured. A value.
 struct MosquittoOptions {
   /// Users and their passwords; none: anybody may come.
   std::vector<std::pair<std::string, std::string>> users;

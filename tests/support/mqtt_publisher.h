@@ -9,7 +9,7 @@
 namespace uplink::testing {
 
 /// A publisher over plain TCP that waits for each answer: by MQTT 3.1.1, or by MQTT 5 with
-/// properties that nobody judges. What goes wrong ends the test program: it is the test's own bug.
+/// properties that are not judged. What goes wrong ends the test program: it is the test's own bug.
 /// Confined to one thread.
 class MqttPublisher final {
  public:

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-// Certificates byte by byte: of every kind of key, and of kinds that no robot should have. Nobody
-// has signed them, and nobody has their private keys.
+// Certificates byte by byte: of every kind of key, and of kinds that no robot should have. They are
+// not signed, and their private keys do not exist.
 namespace uplink::testing::odd {
 
 /// A SubjectPublicKeyInfo of this algorithm: its identifier with parameters, and the key's bits.

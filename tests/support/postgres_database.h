@@ -42,7 +42,7 @@ class PostgresShell final {
 enum class DatabaseContent : bool { kEmpty, kMigrated };
 
 /// A database of its own for one test: empty, or migrated with the partitions of the day before the
-/// suite's time and the two after. Dropped at the end, whoever is still connected.
+/// suite's time and the two after. Dropped at the end, even with clients still connected.
 class PostgresDatabase final {
  public:
   explicit PostgresDatabase(DatabaseContent content = DatabaseContent::kMigrated);

@@ -15,8 +15,8 @@ struct RawAnswer {
 };
 
 /// One TCP connection to a port of 127.0.0.1 that sends what it is told. Reads give up after ten
-/// seconds. Where nobody listens it is at its end at once: the test says what that means, and what
-/// its server said last. Confined to one thread.
+/// seconds. Without a listener there it is at its end at once: the test says what that means, and
+/// what its server said last. Confined to one thread.
 class RawConnection final {
  public:
   /// `receive_bytes`: what the kernel may hold unread, about; 0: as it likes.

@@ -68,8 +68,8 @@ class RawHttp2 final {
   /// False once the connection has ended, or if the peer takes nothing for the patience. What
   /// arrives meanwhile is read.
   bool Send(std::string_view bytes);
-  /// DATA of the stream, as far as the peer's windows allow: waits up to `patience` for them to
-  /// open. Says how many bytes went out.
+  /// DATA of the stream, within the peer's windows: waits up to `patience` for them to open. Says
+  /// how many bytes went out.
   std::size_t SendData(std::uint32_t stream, std::string_view bytes,
                        std::chrono::milliseconds patience = kPatience);
   /// Bytes that the stream may send now, by what the peer has given it and what SendData has taken.

@@ -83,7 +83,7 @@ class ServerWorld {
   store::LeaseProbe lease_probe;
   FakeSharedItems shared_items{database};
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
-  /// A text of few robots is to be more than a socket takes.
+  /// Enough that the text of few robots is more than a socket takes.
   config::RcanConfig rcan_config{.robot_series_max = 2'000};
   log::Logger logger;
   forward::Forwarding forwarding;

@@ -196,7 +196,7 @@ void AddObject(const object& body, Views& out) {
   out.views.push_back(view);
 }
 
-/// Kinds of which a Robot carries the body as it is, or by the body's own key.
+/// Kinds whose body a Robot carries as it is, or by the body's own key.
 bool AddPart(std::string_view variant, const value& body, Views& out) {
   if (variant == "motionTelemetry") return out.Part("motion", body), true;
   if (variant == "statusTelemetry") return out.Part("status", body), true;

@@ -1,4 +1,4 @@
-// A subscriber on libmosquitto that does nothing but count: what a message costs at least. It acks
+// A subscriber on libmosquitto that only counts: what a message costs at least. It acks
 // at QoS 1 at once, as that library does.
 #include <cstdio>
 #include <cstdlib>

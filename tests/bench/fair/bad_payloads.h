@@ -32,7 +32,7 @@ inline constexpr std::size_t kWaysToBeMalformed = 4;
 [[nodiscard]] std::string ControlSettings();
 /// No whole Cap'n Proto message: cut, too long, of other bytes, or empty.
 [[nodiscard]] std::string Malformed(std::size_t number);
-/// kFaultyReadings readings of which none is a finite number, but for `good` at the end. With none
+/// kFaultyReadings readings that are no finite numbers, but for `good` at the end. With none
 /// good the message is rejected, else applied without the others.
 [[nodiscard]] std::string FaultyExtras(std::size_t good);
 /// A Robot State (JSON) with kRenamedJoints joints, whose names are of this generation alone.

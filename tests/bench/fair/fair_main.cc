@@ -132,7 +132,7 @@ class Scenario final {
     const testing::KeyPair pair = folder.authority().Issue(BadSpec());
     folder.Write("bad.crt", pair.certificate);
     folder.Write("bad.key", pair.key);
-    // It ends by itself, too, should nobody be left to end it.
+    // It also ends by itself, in case this process is gone by then.
     const auto most = std::chrono::ceil<std::chrono::seconds>(run_.window) + kBeginWait +
                       std::chrono::duration_cast<std::chrono::seconds>(Others::kAckPatience) +
                       kBadEndWait;

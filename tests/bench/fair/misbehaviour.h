@@ -19,7 +19,7 @@ namespace uplink::bench {
 class Misbehaviour {
  public:
   virtual ~Misbehaviour() = default;
-  /// Does what is to be done now. Called after every event of the loop, never within one, and at
+  /// Does what is due now. Called after every event of the loop, never within one, and at
   /// least every few milliseconds.
   virtual void Act() = 0;
   /// What had to be prepared is done, and it has begun.

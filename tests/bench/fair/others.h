@@ -44,7 +44,7 @@ class Others final {
   /// The same, measured. They go on until what was sent in the window is acked, at most
   /// kAckPatience longer.
   [[nodiscard]] OthersTally Measure(const OnTurn& on_turn);
-  /// The first, of which there must be one.
+  /// The first robot; there must be one.
   [[nodiscard]] const OtherRobot& first() const { return *robots_.front(); }
 
   static constexpr milliseconds kAckPatience{5'000};

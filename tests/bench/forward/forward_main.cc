@@ -205,7 +205,7 @@ class ForwardBench final {
 
 int Run(int argc, char** argv) {
   Arguments arguments;
-  config::Flags flags("Benchmark of what robots are told of each other", "uplink_bench_forward");
+  config::Flags flags("Benchmark of what robots share with each other", "uplink_bench_forward");
   arguments.AddTo(flags);
   flags.Add({"--receivers"}, arguments.receivers, {1, kReceiversMax});
   flags.Add({"--seconds"}, arguments.seconds, kSecondsRange);

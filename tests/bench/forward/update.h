@@ -15,8 +15,8 @@ inline constexpr std::size_t kUpdatedObjects = 100;
 /// One update of an object that a fleet shares. A value.
 struct Update {
   std::size_t number = 0;
-  /// When it is published: it travels in the object's name, so that whoever gets the object knows
-  /// how long it was under way.
+  /// When it is published. The object's name carries it, so that a receiver knows how long the
+  /// object was under way.
   SteadyTime at;
 };
 

@@ -19,8 +19,8 @@ constexpr std::size_t kConnections = 14;
 constexpr std::size_t kExplicitCurves = 50;
 constexpr milliseconds kLook{5};
 
-/// Connections that show this behind a certificate that nobody signed; each that the server ends is
-/// followed by another.
+/// Connections that show this behind a certificate without an authority; each that the server ends
+/// is followed by another.
 void Show(const AttackSite& site, const std::vector<std::string>& certificates) {
   const testing::TestAuthority stranger;
   RawHttp2::Options options = site.Nobody();

@@ -63,7 +63,7 @@ void Hold(const AttackSite& site, RawHttp2& connection) {
   static_cast<void>(connection.ReadUntilEnd(site.Left()));
 }
 
-/// Connections on each of which the frames come so many times, after what comes first.
+/// Connections that each send `first`, and then the frame so many times.
 void Repeat(const AttackSite& site, const std::string& first, std::string_view frame,
             std::size_t times) {
   const std::string some = http2::Times(std::min(kAtOnce, times), frame);

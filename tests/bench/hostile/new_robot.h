@@ -9,14 +9,14 @@
 
 namespace uplink::bench {
 
-/// A robot that nobody has seen before, at an address from which nobody has streamed.
+/// A robot that is new to the server, at an address that is new to it too.
 struct NewRobot {
   std::uint16_t port = 0;
   std::string server_ca;
   testing::KeyPair identity;
 };
 inline constexpr const char* kNewRobotSource = "127.0.0.200";
-/// Whoever gets in later does not get in.
+/// A robot that gets in later counts as shut out.
 inline constexpr milliseconds kGetsInWithin{10'000};
 
 /// How long it takes until one durable message of its own is acked; it tries again and again, for

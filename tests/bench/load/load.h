@@ -61,7 +61,7 @@ class Load final {
   /// started again. Gives up after `patience`.
   [[nodiscard]] bool ConnectAgain(std::size_t at_once, milliseconds patience);
 
-  /// What all robots sent, and what of it is acked.
+  /// Messages that all robots sent, and those of them that are acked.
   [[nodiscard]] std::uint64_t sent() const;
   [[nodiscard]] std::uint64_t acked() const;
   /// How many paced frames left more than 100 ms late: then the load was the limit.

@@ -39,7 +39,7 @@ std::string FileText(const std::string& path) {
   return text.str();
 }
 
-/// A setting that is not there would be tested by nobody.
+/// Fails if the setting is not there, since the test would then test nothing.
 void Replace(std::string& text, const std::string& what, const std::string& with) {
   const std::size_t at = text.find(what);
   UPLINK_CHECK(at != std::string::npos, what + " stands in deploy/mosquitto/mosquitto.conf");
@@ -137,7 +137,7 @@ TEST_F(DeployMosquitto, ARobotHearsNothingOfAnother) {
 }
 
 TEST_F(DeployMosquitto, NobodyComesWithoutAPassword) {
-  for (const BrokerSettings& settings : {As("", ""), As("uplinkd", "wrong"), As("nobody", "u")}) {
+  for (const BrokerSettings& settings : {As("", ""), As("uplinkd", "wrong"), As("unknown", "u")}) {
     BrokerClient client(settings);
     EXPECT_FALSE(client.connected());
     EXPECT_THAT(client.status().message(), HasSubstr("does not let us in"));

@@ -21,8 +21,8 @@ using ::testing::HasSubstr;
 using testing::Mosquitto;
 using testing::MosquittoOptions;
 
-/// Enough for 20 twins at full rate, so that nothing is dropped unseen; and few lines of log, which
-/// nobody reads meanwhile.
+/// Enough for 20 twins at full rate, so that nothing is dropped unseen; and few lines of log, since
+/// it is not read meanwhile.
 constexpr const char* kConfiguration =
     "user root\nlog_dest stderr\nlog_type information\nlog_type error\nlog_timestamp false\n"
     "persistence true\npersistence_location FOLDER/\nlistener PORT 127.0.0.1\n"
@@ -182,7 +182,7 @@ TEST_F(TwinsOnBroker, ABrokerThatLetsNobodyInIsToldOf) {
 }
 
 TEST_F(TwinsOnBroker, ASlowBrokerHoldsThemBack) {
-  // Nobody listens there: what is published waits, up to a bound.
+  // The broker takes nothing: what is published waits, up to a bound.
   StartBroker();
   TwinSwarmOptions twins = Twins(8);
   twins.rate_hz = 200;

@@ -80,7 +80,7 @@ class GatewayFlow : public ::testing::Test {
              });
     });
   }
-  /// A stream that is held back has been read as far as it may, and its window is all it has.
+  /// A stream that is held back has used up its window.
   void ExpectHeldBack(std::uint32_t robot) {
     EXPECT_EQ(gateway_.WindowOf(StreamOf(robot)), 0U);
     EXPECT_FALSE(gateway_.At(StreamOf(robot)).over());

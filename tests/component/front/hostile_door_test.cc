@@ -43,7 +43,7 @@ class HostileDoor : public ::testing::Test {
     crowd.Grow(count);
     return crowd;
   }
-  /// A robot from an address where nobody has streamed gets in, though it is a stranger.
+  /// A robot from an address that has not streamed gets in, though it is a stranger.
   void ExpectStrangerGetsIn(int number) {
     const SteadyTime begun = world_->clock.Steady();
     RawHttp2 robot(ClientOf(*world_, RobotKeys(*world_, number), "127.0.0.200"));

@@ -124,7 +124,7 @@ TEST_F(HostileRequests, MessagesThatAreAnnouncedAndNeverCome) {
   ExpectVictimGoesOn();
 }
 
-/// Answers that nobody reads: what waits for one peer is bounded.
+/// The peer does not read its answers: what waits for one peer is bounded.
 TEST_F(HostileRequests, APeerThatOpensNoWindow) {
   robot_.Send(http2::Settings({{http2::kInitialWindowSize, 0}}) + OpenRelay(1));
   EXPECT_EQ(robot_.SendData(1, HelloMessage(1), kPatience), HelloMessage(1).size());

@@ -73,7 +73,7 @@ class LoadBalancer : public ::testing::Test {
   [[nodiscard]] std::int64_t waiting() const {
     return world_->relay_probe.proxy_headers_waiting.value();
   }
-  /// Nobody is before the door or in it any more.
+  /// No connection waits before the door or is in it any more.
   [[nodiscard]] bool IsQuiet() const {
     return Eventually([this] {
       return waiting() == 0 && world_->relay_probe.handshakes_under_way.value() == 0 &&

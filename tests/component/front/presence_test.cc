@@ -115,7 +115,7 @@ TEST_F(FrontPresence, APeerThatDripsKeepsNobodyOnlineForLongerThanAMinutePerFram
   EXPECT_EQ(Presence(), robot::Presence::kOnline);
 }
 
-/// Another server is cut off from the store, and may hear whoever left.
+/// Another server is cut off from the store, and may hear a robot that left us.
 class FrontDoubt : public FrontPresence {
  protected:
   FrontDoubt() { hearing_ = Fleet::HearingState::kHereAlone; }
@@ -202,7 +202,7 @@ TEST_F(FrontDoubt, AnAnswerOfAGatewayCountsForEachOfItsRobotsThatAsked) {
   ASSERT_TRUE(BecomesOffline(0));
   EXPECT_EQ(Presence(2), robot::Presence::kOnline);
   Step(seconds(1), 6);
-  EXPECT_EQ(Presence(2), robot::Presence::kUnknown) << "of its own silence nobody answered";
+  EXPECT_EQ(Presence(2), robot::Presence::kUnknown) << "no answer to the ping for its own silence";
   ASSERT_TRUE(IsPinged(gateway, 2));
   gateway.Send(http2::Pong());
   EXPECT_TRUE(BecomesOffline(2));

@@ -187,7 +187,7 @@ TEST_F(HttpServerTest, ScrapesThatAreSentAheadAndNeverReadShutNoProbeOut) {
   gate.set_value();
   EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
   const std::optional<RawAnswer> answer = first.Read();
-  ASSERT_TRUE(answer) << "whoever has waited for longest does not give way";
+  ASSERT_TRUE(answer) << "the one that has waited for longest does not give way";
   EXPECT_EQ(answer->status, 200);
 }
 
@@ -266,7 +266,7 @@ TEST_F(HttpServerTest, ScrapersThatDoNotReadHoldFourTextsAndNoMore) {
   }
   EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503);
   EXPECT_EQ(world_.rcan_probe.refused_total.value(), 1);
-  // Nobody else waits for them.
+  // Other requests do not wait for them.
   EXPECT_EQ(HttpGet(port, "/livez").status, 200);
   EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
   EXPECT_EQ(HttpGet(port, "/api/v1/status").status, 200);

@@ -1,4 +1,4 @@
-// How a process ends whose log nobody reads.
+// How a process ends whose log is not read.
 #include <csignal>
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ TEST(LogEnd, WaitsForAReaderNoLongerThanItMay) {
   auto sink = StandardError(
       clock,
       {.format = Format::kText, .priorities = false, .limits = {}, .descriptor = pipe.writer()});
-  sink->Write(Level::kInfo, "nobody reads this");
+  sink->Write(Level::kInfo, "this is not read");
   const SteadyTime began = SystemClock().Steady();
   sink->Flush(milliseconds(1));
   sink.reset();

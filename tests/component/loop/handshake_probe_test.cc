@@ -34,7 +34,7 @@ class Listener {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
     EXPECT_EQ(listen(socket_, 4), 0);
-    const timeval deadline{20, 0};  // so that a test whom nobody asks fails
+    const timeval deadline{20, 0};  // so that the test fails if no probe comes
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &deadline, sizeof(deadline));
     socklen_t size = sizeof(address);
     EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
@@ -193,7 +193,7 @@ TEST_F(HandshakeProbeTest, AnAnyAddressOfIpv6WithNobodyBehindItIsNone) {
 TEST_F(HandshakeProbeTest, AnIpv6ListenerThatSaysNothingIsNoneThoughIpv4WouldAnswer) {
   const Listener answers;
   const Ipv6Listener silent(answers.port());
-  if (!silent.bound()) return;  // without IPv6 nobody can keep silent there
+  if (!silent.bound()) return;  // no IPv6 here
   std::atomic<bool> asked = false;
   std::jthread peer([&] {
     answers.AnswerOnce({"\x16\x03\x03\x00\x7a\x02", 6});

@@ -371,7 +371,7 @@ TEST_P(MqttTls, CertificatesThatTheGateRefusesAreNotRead) {
     spec.key_usages = {"serverAuth"};
     return authority_.Issue(spec);
   }();
-  // OpenSSL does not read a message of more than 32 KiB, so that it is told of otherwise.
+  // OpenSSL does not read a message of more than 32 KiB, so its flaw is reported by its size.
   for (const auto& [more, flaw] : {std::pair(10, identity::CertificateFlaw::kCount),
                                    std::pair(100, identity::CertificateFlaw::kBytes)}) {
     std::string chain = pair.certificate;

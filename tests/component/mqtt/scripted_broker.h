@@ -7,8 +7,8 @@
 
 namespace uplink::testing {
 
-/// A broker of which each byte is the test's: it listens on a loopback port and says what it is
-/// told. Nothing here waits; the test does. Confined to one thread.
+/// A broker that sends only the bytes that the test gives it; it listens on a loopback port.
+/// Nothing here waits; the test does. Confined to one thread.
 class ScriptedBroker final {
  public:
   ScriptedBroker();

@@ -43,7 +43,7 @@ TEST(Certificates, RobotMayNotSpeakForAnother) {
   EXPECT_THAT(status.error_message(), HasSubstr(RuriOf(2)));
 }
 
-/// Two flaws at once, of which OpenSSL finds one first: neither hides the other's refusal.
+/// Two flaws at once; OpenSSL finds one first, and neither hides the other's refusal.
 TEST(Certificates, ExpiredCertificateOfAServerIsNotServed) {
   CertificateSpec spec = RobotSpec(RuriOf(1));
   spec.not_after_s = -60;

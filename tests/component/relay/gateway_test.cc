@@ -160,7 +160,7 @@ TEST(Gateway, EndsWhenTheStoreComesBackAndKnowsAnotherFleet) {
   NoteInStore(world, {RuriOf(1), "south"});
   world.store.Block();
   Relayed through(world.Channel(world.authority.Issue(GatewaySpec())), 1);
-  ASSERT_EQ(through.Welcomed(), RuriOf(1)) << "the store is away, so that nobody can tell";
+  ASSERT_EQ(through.Welcomed(), RuriOf(1)) << "the store is away, so the fleet is not known yet";
   through.agent().Send(BatchFrame({{1, FaultPayload("a")}}));
   ASSERT_TRUE(Eventually([&] { return world.Counts().in_flight == 1; }));
   world.store.Release();
@@ -250,7 +250,7 @@ TEST(Gateway, BringsInNoMoreThanItsShareOfTheRobots) {
   EXPECT_TRUE(own.Connect(SessionOf(1)));
 }
 
-/// Ten readings with texts of control characters, each of which is kept as three bytes.
+/// Ten readings with texts of control characters; each character is kept as three bytes.
 std::string ExtrasPayload(int first_key) {
   model::TelemetryExtras extras;
   for (int i = first_key; i < first_key + 10; ++i) {

@@ -83,8 +83,8 @@ class LimitedTest : public ::testing::TestWithParam<const char*> {
                      .server_ca = folder_.authority().certificate(),
                      .identity = folder_.authority().Issue(RobotSpec(kRuri))}));
   }
-  /// The bucket's shapes, `more` shapes and a fault, of which the last has the number that is
-  /// returned. All of it is decided, and no answer read.
+  /// The bucket's shapes, `more` shapes and a fault. Returns the fault's number. All of it is
+  /// decided, and no answer read.
   model::Seq Flood(const Server& server, TestAgent& agent, model::Seq more) {
     EXPECT_TRUE(agent.Connect(session_));
     const model::Seq last = kBurst + more + 1;

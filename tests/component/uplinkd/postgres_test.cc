@@ -178,7 +178,7 @@ TEST_P(PostgresTrouble, DurableWaitsLiveGoesOnAndNothingIsLostOrDoubled) {
     EXPECT_EQ(Notes(), Numbers(3));
     proxy_.Set(ProxyMode::kPass);
   }
-  // The Ack of the live message may have told of the commit already.
+  // The Ack of the live message may have covered the commit already.
   if (judged->through_seq() < 7) {
     ASSERT_TRUE(agent->ReadThrough(7));
   }

@@ -30,7 +30,7 @@ Command Decoded(std::string_view bytes) {
   return *std::move(command);
 }
 
-/// What robots must be told of this shape.
+/// What robots must receive for this shape.
 Shape Forwarded(const model::ReportedShape& reported) {
   Shape shape{.identity = reported.identity,
               .data = reported.data,
@@ -120,7 +120,7 @@ TEST(NexusCommandTest, AForwardedIdIsTakenApartByItsOriginAlone) {
       EXPECT_EQ(OriginalId(told, origin), id) << told;
     }
   }
-  // Of two robots, one of which bears the other's name within its own, ids alone may be the same.
+  // Two robots may share a forwarded id if one's name contains the other's.
   EXPECT_EQ(ForwardedId("a", "rcan://x@rcan://y"), ForwardedId("a@rcan://x", "rcan://y"));
   EXPECT_EQ(OriginalId("a@rcan://x@rcan://y", "rcan://y"), "a@rcan://x");
   EXPECT_EQ(OriginalId("a@rcan://x@rcan://y", "rcan://x@rcan://y"), "a");

@@ -276,7 +276,7 @@ TEST_F(Decide, BoundsNothingOfAKindThatIsHistoryAlone) {
   EXPECT_FALSE(ruling->change);
 }
 
-/// A kind of which a robot has only so many entries.
+/// A kind that is bounded to so many entries a robot.
 struct Bounded {
   std::string name;
   PresentKind kind;
@@ -338,7 +338,7 @@ TEST_F(Decide, WhatCameUnderALeaseThatIsOverIsFencedAndNotLookedAt) {
   };
   EXPECT_EQ(Kind(under("c", 4)), OutcomeKind::kFenced);
   EXPECT_EQ(Kind(under("c", 6)), OutcomeKind::kFenced);
-  EXPECT_EQ(Kind(under("nobody", 5)), OutcomeKind::kFenced);
+  EXPECT_EQ(Kind(under("unknown", 5)), OutcomeKind::kFenced);
   EXPECT_THAT(known_.asked, IsEmpty());
   EXPECT_EQ(Kind(under("c", 5)), OutcomeKind::kStored);
   Batch batch;

@@ -215,8 +215,8 @@ TEST_F(PostgresBatchTest, ACheckpointChangesItsRowInPlace) {
     return size() - at_first;
   };
   // A hundred versions, three pages of them, find room where older ones were. Updates tidy up by
-  // themselves only when nobody of the whole cluster, where other tests run, may still see those;
-  // VACUUM asks for this database alone.
+  // themselves only when no session of the whole cluster, where other tests run, may still see
+  // those; VACUUM asks for this database alone.
   EXPECT_TRUE(testing::Eventually([&] {
     const bool in_place = pages_of_a_burst() == 0;
     database_.Shell().Run("VACUUM (TRUNCATE false) uplinkd.live");

@@ -194,7 +194,7 @@ TEST_F(PostgresChangesTest, ASweepLeavesAWriterThatIsAtWork) {
   positions_.read_at += kChangeWriterKept;
   one_.Run("BEGIN");
   one_.Run(Upsert("b"));
-  EXPECT_EQ(Sweep(), "0\n") << "and waits for nobody";
+  EXPECT_EQ(Sweep(), "0\n") << "and does not wait";
   one_.Run("COMMIT");
   EXPECT_THAT(Changed(), ElementsAre(Key("b")));
 }

@@ -1,4 +1,4 @@
-// Where a server keeps its database, as far as this process may know it.
+// Where a server keeps its database, if this process may know it.
 #include <fstream>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// Sessions that nobody uses for hours, and those that a server or a pooler does not begin.
+// Sessions that are idle for hours, and those that a server or a pooler does not begin.
 #include <cstddef>
 #include <cstdint>
 #include <fstream>

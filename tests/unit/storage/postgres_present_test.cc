@@ -25,7 +25,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Key;
 
-/// A robot at its bound of shapes: `s1`, `s2`, ..., of which each expires a millisecond after the
+/// A robot at its bound of shapes: `s1`, `s2`, ...; each expires a millisecond after the
 /// one before, the first at kNowMs + kLifeMs.
 class PostgresPresent : public PostgresFixture {
  protected:
@@ -83,7 +83,7 @@ TEST_F(PostgresPresent, AtItsBoundWhatHasExpiredIsReadToo) {
   EXPECT_THAT(KnownFor("s7", kLifeMs + 2),
               ElementsAre(Named("s1"), Named("s2"), Named("s3"), Named("s7")));
   trust_.Set(false);
-  EXPECT_THAT(KnownFor("new", kLifeMs + 2), IsEmpty()) << "by a clock that nobody vouches for";
+  EXPECT_THAT(KnownFor("new", kLifeMs + 2), IsEmpty()) << "by a clock that is not vouched for";
 }
 
 TEST_F(PostgresPresent, WhatHasExpiredIsFoundByItsRobotAndTime) {

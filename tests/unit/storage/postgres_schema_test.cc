@@ -223,7 +223,7 @@ TEST(PostgresRoleTest, WhatRunsAsTheOwnerLooksForNamesInTheSchemaAlone) {
 TEST(PostgresPartitionsTest, TheServersRoleMakesAndDropsDays) {
   PostgresDatabase database;
   PostgresShell server(database.url());
-  // Seven histories, of which three days are there already.
+  // Seven histories; three days of each are there already.
   EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "7\n");
   EXPECT_EQ(server.Read("SELECT uplinkd.make_partitions('2025-11-20', 4)"), "0\n");
   EXPECT_EQ(server.Read("SELECT uplinkd.drop_partitions('events', '2025-11-22')"), "2\n");

@@ -201,7 +201,7 @@ TEST_F(SqliteFiles, AFolderThatMayNotBeWrittenIsNoDamage) {
     EXPECT_FALSE(status.ok());
     EXPECT_THAT(Text(status), AllOf(HasSubstr(path), HasSubstr("readonly database (1544)"),
                                     Not(HasSubstr("damaged"))));
-    EXPECT_EQ(std::filesystem::exists(mark), marked) << "nobody found damage";
+    EXPECT_EQ(std::filesystem::exists(mark), marked) << "no damage was found";
   }
   EXPECT_TRUE(SqliteStore::Open(path, Options()).ok());
 }
@@ -278,7 +278,7 @@ TEST_F(SqliteFiles, NamesThePathIfItCannotBeWritten) {
   std::filesystem::create_directory(folder_.File("other.db.lock"));
   const absl::Status no_lock = SqliteStore::Open(folder_.File("other.db"), options).status();
   EXPECT_THAT(Text(no_lock), HasSubstr("other.db.lock"));
-  EXPECT_FALSE(IsInUse(no_lock)) << "nobody has it";
+  EXPECT_FALSE(IsInUse(no_lock)) << "no process has it";
 }
 
 TEST_F(SqliteFiles, KeepsASecondWriterAwayUntilTheFirstIsGone) {

@@ -181,7 +181,7 @@ TEST_F(SqliteIntact, AStartTellsThatItReadsTheWholeFileAndWhatItFound) {
     EXPECT_EQ(fs::exists(Mark()), true) << "it stays until the end";
   };
   EXPECT_TRUE(SqliteStore::Open(path_, options).ok());
-  EXPECT_THAT(told, ::testing::IsEmpty()) << "nobody found damage";
+  EXPECT_THAT(told, ::testing::IsEmpty()) << "no damage was found";
 
   const std::uint64_t bytes = fs::file_size(path_);
   std::ofstream(Mark()).close();
@@ -196,7 +196,7 @@ TEST_F(SqliteIntact, AStartTellsThatItReadsTheWholeFileAndWhatItFound) {
                                            std::pair(Step::kFailed, bytes)));
 }
 
-// Nobody was there when the file was damaged, so no start was told to read all of it.
+// No server ran when the file was damaged, so no start was told to read all of it.
 TEST_F(SqliteIntact, AStartOnADamagedFileSaysWhatToDoAndLeavesItAsItIs) {
   Shell(path_, "PRAGMA wal_checkpoint(TRUNCATE)");
   CommitMany(1);

@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 constexpr std::int64_t kPage = 4096;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 
-/// A WAL of so many frames, of which so many were moved.
+/// A WAL of `frames` frames; `moved` of them are in the database.
 WalIndex IndexOf(std::uint32_t frames, std::uint32_t moved, std::uint32_t pages = 0) {
   WalIndex index;
   index.header[4] = frames;

@@ -75,7 +75,7 @@ TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
   ASSERT_TRUE(admin.ok()) << admin.status();
   EXPECT_EQ(admin->role, identity::Role::kAdmin);
   EXPECT_EQ(admin->fleet, "*");
-  // A server's certificate is nobody's identity.
+  // A server's certificate is no robot's or operator's identity.
   EXPECT_FALSE(identity_of(ServerProfile({"localhost", "::1"})).ok());
 }
 

@@ -82,7 +82,7 @@ TEST(Flood, WhatIsOverAnIdsBudgetIsRejectedUnreadAtQos0Alone) {
   ASSERT_TRUE(bench.TakeLease());
   const std::string large = R"({"type":"event","detail":")" + std::string(60'000, 'x') + "\"}";
   const std::size_t passing = limits::PolicyOf(limits::PolicyId::kBytesOfId).at_once / large.size();
-  // Of a twin that nobody heard, who is commanded.
+  // Commands to a twin that never reported.
   for (std::size_t i = 0; i < passing + 10; ++i) {
     (void)bench.Publish(Bench::Of("command"), large);
   }

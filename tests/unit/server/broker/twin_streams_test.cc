@@ -52,7 +52,7 @@ TEST_F(TwinStreamsTest, OneThatWasToEndEndsWhereAnotherTwinHasItsPlaceByNow) {
   EXPECT_TRUE(Open().too_many);
   (void)bench_.Publish(Bench::Of("position"), R"({"position":{"x":1,"y":2,"z":3}})");
   EXPECT_EQ(bench_.Count(Became::kRefused), 1U);
-  EXPECT_EQ(bench_.twins.bytes(), 0U) << "nobody holds what the old stream's twin had said";
+  EXPECT_EQ(bench_.twins.bytes(), 0U) << "what the old stream's twin had said is gone";
   bench_.Run();
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U));
   EXPECT_EQ(bench_.streams.size(), 0U);

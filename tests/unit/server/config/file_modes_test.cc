@@ -88,7 +88,7 @@ TEST_F(FileModesTest, WhatEverybodyMayWriteIsAProblem) {
                                 Field(&Problem::text, HasSubstr("0602")))));
 }
 
-// Whoever may write an authority lets robots in; whoever may only read it learns nothing.
+// A user who may write an authority lets robots in; one who may only read it learns nothing.
 TEST_F(FileModesTest, CertificatesThatEverybodyMayWriteAreAProblem) {
   config_.tls.certificate_file = Make("s.crt");
   config_.tls.client_ca_file = Make("ca.crt");

@@ -16,8 +16,8 @@ namespace {
 namespace cw = model::cyberwave;
 using test::AppliedTwin;
 
-/// A topic's message, what becomes of it, and the same one with something wrong, of which nothing
-/// may be left.
+/// A topic's message, what becomes of it, and the same one with something wrong, which must leave
+/// no trace.
 struct Case {
   std::string name;
   std::string tail;

@@ -225,8 +225,8 @@ TEST_F(LiveBudgetTest, AfterARestartRobotsThatWereNotHeardCountTogether) {
     not_heard.push_back(*fleet_.FindOrAdmit({fmt::format("rcan://x/{}", i), "f"}));
     Restore(not_heard.back(), 1);
   }
-  // Alone it holds more than any other robot; some of the others were a gateway's, and nobody
-  // knows.
+  // Alone it holds more than any other robot; some of the others were a gateway's, which is not
+  // known.
   Read(honest, 60);
   Round();
   EXPECT_GT(budget_.parts_dropped(), 0U);

@@ -122,7 +122,7 @@ TEST_F(PresenceWatchTest, AfterAStandstillNobodyIsOfflineUntilAHandshakeBegunAft
     clock_.Advance(standstill);
     watch_.Sweep();
     EXPECT_TRUE(liveness_.behind());
-    EXPECT_EQ(robot.state.presence(), model::Presence::kOnline) << "a late sweep judges nobody";
+    EXPECT_EQ(robot.state.presence(), model::Presence::kOnline) << "a late sweep judges no robot";
     EXPECT_THAT(lines_, ElementsAre(HasSubstr("standstill_over ms=" +
                                               std::to_string(milliseconds(standstill).count())),
                                     HasSubstr("relay_behind why=stood_still")));

@@ -149,7 +149,7 @@ TEST_F(FleetItemsTest, OfAnItemTheLatestWaits) {
 }
 
 TEST_F(FleetItemsTest, SaysForHowManyAChangeWaitsThatWasNotToldBefore) {
-  Put(KeyOf("b", "1"), "nobody is there");
+  Put(KeyOf("b", "1"), "no receiver yet");
   EXPECT_EQ(told_, 0U);
   const auto a = Join("a", 1);
   const auto b = Join("b", 2);

@@ -25,7 +25,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-/// Streams that nobody wakes: the test takes by itself. Thread-safe, since it does nothing.
+/// Streams that are not woken: the test takes by itself. Thread-safe, since it does nothing.
 class Nobody final : public loop::WakeInbox {
  public:
   void Wake(std::uint64_t /*stream*/) override {}

@@ -1,4 +1,4 @@
-// The shared sets of all fleets, as whoever reads the store puts them together.
+// The shared sets of all fleets, as the reader of the store puts them together.
 #include "server/forward/forwards.h"
 
 #include <random>

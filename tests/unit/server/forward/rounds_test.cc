@@ -30,7 +30,7 @@ TEST(LookAgainAfter, GrowsWithTheStreamsThatWereWoken) {
   EXPECT_EQ(LookAgainAfter(1'000'000), std::chrono::milliseconds(250));
 }
 
-/// Of which a robot may share some.
+/// Large, but small enough that a robot may share several.
 std::string LargeGeometry() {
   std::string points = "[1.5,2.5]";
   while (points.size() < 2'000'000) points += ",[1.5,2.5]";
@@ -107,7 +107,7 @@ TEST_F(RoundsTest, WhatExpiredGoesByAClockThatIsVouchedFor) {
   trust_.Set(false);
   clock_.Advance(milliseconds(1000));
   Round();
-  EXPECT_THAT(Ids(), ElementsAre("never", "soon")) << "nobody vouches for the time";
+  EXPECT_THAT(Ids(), ElementsAre("never", "soon")) << "the time is not vouched for";
   trust_.Set(true);
   Round();
   EXPECT_THAT(Ids(), ElementsAre("never"));

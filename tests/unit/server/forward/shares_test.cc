@@ -107,7 +107,7 @@ TEST(SharesTest, WhoTakesMostGivesWayToWhoTakesLittle) {
   EXPECT_FALSE(shares.WhoGivesWay({"new", "north"}, 0, 21)) << "that is over half of what it has";
   EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 40, 41)) << "it is over its own share";
   EXPECT_TRUE(shares.Resize({"big", "north"}, 40, 30));
-  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 30, 40)) << "to nobody else";
+  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 30, 40)) << "to no other";
   EXPECT_EQ(shares.MostOf("north"), "big");
   EXPECT_EQ(shares.MostOf("south"), "");
 }

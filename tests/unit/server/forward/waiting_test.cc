@@ -102,7 +102,7 @@ TEST(WaitingTest, RobotsTakeTurnsByBytes) {
   };
   for (const char* id : {"1", "2", "3", "4"}) add("big", id, large);
   EXPECT_EQ(Take(waiting), large);
-  // Whoever comes now is behind one of those that wait at most, however many they are.
+  // A robot that comes now is behind at most one of those that wait, however many they are.
   for (const char* id : {"1", "2", "3"}) add("small", id, "s");
   for (const char* id : {"1", "2", "3"}) add("other", id, "o");
   std::string order;

@@ -142,8 +142,8 @@ INSTANTIATE_TEST_SUITE_P(Versions, CertificateMessagesTest,
 class LaterMessages13 : public CertificateMessagesTest {};
 class LaterMessages12 : public CertificateMessagesTest {};
 
-// Nobody here asks later; who does has a client's answer judged too. It has a context, and none is
-// taken.
+// The server asks for no certificate later. If one is asked for, the answer is judged too: it has
+// a context, and none is taken.
 TEST_P(LaterMessages13, ACertificateThatComesAfterTheHandshakeIsJudged) {
   const SslContext context = ContextOf(TLS_server_method());
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_POST_HANDSHAKE, nullptr);
@@ -176,7 +176,7 @@ TEST_P(LaterMessages12, NobodyBeginsASecondHandshake) {
   static_cast<void>(client.Step(server.Hear(client.Renegotiate())));
   EXPECT_EQ(client.alert(), SSL_AD_NO_RENEGOTIATION);
   EXPECT_FALSE(server.failed);
-  EXPECT_EQ(server.messages.TakeCount(), 1U) << "whoever asks again and again can be found out";
+  EXPECT_EQ(server.messages.TakeCount(), 1U) << "a peer that asks again and again is found out";
 }
 
 INSTANTIATE_TEST_SUITE_P(Version, LaterMessages12, ::testing::Values(TLS1_2_VERSION));

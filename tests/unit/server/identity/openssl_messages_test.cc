@@ -1,5 +1,5 @@
-// What the gate for certificates needs of OpenSSL: that it tells of a message once the message is
-// whole and before it reads it, and reads it where it told of it.
+// What the gate for certificates needs of OpenSSL: its callback gets a message once the message is
+// whole and before OpenSSL reads it, and OpenSSL reads it at the address that the callback got.
 #include <cstddef>
 #include <cstdint>
 #include <memory>

@@ -245,7 +245,7 @@ TEST(PeerIdentity, TheSubjectOfAGatewayIsKept) {
   EXPECT_LE(cut->gateway.subject.size(), kSubjectBytesMax);
   const auto robot = IdentityOf(RobotSpec(kRuri));
   ASSERT_TRUE(robot.ok()) << robot.status();
-  EXPECT_EQ(robot->gateway.subject, "") << "nobody asks for it";
+  EXPECT_EQ(robot->gateway.subject, "") << "a robot needs none";
 }
 
 TEST(PeerIdentity, GatewayWithAnUncleanRuri) {

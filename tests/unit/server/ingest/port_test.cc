@@ -194,14 +194,14 @@ constexpr Case kCases[] = {
     {"a broker's on a full disk", kBroker, kDurable, kDiskFull, false, false, Answer::kWaits, {}},
     {"a broker's whose robot is lost", kBroker, kDurable, kFree, false, true, Answer::kTaken,
      Became::kRefused},
-    {"of nobody", kNobody, kDurable, kFree, false, false, Answer::kTaken, {}},
-    {"of nobody in a full journal", kNobody, kDurable, kJournalFull, false, false, Answer::kRefused,
-     Became::kRefused},
-    {"of nobody past the flow", kNobody, kDurable, kFlowPast, false, false, Answer::kLimited,
+    {"of no robot", kNobody, kDurable, kFree, false, false, Answer::kTaken, {}},
+    {"of no robot in a full journal", kNobody, kDurable, kJournalFull, false, false,
+     Answer::kRefused, Became::kRefused},
+    {"of no robot past the flow", kNobody, kDurable, kFlowPast, false, false, Answer::kLimited,
      Became::kRejected},
-    {"of nobody on a full disk", kNobody, kDurable, kDiskFull, false, false, Answer::kRefused,
+    {"of no robot on a full disk", kNobody, kDurable, kDiskFull, false, false, Answer::kRefused,
      Became::kRefused},
-    {"rejected of nobody in a full journal", kNobody, kRejected, kJournalFull, false, false,
+    {"rejected of no robot in a full journal", kNobody, kRejected, kJournalFull, false, false,
      Answer::kRefused, Became::kRefused},
 };
 
@@ -335,7 +335,7 @@ TEST_F(PortTest, AppendsForTheClientOfTheLine) {
   line.client = &drone;
   line.by = drone.generation();
   SaidMessage message(robot_, Arrived(kStream), seq_);
-  // Of a claim that nobody has.
+  // Under a claim that does not exist.
   message.mark = std::make_shared<const storage::SampleMark>(storage::SampleMark{.claim = 99});
   EXPECT_EQ(port_.Offer(line, message).answer, Answer::kTaken);
   while (server_.Advance() == journal::Step::kWorked) {

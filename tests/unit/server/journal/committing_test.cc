@@ -145,7 +145,7 @@ TEST_F(CommittingTest, TellingMakesRoomBeforeItWakes) {
 TEST_F(CommittingTest, ChangesOfPresenceAreDoneWithTheCommit) {
   inbox.NotePresence(robot_.robot(), model::Presence::kOnline, clock.System());
   Commit();
-  EXPECT_TRUE(inbox.idle()) << "nobody is told of them";
+  EXPECT_TRUE(inbox.idle()) << "no client hears of them";
   EXPECT_EQ(probe.presence_changes[1].value(), 1);
   EXPECT_TRUE(committing_.HasOutcomes());
   committing_.Tell();

@@ -253,7 +253,7 @@ TEST_F(InboxTest, StreamsThatArePutBackWaitAgain) {
 }
 
 TEST_F(InboxTest, ACheckpointThatWasAskedForIsOpenUntilItsRoundHasEnded) {
-  EXPECT_FALSE(writer_inbox.BeginCheckpoint()) << "one that is due answers nobody";
+  EXPECT_FALSE(writer_inbox.BeginCheckpoint()) << "one that is due answers no request";
   inbox.RequestCheckpoint();
   EXPECT_TRUE(writer_inbox.checkpoint_asked());
   EXPECT_TRUE(writer_inbox.BeginCheckpoint());

@@ -48,7 +48,7 @@ TEST_F(OutcomesTest, AreToldOncePerRobotInOrder) {
   EXPECT_THAT(Tell(), ElementsAre(2, 1)) << "in order of their first records";
   EXPECT_THAT(a_.Told(), ElementsAre("settled 1 2 again"));
   EXPECT_THAT(b_.Told(), ElementsAre("settled 7 8 refused"));
-  EXPECT_EQ(wakes_.wakes(1) + wakes_.wakes(2), 0) << "whoever calls wakes";
+  EXPECT_EQ(wakes_.wakes(1) + wakes_.wakes(2), 0) << "the caller wakes";
 }
 
 TEST_F(OutcomesTest, ARejectedPayloadIsToldWithItsReason) {

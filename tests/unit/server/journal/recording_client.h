@@ -108,7 +108,7 @@ class RecordingClient final : public robot::CommitClient {
     const std::lock_guard lock(mutex_);
     return std::exchange(holds_, {});
   }
-  /// All claims of it that were answered.
+  /// All its claims that were answered.
   [[nodiscard]] std::vector<storage::ClaimResult> Claims() const {
     const std::lock_guard lock(mutex_);
     return claims_;

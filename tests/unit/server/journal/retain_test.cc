@@ -93,7 +93,7 @@ TEST_F(JournalRetain, WhatWaitsGoesBetweenTwoCalls) {
   Append(client, storage::kRetainRowsMax + 2);
   EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   clock.Advance(kSweepInterval);  // the next duties are due by now
-  EXPECT_EQ(store.commits(), before) << "nothing but the histories was looked after";
+  EXPECT_EQ(store.commits(), before) << "only the histories were looked after";
   EXPECT_EQ(journal.turns().Advance(), Step::kWorked);
   EXPECT_EQ(store.commits(), before + 1);
 }

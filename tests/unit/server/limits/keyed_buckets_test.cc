@@ -35,7 +35,7 @@ TEST(KeyedBuckets, AnswerByTheKeysOwnBucket) {
       {seconds(0), 1, 1, kOverAndTell, ""},
       {seconds(0), 1, 1, kOver, "told already"},
       {seconds(0), 2, 20, kPasses, "another key"},
-      {seconds(0), 2, 1, kOverAndTell, "each is told of"},
+      {seconds(0), 2, 1, kOverAndTell, "each is reported"},
       {seconds(0), 3, 20, kPasses, "the one of all that are beyond"},
       {seconds(0), 4, 1, kOverAndTell, "it is shared"},
       {seconds(0), std::nullopt, 1, kOver, "by what has no key too"},

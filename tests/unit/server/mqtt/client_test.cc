@@ -147,7 +147,7 @@ TEST(MqttClient, ABrokerThatTakesNothingEndsTheConnection) {
 
 TEST(MqttClient, PublishesOnlyWhatThereIsRoomForAndCountsTheRest) {
   ClientBench bench;
-  EXPECT_FALSE(bench.client->Publish({.topic = "p"})) << "nobody is connected";
+  EXPECT_FALSE(bench.client->Publish({.topic = "p"})) << "not connected";
   bench.client->Start();
   bench.Up();
   EXPECT_FALSE(bench.client->Publish({.topic = "p"})) << "nor accepted";

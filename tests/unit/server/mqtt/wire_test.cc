@@ -136,7 +136,7 @@ TEST(MqttWire, CorrelationDataPastItsBoundIsLeftOut) {
 }
 
 TEST(MqttWire, ALengthThatLiesHoldsNoMemory) {
-  // The largest packet, of which a few bytes come.
+  // The largest packet by its length, and only a few bytes come.
   Wire wire(Version::k311, 64);
   const std::string bytes = Raw("\x30") + MqttLength(kRemainingLengthMax) + MqttField("t") + "abc";
   const First first = FirstIn(wire, bytes, bytes.size());

@@ -84,7 +84,7 @@ TEST_F(ScrapeTest, OnlyTheFleetsThatAreAllowedAreShown) {
   Robot("rcan://b", "east");
   EXPECT_THAT(Text(), HasSubstr("rcan://a"));
   EXPECT_THAT(Text(), Not(HasSubstr("rcan://b")));
-  EXPECT_EQ(probe_.robots_left_out.value(), 0) << "nobody asked for it";
+  EXPECT_EQ(probe_.robots_left_out.value(), 0) << "it was not asked for";
 }
 
 TEST_F(ScrapeTest, RobotsThatDoNotFitAreLeftOutWholeCountedAndSaidOnceAMinute) {

@@ -152,7 +152,7 @@ TEST_F(SharedRoomTest, WhoWantsMostIsNamedOnceAMinute) {
 TEST_F(SharedRoomTest, IsFullUntilItHasRoomAgainOrNobodyScrapes) {
   config_.series_max = 600;
   Invent(2, kLarge, "g");
-  EXPECT_FALSE(Scrape().full()) << "nobody has asked";
+  EXPECT_FALSE(Scrape().full()) << "no scrape yet";
   NewScrape();
   EXPECT_TRUE(Scrape().full());
   clock_.Advance(kScrapedWithin - std::chrono::milliseconds(1));

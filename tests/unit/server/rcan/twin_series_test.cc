@@ -132,7 +132,7 @@ TEST_F(TwinSeriesTest, TheBatteryIsWhatArrivedLast) {
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_pct{ruri=\"r\"} 70\n"));
   Publish("battery/status", R"({"percentage":0.8})");
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_pct{ruri=\"r\"} 70\n"))
-      << "what nobody can tell replaces nothing";
+      << "an unclear value replaces nothing";
 }
 
 TEST_F(TwinSeriesTest, AnEdgeIsADevice) {

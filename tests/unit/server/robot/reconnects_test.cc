@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 
 class ReconnectsTest : public ::testing::Test {
  protected:
-  /// The waits of so many streams, in milliseconds, each of which ends at once.
+  /// The waits of so many streams that each end at once, in milliseconds.
   std::vector<std::int64_t> Waits(std::size_t streams) {
     std::vector<std::int64_t> waits;
     for (; streams > 0; --streams) {

@@ -160,7 +160,7 @@ TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
 TEST(RejectMemoryTest, WhatItLetGoOfIsReadOnceItIsCommitted) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 10; ++seq) memory.Remember(Rejected(seq));
-  // The store's cursor is 4: it let go of 1 to 10, of which 5 to 10 wait for their commit.
+  // The memory let go of 1 to 10. The store's cursor is 4, so 5 to 10 wait for their commit.
   static_cast<void>(memory.TellAgain(2, {Rejected(3), Rejected(4)}));
   memory.BeginPages({.after = 4, .through = 4}, 0);
   EXPECT_EQ(memory.told_through(), 4U);

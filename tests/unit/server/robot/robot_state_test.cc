@@ -368,14 +368,14 @@ TEST_F(RobotStateTest, AStreamMakesItOursToJudge) {
   const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(kNow - 9)};
   state_.BeginHold({.since = 3, .presence = stored}, clock_.Steady(), clock_.System());
   state_.FollowHolder({}, {Presence::kOffline, FromUnixMs(kNow)});
-  EXPECT_EQ(All().presence, Presence::kOnline) << "who holds a robot follows nobody";
+  EXPECT_EQ(All().presence, Presence::kOnline) << "the holder of a robot follows no other";
 }
 
 TEST_F(RobotStateTest, WhatAStreamToldBeforeTheStoreKnewOfItIsNotNewerThanAnotherVisit) {
   state_.Claim(clock_.Steady());
   Apply({Extras({{.key = "old", .value = std::string("1")}})});
   state_.EndClaim();
-  EXPECT_EQ(KeysOf(All().parts.extras.items()).size(), 1U) << "shown while nobody knows better";
+  EXPECT_EQ(KeysOf(All().parts.extras.items()).size(), 1U) << "shown until a newer one is known";
   state_.Claim(clock_.Steady());
   EXPECT_TRUE(All().parts.extras.items().empty()) << "it may have been elsewhere since";
   Apply({Extras({{.key = "new", .value = std::string("2")}})});

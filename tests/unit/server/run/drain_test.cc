@@ -34,7 +34,7 @@ class DrainTest : public ::testing::Test {
                          .drain = [this](milliseconds) { lines_.emplace_back("drain"); },
                          .wait_for_streams =
                              [this](milliseconds wait) {
-                               EXPECT_TRUE(world_.monitor.draining()) << "nobody else comes";
+                               EXPECT_TRUE(world_.monitor.draining()) << "no stream comes";
                                lines_.emplace_back("wait");
                                world_.clock.Advance(wait);
                                return streams_ == 0;

@@ -144,7 +144,7 @@ TEST(FromConfig, NoTimeoutOfATwinIsTooShortToFindOutThatWeDoNotHear) {
   EXPECT_LE(broker::kTickLate + std::chrono::seconds(1), least);
 }
 
-// As far as keys of the configuration go: what it takes ends no start.
+// Only keys of the configuration: no value that it allows makes a start fail.
 TEST(FromConfig, AClientCanWorkByEachBoundOfItsSettings) {
   for (const config::Setting& setting : config::Settings()) {
     if (setting.section != "mqtt" && setting.section != "cyberwave") continue;
@@ -224,7 +224,7 @@ TEST(FromConfig, LiveStateGetsAQuarterOfTheMemoryAndAGibibyteAtMost) {
   EXPECT_EQ(LiveBytesMaxOf(limits, 512 * config::kMiB), 128 * config::kMiB);
   EXPECT_EQ(LiveBytesMaxOf(limits, 4 * gib), gib);
   EXPECT_EQ(LiveBytesMaxOf(limits, 64 * gib), gib);
-  EXPECT_EQ(LiveBytesMaxOf(limits, 0), gib) << "nobody knows";
+  EXPECT_EQ(LiveBytesMaxOf(limits, 0), gib) << "the memory is not known";
   limits.live_bytes_max = 3 * gib;
   EXPECT_EQ(LiveBytesMaxOf(limits, 4 * gib), 3 * gib);
 }

@@ -59,7 +59,7 @@ TEST_F(AttachmentTest, AStreamThatLeavesWakesTheOneThatWaits) {
   EXPECT_THAT(woken_.streams, ElementsAre(2));
   EXPECT_EQ(other_.standing(), robot::Standing::kCurrent);
   other_.Detach();
-  EXPECT_THAT(woken_.streams, ElementsAre(2)) << "nobody waits";
+  EXPECT_THAT(woken_.streams, ElementsAre(2)) << "no stream waits";
 }
 
 TEST_F(AttachmentTest, ARobotThatChangesHandsTooOftenIsContestedOnce) {

@@ -1,4 +1,4 @@
-// Streams of gateways: for whom they may speak, within which bounds, and who is told of it.
+// Streams of gateways: for whom they may speak, within which bounds, and who hears of it.
 #include <string>
 
 #include "server/identity/pem.h"
@@ -159,7 +159,7 @@ TEST_F(GatewayTest, WhatItSentBeforeTheStoreAnsweredIsNotKept) {
   EXPECT_THAT(stream.TakeLines(), Contains("welcome 0"));
   stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}, {3, BadFault()}}));
   server().Commit();
-  EXPECT_EQ(stream.end(), "") << "nobody knows";
+  EXPECT_EQ(stream.end(), "") << "the fleet is not known yet";
   EXPECT_EQ(server().counts().in_flight, 2);
   server().StoreBack();
   server().Commit();
@@ -174,7 +174,7 @@ TEST_F(GatewayTest, WhatItSentBeforeTheStoreAnsweredIsNotKept) {
   EXPECT_TRUE(database_.Log("rcan://a/1", SessionOf(1)).stored.empty());
   EXPECT_THAT(ConnectOfFleet("rcan://a/1", "south").TakeLines(),
               ElementsAre("welcome 0", "ack 0 judged 0"))
-      << "whoever may speak for the robot sends it again";
+      << "the one that may speak for the robot sends it again";
 }
 
 TEST_F(GatewayTest, WhatItSentForAnotherFleetGoesWhenTheRobotComesByItself) {

@@ -80,7 +80,7 @@ TEST_F(ReconnectTest, AWaitingStreamWhosePeerBreaksLeavesAtOnce) {
   EXPECT_EQ(Waiting(), 0);
   server().Pass(milliseconds(100));
   server().Commit();
-  EXPECT_EQ(older.end(), "") << "nobody took over";
+  EXPECT_EQ(older.end(), "") << "no stream took over";
 }
 
 TEST_F(ReconnectTest, AWaitingStreamEndsAtOnceWhenTheServerDrains) {
@@ -141,7 +141,7 @@ TEST_F(ReconnectTest, SilenceOfARobotThatWaitsIsOurs) {
   }
   Come();
   server().Pass(std::chrono::seconds(2));
-  EXPECT_EQ(Swept(), robot::Presence::kUnknown) << "silent for 11 s, of which it waited for 2";
+  EXPECT_EQ(Swept(), robot::Presence::kUnknown) << "silent for 11 s; 2 of them it waited";
   for (int i = 0; i < 6; ++i) {
     server().Pass(milliseconds(2'100));
     EXPECT_EQ(Swept(), robot::Presence::kUnknown) << "presence.timeout after its wait";

@@ -301,7 +301,7 @@ TEST_F(ResumeTest, ALostCommitAnswerStoresNothingTwice) {
   stream.Send(BatchFrame(Messages(1, 2, Fault())));
   server().store().FailNextCommits(1, testing::FailAt::kAfter);
   server().Commit();
-  EXPECT_THAT(stream.TakeLines(), IsEmpty()) << "nobody knows yet that it is durable";
+  EXPECT_THAT(stream.TakeLines(), IsEmpty()) << "not known yet to be durable";
   server().Commit();
   EXPECT_THAT(stream.TakeLines(), ElementsAre("ack 2 judged 2"));
   EXPECT_THAT(Stored(1), ElementsAre(1, 2));

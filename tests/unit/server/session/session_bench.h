@@ -137,7 +137,7 @@ class BenchServer final : public loop::WakeInbox {
   ~BenchServer() override;
 
   void Wake(std::uint64_t stream) override { wakes_.insert(stream); }
-  /// Whether the stream is to be woken; it is not any more.
+  /// Whether a wake of the stream waits; takes it.
   bool TakeWake(std::uint64_t stream) { return wakes_.erase(stream) > 0; }
 
   /// A new stream that waits for Hello.
@@ -148,7 +148,7 @@ class BenchServer final : public loop::WakeInbox {
                        model::Seq judged = 0, std::string_view ruri = kRobot);
   /// Everything that can be done now, is: opened, committed, told.
   void Commit();
-  /// The store does one step; nobody is woken.
+  /// The store does one step; no stream is woken.
   journal::Step Advance();
   void DeliverWakes();
   /// Time passes, and timers that are due fire.
@@ -166,7 +166,7 @@ class BenchServer final : public loop::WakeInbox {
   [[nodiscard]] testing::FakeStore& store() { return store_; }
   /// Its reads are done by Commit, and by ReadRejects.
   [[nodiscard]] testing::FakeRejectSource& rejects() { return rejects_; }
-  /// One read is done and told of. False if none waits.
+  /// One read is done and its stream told. False if none waits.
   bool ReadRejects();
   [[nodiscard]] SessionProbe& probe() { return probe_; }
   /// For a reload.

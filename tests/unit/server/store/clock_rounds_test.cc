@@ -70,7 +70,7 @@ TEST_F(ClockRoundsTest, AStoreThatWasMigratedHasNone) {
               ElementsAre(AllOf(HasSubstr("clock_not_vouched"), HasSubstr("no mark"),
                                 HasSubstr("uplinkctl store clock --config FILE --confirm"))));
   Pass(3 * kMarkEvery);
-  EXPECT_EQ(marks_.reading.mark, std::nullopt) << "a server that nobody vouches for sets none";
+  EXPECT_EQ(marks_.reading.mark, std::nullopt) << "a clock that is not vouched for sets none";
   EXPECT_THAT(lines_, SizeIs(1)) << "told once";
 }
 
@@ -226,7 +226,7 @@ TEST_F(ClockRoundsTest, AMarkMayGoBack) {
   marks_.reading.mark = start_ + kBeforeMarkTrusted;
   Start();
   Pass(kMarkEvery);
-  EXPECT_EQ(marks_.reading.mark, start_ + kBeforeMarkTrusted) << "nobody confirms our clock";
+  EXPECT_EQ(marks_.reading.mark, start_ + kBeforeMarkTrusted) << "our clock is not confirmed";
   EXPECT_GT(marked_.System(), start_ + kBeforeMarkTrusted) << "rows are stamped from it on";
   kernel_synchronised_ = true;
   Pass(kMarkEvery);

@@ -208,7 +208,7 @@ TEST_F(LeaseJudgeTest, WhoDoesNotRenewInTimeIsLateForAsLongAsItMayBeCutOff) {
   EXPECT_EQ(judge_.Late().size(), 1U);
   clock_.Advance(milliseconds(1));
   Look({LeaseOf(kOther, 5)});
-  EXPECT_TRUE(judge_.Late().empty()) << "nobody waits for it for ever";
+  EXPECT_TRUE(judge_.Late().empty()) << "it is not waited for for ever";
 }
 
 TEST_F(LeaseJudgeTest, WhoRenewsWritesOrEndsIsNotLate) {

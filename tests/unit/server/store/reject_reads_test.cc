@@ -35,7 +35,7 @@ class RejectReadsTest : public ::testing::Test {
 
 TEST_F(RejectReadsTest, ReadsInAJob) {
   EXPECT_TRUE(Ask());
-  EXPECT_EQ(reader_.calls(), 0) << "nobody waits for the store here";
+  EXPECT_EQ(reader_.calls(), 0) << "the caller does not wait for the store";
   ASSERT_EQ(jobs_.size(), 1U);
   jobs_.front()();
   EXPECT_EQ(reader_.calls(), 1);

@@ -213,7 +213,7 @@ TEST_F(SpaceRoundsTest, WhileTheDiskCannotBeAskedTheLastJudgementHolds) {
   Pass(minutes(1));
   EXPECT_EQ(rounds_.view().state, SpaceState::kStopped);
   EXPECT_THAT(AllHeld(), ::testing::Each(HeldBack::kDisk));
-  // It came back elsewhere, where nobody can look.
+  // It came back elsewhere, where the disk cannot be looked at.
   space_ = std::optional<storage::DiskSpace>();
   rounds_.Round();
   EXPECT_THAT(AllHeld(), ::testing::Each(HeldBack::kNone));

@@ -151,7 +151,7 @@ TEST_F(TopicRoundsTest, AConnectionMayBeMadeAfterALookThatFoundTheLeaseOurs) {
   EXPECT_TRUE(rounds_->MayConnect(clock_.Steady()));
   clock_.Advance(std::chrono::seconds(1));
   const SteadyTime ended = clock_.Steady();
-  EXPECT_FALSE(rounds_->MayConnect(ended)) << "nobody looked since";
+  EXPECT_FALSE(rounds_->MayConnect(ended)) << "no look since";
   rounds_->Look();
   EXPECT_TRUE(rounds_->MayConnect(ended));
 }

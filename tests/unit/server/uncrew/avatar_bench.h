@@ -146,7 +146,7 @@ class AvatarBench final : public loop::WakeInbox {
     handlers_[last_]->OnTooLarge(bytes);
     return call;
   }
-  /// A call of which the message does not come.
+  /// A call whose message does not come.
   FakeCall& CallWithoutRequest() {
     const std::uint64_t id = ++last_;
     calls_.push_back(std::make_unique<FakeCall>(Drone("1"), loop::StreamRef{this, id}));

@@ -182,7 +182,7 @@ TEST(RowsJson, StoredPartsOfARobotAreShownWhereTheyAreWanted) {
   EXPECT_FALSE(one->contains("uiCapabilities"));
 }
 
-/// A robot of which the store has these settings, as an answer.
+/// A robot whose settings these are in the store, as an answer.
 std::string WithSettings(const std::string& text) {
   RobotView robot;
   robot.id = kRobot;

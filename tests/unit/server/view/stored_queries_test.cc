@@ -25,7 +25,7 @@ class StoredQueriesTest : public ::testing::Test {
     EXPECT_TRUE(page.ok()) << page.status();
     return page.ok() ? *std::move(page) : RobotsPage();
   }
-  /// A robot of which the store has every part.
+  /// A robot with every part in the store.
   void AddWithParts(const std::string& ruri) {
     world_.AddRobot(ruri);
     world_.CommitBody(ruri, model::AgentInfo{.agent_version = "a"});

@@ -122,7 +122,7 @@ TEST_F(UnfinishedTest, AKeyOverItsShareCostsItselfAlone) {
   EXPECT_EQ(wakes_.calls(), Calls{11}) << "its slowest, though another key's began before";
   SetOf(kGreedy, 11, 0, 0, At(5));
   Set(2, 0, 31, At(6));
-  EXPECT_EQ(wakes_.calls(), (Calls{11, 1})) << "nobody is over a share now";
+  EXPECT_EQ(wakes_.calls(), (Calls{11, 1})) << "no key is over a share now";
 }
 
 TEST(UnfinishedLimits, AreAPartOfTheMemoryUpToABound) {

@@ -81,7 +81,7 @@ TEST_F(DoorTest, AHandshakeThatBeginsMakesRoomForOneThatWaitsForOurCpu) {
   };
   for (int i = 0; i < 3; ++i) arrive();
   EXPECT_THAT(admitted_, ElementsAre(1));
-  EXPECT_FALSE(book_.pressed()) << "places are free: nobody has to hurry";
+  EXPECT_FALSE(book_.pressed()) << "places are free: no handshake has to hurry";
   door.HandshakeBegan(1, now_);
   EXPECT_THAT(admitted_, ElementsAre(1, 2));
   door.HandshakeEnded(2, now_);  // it was closed before it began

@@ -38,7 +38,7 @@ void ArriveMany(HandshakeQueue& queue, std::uint64_t first, std::size_t count,
   }
 }
 
-/// Whoever may begin, until no place is free or nobody waits.
+/// The handshakes that may begin, until no place is free or none waits.
 std::vector<std::uint64_t> TakeAll(HandshakeQueue& queue) {
   std::vector<std::uint64_t> taken;
   while (const auto id = queue.Next(kNow)) taken.push_back(*id);
@@ -220,7 +220,7 @@ TEST(HandshakeQueue, TheLongestOfTheSourceThatHasTooManyGivesWay) {
   HandshakeQueue queue({.under_way_max = 4, .waiting_max = 100});
   ArriveMany(queue, 1, 10, kA);
   ASSERT_THAT(TakeAll(queue), ElementsAre(1, 2, 3, 4));
-  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "nobody else wants a place";
+  EXPECT_EQ(queue.ChooseToCut(), std::nullopt) << "no other wants a place";
   ArriveMany(queue, 20, 3, kB);
   EXPECT_EQ(queue.ChooseToCut(), 1U);
   queue.Ended(1);

@@ -48,7 +48,7 @@ class Peer final {
               static_cast<ssize_t>(bytes.size()));
   }
   void Leave() { descriptor_ = Descriptor(); }
-  /// Nobody holds the other end any more.
+  /// The other end is closed.
   [[nodiscard]] bool IsClosed() const {
     char byte = 0;
     const ssize_t count = ::recv(descriptor_.get(), &byte, 1, MSG_DONTWAIT);

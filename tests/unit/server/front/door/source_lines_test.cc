@@ -123,7 +123,7 @@ TEST_F(SourceLinesTest, PastItsBoundTheOldestSourceIsForgotten) {
   for (std::uint32_t source = 1; source <= SourceLines::kEntriesMax; ++source) Write(source);
   now_ += SourceLines::kSpan - milliseconds(1);
   const std::size_t before = kept_.size();
-  Write(0);  // all together are over their bound: kept back, whoever it is
+  Write(0);  // all together are over their bound: kept back, from any source
   EXPECT_EQ(kept_.size(), before);
 }
 

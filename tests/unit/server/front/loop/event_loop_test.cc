@@ -189,7 +189,7 @@ TEST_F(EventLoopTest, ATimerIsReplacedAndTakenBack) {
   EXPECT_EQ(said_, std::vector<std::string>{"timer"});
 }
 
-/// Sockets that are all ready, each of which says its name once it has its turn.
+/// Sockets that are all ready; each says its name once it has its turn.
 class EventLoopTurns : public EventLoopTest {
  protected:
   Watched& Add(Turn turn, const std::string& name) {

@@ -72,7 +72,7 @@ TEST_F(Twins, AllKindsOfRowsAreThere) {
   EXPECT_FALSE(nobody.empty());
 }
 
-// Each list of rows: one is missing, one is there twice, one is of nobody's.
+// Each list of rows: one is missing, one is there twice, one belongs to no twin.
 template <typename Rows>
 void Lose(Rows& rows) {
   rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(rows.size() / 2));

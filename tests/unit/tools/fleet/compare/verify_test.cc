@@ -15,8 +15,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// A run in which everything went well: three durable messages, one of which expired on its way,
-/// one wrong message, two live ones, one of which a later one replaced.
+/// A run in which everything went well: three durable messages (one expired on its way), one wrong
+/// message, two live ones (a later one replaced one of them).
 Evidence Good() {
   Evidence evidence;
   evidence.fleet = {.robots = 1,

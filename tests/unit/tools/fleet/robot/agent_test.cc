@@ -221,7 +221,7 @@ TEST_F(AgentTest, ARobotThatWasOfflineComesWithWhatItKept) {
   while (Take(agent) > 0) Ack(agent);
   const RobotOutcome outcome = agent.TakeOutcome("rcan://a/1");
   EXPECT_GT(outcome.account.good(), 36'000U) << "an hour of ten ticks a second";
-  EXPECT_EQ(latencies_.gave_way.count(), 0U) << "nobody was there to take them";
+  EXPECT_EQ(latencies_.gave_way.count(), 0U) << "without a connection no message waits";
   EXPECT_EQ(outcome.sent, outcome.account.good() + kLiveWaitingMax);
 }
 
@@ -320,7 +320,7 @@ TEST_F(AgentTest, MeasuresTheFirstSnapshotOfAStreamAndShowsItsTableWhenAsked) {
   EXPECT_GE(latencies_.snapshot.max(), milliseconds(100));
   shared_.stage.store(Stage::kLast);
   Tick(agent);
-  EXPECT_EQ(shared_.forwards.shown(), 0U) << "nobody asked";
+  EXPECT_EQ(shared_.forwards.shown(), 0U) << "not asked for";
   for (std::size_t asked = 1; asked <= 2; ++asked) {
     shared_.forwards.Ask();
     Tick(agent);

@@ -99,7 +99,7 @@ TEST_P(ScriptTest, AnswersWhatItIsAskedForWithWhatItLastReported) {
   }
   EXPECT_EQ(variants, (std::set{model::Variant::kAgentInfo, model::Variant::kCurrentSettings,
                                 model::Variant::kUiCapabilities}));
-  EXPECT_EQ(account.good(), sent + 3) << "each is to be found in the store";
+  EXPECT_EQ(account.good(), sent + 3) << "each must be in the store";
   EXPECT_EQ(account.settings(), settings);
   EXPECT_EQ(account.ui_capabilities(), capabilities);
 }
