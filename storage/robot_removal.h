@@ -52,8 +52,8 @@ class RobotRemoval {
   [[nodiscard]] virtual absl::StatusOr<std::optional<RobotHold>> HoldOf(std::string_view ruri) = 0;
   /// The tables that have rows of the robot, of kKeptTables in their order.
   [[nodiscard]] virtual absl::StatusOr<std::vector<TableCount>> Count(std::string_view ruri) = 0;
-  /// Robots that were silent since `until`, and of which only `self` can have a stream: their
-  /// holder is `self`, or is over. By RURI, those after `after`; at most
+  /// Robots that were silent since `until` and whose holder is `self`, or is over, so that no other
+  /// process can have a stream of theirs. By RURI, those after `after`; at most
   /// kSilentRobotsMax.
   [[nodiscard]] virtual absl::StatusOr<std::vector<SilentRobot>> SilentSince(
       SystemTime until, const ProcessId& self, std::string_view after) = 0;

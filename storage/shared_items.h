@@ -147,11 +147,11 @@ struct SharedPage {
 /// The shapes and objects of scope fleet or world, and what any process that shares the store, an
 /// operator included, does to them.
 ///
-/// Whoever takes Positions, then reads all pages, then again and again takes ChangesSince and looks
-/// the keys up by Of, has after each round what was there when that was asked, and forgets nothing
-/// that went: upserts, deletes, what was swept, what went with its robot or for a bound, and what
-/// was narrowed to another scope are all changes. An item that only expires is not changed by that.
-/// One key may be named for nothing, since a page may show what a change names afterwards.
+/// How to follow them: take Positions, then read all pages, then again and again take ChangesSince
+/// and look the keys up by Of. After each round the reader has exactly what was there when asked:
+/// upserts, deletes, what was swept, what went with its robot or for a bound, and what was narrowed
+/// to another scope are all changes. An item that only expires is not a change. A key may be named
+/// without need, since a page may show already what a change names afterwards.
 ///
 /// Errors: as in Store: a status means that nothing is known. Calling again is right.
 /// Thread: confined to one thread.
