@@ -17,10 +17,10 @@ StoreSide::StoreSide(const Context& context, store::Stores stores)
                    [this](robot::Robot& robot) {
                      journals_.Leave({&robot, robot.id()});
                    }}),
-      seed_rounds_({context.fleet, journals_, *stores_.reader, context.logger,
-                    context.config.limits.robots_max,
-                    store::AdoptGraceOf(stores_, context.config.presence),
-                    [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
+      robot_load_rounds_(
+          {context.fleet, journals_, *stores_.reader, context.logger,
+           context.config.limits.robots_max, store::AdoptGraceOf(stores_, context.config.presence),
+           [this](SystemTime heard_at) { return forgetting_.IsForgotten(heard_at); }}),
       leases_(std::move(stores_.leases),
               {context.fleet, journals_, context.clock, context.logger, lease_probe_,
                context.process, context.config.presence, store::IsGone,
@@ -33,12 +33,12 @@ StoreSide::StoreSide(const Context& context, store::Stores stores)
                      context.kernel_clock_synchronised}),
       space_rounds_({context.fleet, context.clock, context.logger, stores_.space,
                      context.config.store.free_min}),
-      watch_({.facts = stores_.facts,
-              .retention = [this] { return journals_.retain_error(); },
-              .checkpoints = [this] { return journals_.checkpoint_error(); },
-              .store = [this] { return journals_.last_error(); },
-              .went_back = [this] { return journals_.TakeWentBack(); }},
-             context.logger) {
+      health_log_({.facts = stores_.facts,
+                   .retention = [this] { return journals_.retain_error(); },
+                   .checkpoints = [this] { return journals_.checkpoint_error(); },
+                   .store = [this] { return journals_.last_error(); },
+                   .went_back = [this] { return journals_.TakeWentBack(); }},
+                  context.logger) {
   leases_.SetPort(context.config.listen.relay.port);
 }
 
@@ -59,9 +59,9 @@ store::Writers::Context StoreSide::WritersContext() {
 void StoreSide::ReadRobots() {
   context_.fleet.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
                                    SystemTime at) { journals_.NotePresence(robot, presence, at); });
-  watch_.LookAtFacts();
+  health_log_.LookAtFacts();
   if (stores_.away.ok()) clock_rounds_.Round();
-  seed_rounds_.Begin(stores_.away);
+  robot_load_rounds_.Begin(stores_.away);
   if (stores_.away.ok()) leases_.Round();
 }
 
@@ -78,8 +78,8 @@ void StoreSide::Stop() {
 }
 
 void StoreSide::AddWork(const loop::Post& reads, PeriodicWork& work) {
-  work.look_at_store = [this] { watch_.Look(); };
-  work.read_robots = [this, reads] { seed_rounds_.ReadOn(reads); };
+  work.look_at_store = [this] { health_log_.Look(); };
+  work.read_robots = [this, reads] { robot_load_rounds_.ReadOn(reads); };
   work.ask_for_snapshot = [this, reads] { stores_.snapshot->AskOn(reads); };
   work.look_at_space = [this, reads] { space_rounds_.LookOn(reads); };
   work.look_at_clock = [this, reads] { clock_rounds_.LookOn(reads); };

@@ -17,13 +17,13 @@
 #include "server/run/periodic.h"
 #include "server/store/clock_rounds.h"
 #include "server/store/forget_rounds.h"
+#include "server/store/health_log.h"
 #include "server/store/lease_probe.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/marked_clock.h"
 #include "server/store/open.h"
-#include "server/store/seed_rounds.h"
+#include "server/store/robot_load_rounds.h"
 #include "server/store/space_rounds.h"
-#include "server/store/watch.h"
 #include "server/store/writers.h"
 #include "storage/identity.h"
 
@@ -77,7 +77,7 @@ class StoreSide final {
   [[nodiscard]] const store::SpaceRounds& space() const { return space_rounds_; }
   [[nodiscard]] fleet::Forgetting& forgetting() { return forgetting_; }
   /// The robots that the store knows could not be read yet. Any thread.
-  [[nodiscard]] bool robots_unread() const { return !seed_rounds_.done(); }
+  [[nodiscard]] bool robots_unread() const { return !robot_load_rounds_.done(); }
 
  private:
   [[nodiscard]] store::Writers::Context WritersContext();
@@ -90,12 +90,12 @@ class StoreSide final {
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
   fleet::Forgetting forgetting_;
-  store::SeedRounds seed_rounds_;
+  store::RobotLoadRounds robot_load_rounds_;
   store::LeaseRounds leases_;
   store::ForgetRounds forget_rounds_;
   store::ClockRounds clock_rounds_;
   store::SpaceRounds space_rounds_;
-  store::Watch watch_;
+  store::HealthLog health_log_;
 };
 
 }  // namespace uplink::run

@@ -52,12 +52,12 @@ Voucher VoucherOf(const ClockFacts& facts) {
   const bool kernel_knows =
       !facts.since_jump || facts.database || *facts.since_jump > kKernelNotices;
   if (facts.kernel_synchronised && kernel_knows && facts.DatabaseAgrees()) return Voucher::kKernel;
-  if (facts.went_together && !BeforeMark(facts)) return Voucher::kMonotonic;
-  return Voucher::kNobody;
+  if (facts.advanced_together && !BeforeMark(facts)) return Voucher::kMonotonic;
+  return Voucher::kNone;
 }
 
 bool MayMoveMark(const ClockFacts& facts) {
-  if (VoucherOf(facts) == Voucher::kNobody) return false;
+  if (VoucherOf(facts) == Voucher::kNone) return false;
   return !facts.mark || facts.now >= *facts.mark || facts.Confirmed();
 }
 

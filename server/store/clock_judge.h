@@ -41,7 +41,7 @@ struct ClockFacts {
   std::optional<milliseconds> since_jump;
   /// The mark or the kernel has vouched for it since the start, and since then civil time has
   /// advanced with the monotonic clock.
-  bool went_together = false;
+  bool advanced_together = false;
 
   /// True also without a database.
   [[nodiscard]] bool DatabaseAgrees() const;
@@ -53,7 +53,7 @@ struct ClockFacts {
 
 /// Who vouches for the civil clock.
 enum class Voucher : std::uint8_t {
-  kNobody,
+  kNone,
   /// It is near the mark. An operator who confirms the clock sets the mark.
   kMark,
   /// The kernel, and the database if there is one.

@@ -8,8 +8,8 @@ namespace {
 
 const char* NameOf(Voucher voucher) {
   switch (voucher) {
-    case Voucher::kNobody:
-      return "nobody";
+    case Voucher::kNone:
+      return "none";
     case Voucher::kMark:
       return "mark";
     case Voucher::kKernel:
@@ -36,8 +36,8 @@ void ClockRounds::Round() {
   const ClockPair now = ClockPair::Of(context_.clock.machine());
   NoteJump(now);
   const ClockFacts facts = FactsAt(now);
-  const Voucher voucher = reading_ ? VoucherOf(facts) : Voucher::kNobody;
-  const bool vouched = voucher != Voucher::kNobody;
+  const Voucher voucher = reading_ ? VoucherOf(facts) : Voucher::kNone;
+  const bool vouched = voucher != Voucher::kNone;
   // Not by itself: small steps would add up.
   if (vouched && voucher != Voucher::kMonotonic) {
     vouched_at_ = now;
@@ -92,7 +92,7 @@ void ClockRounds::Read() {
 
 ClockFacts ClockRounds::FactsAt(const ClockPair& now) const {
   ClockFacts facts{.now = now.system, .kernel_synchronised = context_.kernel_synchronised()};
-  facts.went_together = vouched_at_ && GoTogether(*vouched_at_, now);
+  facts.advanced_together = vouched_at_ && GoTogether(*vouched_at_, now);
   if (jumped_at_) {
     facts.since_jump = std::chrono::duration_cast<milliseconds>(now.steady - *jumped_at_);
   }
@@ -115,10 +115,10 @@ void ClockRounds::MoveMark(const ClockFacts& facts, const ClockPair& now) {
 }
 
 void ClockRounds::Tell(Voucher voucher, const ClockFacts& facts) {
-  const bool was_vouched = told_.value_or(Voucher::kMark) != Voucher::kNobody;
+  const bool was_vouched = told_.value_or(Voucher::kMark) != Voucher::kNone;
   told_ = voucher;
-  if ((voucher != Voucher::kNobody) == was_vouched) return;
-  if (voucher != Voucher::kNobody) {
+  if ((voucher != Voucher::kNone) == was_vouched) return;
+  if (voucher != Voucher::kNone) {
     context_.logger.Info("clock_vouched", {{"by", NameOf(voucher)}});
     return;
   }

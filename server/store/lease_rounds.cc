@@ -252,7 +252,7 @@ void LeaseRounds::NoteOutcome(const absl::Status& status) {
 
 LeaseRounds::Left LeaseRounds::Leave() {
   Stop();
-  if (leases_ == nullptr) return Left::kToNobody;
+  if (leases_ == nullptr) return Left::kToNone;
   const absl::Status released = leases_->Release();
   if (!released.ok()) {
     context_.logger.Warn("lease_not_released", {{"why", std::string(released.message())}});
@@ -262,7 +262,7 @@ LeaseRounds::Left LeaseRounds::Leave() {
     judge_.NoteLook(context_.clock.Steady(), *leases);
     context_.probe.others.Set(static_cast<std::int64_t>(judge_.others()));
   }
-  return judge_.others() > 0 ? Left::kToOthers : Left::kToNobody;
+  return judge_.others() > 0 ? Left::kToOthers : Left::kToNone;
 }
 
 void LeaseRounds::Start() {

@@ -76,7 +76,7 @@ class LeaseRounds final {
   enum class Left : std::uint8_t {
     /// Another process lives, and adopts the robots.
     kToOthers,
-    kToNobody,
+    kToNone,
   };
   /// Ends the rounds and releases this process's lease, and so its robots. If several processes
   /// leave at the same time, the last one finds no other. A failure is logged; the others then wait

@@ -55,7 +55,7 @@ struct Stores {
   std::unique_ptr<OldestSnapshot> snapshot = std::make_unique<OldestSnapshot>(nullptr);
 };
 
-/// Seed::Context::adopt_grace: a store without leases is this process's alone.
+/// RobotLoader::Context::adopt_grace: a store without leases is this process's alone.
 [[nodiscard]] std::optional<milliseconds> AdoptGraceOf(const Stores& stores,
                                                        const config::PresenceConfig& presence);
 

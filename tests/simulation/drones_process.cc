@@ -74,11 +74,12 @@ DronesProcess::DronesProcess(const Ground& ground)
                .seed = ground_.seed}),
       methods_{uncrew::AvatarMethods(ContextOfCalls())(ground_.clock),
                uncrew::AvatarMethods(ContextOfCalls())(ground_.clock)},
-      seed_({.fleet = fleet_,
-             .journals = shards_,
-             .reader = ground_.backend.ReaderAt(ground_.place),
-             .adopt_grace = ground_.backend.places() == 1 ? std::optional<milliseconds>(kAdoptGrace)
-                                                          : std::nullopt}),
+      loader_({.fleet = fleet_,
+               .journals = shards_,
+               .reader = ground_.backend.ReaderAt(ground_.place),
+               .adopt_grace = ground_.backend.places() == 1
+                                  ? std::optional<milliseconds>(kAdoptGrace)
+                                  : std::nullopt}),
       restore_(fleet_, ground_.backend.ReaderAt(ground_.place)),
       leases_(MakeLeases(), {.fleet = fleet_,
                              .journals = shards_,
@@ -166,7 +167,7 @@ void DronesProcess::Tick() {
     if (due && *due <= now) served.handler->OnTimer();
   }
   if (!line_.away()) {
-    if (!seed_.done()) UPLINK_CHECK(seed_.Run(kRobotsMax).ok(), "the store can be read");
+    if (!loader_.done()) UPLINK_CHECK(loader_.Run(kRobotsMax).ok(), "the store can be read");
     UPLINK_CHECK(restore_.Run().ok(), "the store can be read");
   }
   if (IsDue(round_, store::kLookEvery, now)) leases_.Round();
@@ -185,7 +186,7 @@ void DronesProcess::Drain(milliseconds grace) {
 
 void DronesProcess::Stop() {
   // As run::Drain ends.
-  const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNobody;
+  const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNone;
   for (const fleet::RobotPtr& robot : fleet_.Sorted()) {
     if (!judges || robot->state.held_since() == 0) continue;
     if (robot->state.presence() != model::Presence::kOnline) continue;

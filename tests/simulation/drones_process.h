@@ -19,7 +19,7 @@
 #include "server/journal/shards.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/restore.h"
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 #include "server/uncrew/avatar_methods.h"
 #include "tests/simulation/drones_backend.h"
 #include "tests/simulation/drones_line.h"
@@ -79,7 +79,7 @@ class DronesProcess final : public loop::WakeInbox {
   // --- Steps of its threads ---
 
   [[nodiscard]] bool HasWakes() const { return !woken_.empty(); }
-  /// Wakes one of those that are to be woken.
+  /// Delivers one of the wakes that wait.
   void DeliverWake(std::size_t which);
   /// One step of the journal's writer; false if it did nothing, or failed.
   bool Write();
@@ -105,7 +105,7 @@ class DronesProcess final : public loop::WakeInbox {
   }
   /// Null if it was not heard here.
   [[nodiscard]] uncrew::DronePtr Find(const std::string& ruri) const { return drones_.Find(ruri); }
-  /// Another process holds the robot, as far as this one knows.
+  /// Another process holds the robot, by what this one knows.
   [[nodiscard]] bool HeldElsewhere(const std::string& ruri) const;
 
  private:
@@ -133,7 +133,7 @@ class DronesProcess final : public loop::WakeInbox {
   uncrew::Drones drones_;
   /// Of two threads, which calls of one drone come to.
   std::array<transport::Methods, 2> methods_;
-  store::Seed seed_;
+  store::RobotLoader loader_;
   store::Restore restore_;
   store::LeaseRounds leases_;
   std::map<std::uint64_t, Served> calls_;

@@ -34,7 +34,7 @@ HoldersProcess::HoldersProcess(const Ground& ground)
                  : robot::PresenceLimits(),
              {}, ground_.fault == HoldersFault::kSuspendUnnoticed ? nullptr : &ground_.boot),
       journal_(store_, {}, ground_.clock, ledger_, journal_probe_, ground_.id),
-      seed_({fleet_, shards_, store_.reader(), std::nullopt}),
+      loader_({fleet_, shards_, store_.reader(), std::nullopt}),
       restore_(fleet_, store_.reader()),
       checkpoint_({.fleet = fleet_, .writes = [](std::string_view) { return true; }}),
       leases_(std::make_unique<HoldersLeases>(store_, ContextOfStore()), ContextOfLeases()),
@@ -78,7 +78,7 @@ store::LeaseRounds::Context HoldersProcess::ContextOfLeases() {
 
 void HoldersProcess::Start() {
   if (store_.away()) return;
-  UPLINK_CHECK(seed_.Run(kHoldersRobotsMax).ok(), "the simulated store can be read");
+  UPLINK_CHECK(loader_.Run(kHoldersRobotsMax).ok(), "the simulated store can be read");
   Round();
 }
 
@@ -122,7 +122,7 @@ void HoldersProcess::Sweep() {
 
 void HoldersProcess::Read() {
   if (store_.away()) return;
-  if (!seed_.done()) UPLINK_CHECK(seed_.Run(kHoldersRobotsMax).ok(), "the store can be read");
+  if (!loader_.done()) UPLINK_CHECK(loader_.Run(kHoldersRobotsMax).ok(), "the store can be read");
   UPLINK_CHECK(restore_.Run().ok(), "the simulated store can be read");
 }
 
@@ -184,7 +184,7 @@ void HoldersProcess::HearLate(const std::string& ruri) {
 
 void HoldersProcess::Stop() {
   // As run::Drain ends.
-  const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNobody ||
+  const bool judges = leases_.Leave() == store::LeaseRounds::Left::kToNone ||
                       ground_.fault == HoldersFault::kStopsWithUnknown;
   for (const fleet::RobotPtr& robot : fleet_.Sorted()) {
     if (!judges || robot->state.held_since() == 0) continue;

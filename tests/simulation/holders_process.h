@@ -16,14 +16,14 @@
 #include "server/journal/shards.h"
 #include "server/store/lease_rounds.h"
 #include "server/store/restore.h"
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 #include "tests/simulation/holders_store.h"
 
 namespace uplink::simulation {
 
 /// More robots than a world has.
 inline constexpr std::size_t kHoldersRobotsMax = 100;
-/// Longer than any process is cut off from the store, so that nobody is offline for that.
+/// Longer than any process is cut off from the store, so that no robot is offline for that.
 inline constexpr std::chrono::minutes kHoldersAdoptedGrace{15};
 
 /// One life of a server process, of several on one store: the real fleet, journal, leases, seed,
@@ -116,7 +116,7 @@ class HoldersProcess final : public loop::WakeInbox {
   fleet::Fleet fleet_;
   journal::Journal journal_;
   journal::Shards shards_{{&journal_}};
-  store::Seed seed_;
+  store::RobotLoader loader_;
   store::Restore restore_;
   fleet::Checkpoint checkpoint_;
   store::LeaseRounds leases_;

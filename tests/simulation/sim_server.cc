@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "schema/base/check.h"
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 
 namespace uplink::simulation {
 namespace {
@@ -127,8 +127,8 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
                            SystemTime at) { journal_.NotePresence(robot, presence, at); });
   if (ground.rows == nullptr) return;
   // The life before has ended: its robots are this one's.
-  store::Seed seed({fleet_, shards_, *ground.rows, limits_.presence.startup_grace});
-  UPLINK_CHECK(seed.Run(kRobotsMax).ok(), "the simulated store can be read");
+  store::RobotLoader loader({fleet_, shards_, *ground.rows, limits_.presence.startup_grace});
+  UPLINK_CHECK(loader.Run(kRobotsMax).ok(), "the simulated store can be read");
 }
 
 std::uint64_t SimServer::Open(const model::RobotId& robot) {

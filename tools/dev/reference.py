@@ -68,11 +68,11 @@ EVENTS = {
     ("ToldRobots::Write", "event_"): (
         Source("server/forward/", r'\b\w+_\(context\.logger, "(\w+)"(?:, "(\w+)")?\)'),
     ),
-    ("Watch::LogTurn", "turn.works_again"): (
-        Source("server/store/watch.h", r'\bTurn \w+\{"\w+", "(\w+)"\}'),
+    ("HealthLog::LogChange", "condition.works_again"): (
+        Source("server/store/health_log.h", r'\bCondition \w+\{"\w+", "(\w+)"\}'),
     ),
-    ("Watch::LogTurn", "turn.fails"): (
-        Source("server/store/watch.h", r'\bTurn \w+\{"(\w+)", "\w+"\}'),
+    ("HealthLog::LogChange", "condition.fails"): (
+        Source("server/store/health_log.h", r'\bCondition \w+\{"(\w+)", "\w+"\}'),
     ),
 }
 # A key that is a variable. Nothing: the pattern of the event finds it.

@@ -51,7 +51,7 @@ store::Voucher Show(const store::ClockFacts& facts) {
   fmt::print("synchronised    {}\n", facts.kernel_synchronised ? "yes" : "no");
   const store::Voucher voucher = store::VoucherOf(facts);
   switch (voucher) {
-    case store::Voucher::kNobody:
+    case store::Voucher::kNone:
       fmt::print("vouched for     no: {}\n", store::WhyNotVouched(facts));
       break;
     case store::Voucher::kMark:
@@ -79,7 +79,7 @@ int StoreClock(const StoreClockRequest& request) {
   const absl::StatusOr<store::ClockFacts> facts = Look(**marks, clock);
   if (!facts.ok()) return ExitOf(facts.status());
   const store::Voucher voucher = Show(*facts);
-  if (!request.confirm) return voucher == store::Voucher::kNobody ? kExitFailed : kExitDone;
+  if (!request.confirm) return voucher == store::Voucher::kNone ? kExitFailed : kExitDone;
   if (!request.yes && !SaysYes(kQuestion)) {
     fmt::print("nothing was changed\n");
     return kExitFailed;

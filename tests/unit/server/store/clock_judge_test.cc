@@ -17,14 +17,14 @@ TEST(ClockJudge, IsVouchedForUntilADayPastTheMark) {
   ClockFacts facts{.now = kNow, .mark = kNow - kPastMarkMax};
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
   facts.mark = *facts.mark - kTick;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
 }
 
 TEST(ClockJudge, IsVouchedForUntilADayBeforeTheMark) {
   ClockFacts facts{.now = kNow, .mark = kNow + kBeforeMarkTrusted};
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
   facts.mark = *facts.mark + kTick;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
   EXPECT_THAT(WhyNotVouched(facts), HasSubstr("86400 s before the mark"));
   facts.kernel_synchronised = true;
   EXPECT_EQ(VoucherOf(facts), Voucher::kKernel) << "the mark is what is wrong";
@@ -34,13 +34,13 @@ TEST(ClockJudge, AfterAJumpOnlyAMarkOfNowVouches) {
   ClockFacts facts{.now = kNow, .mark = kNow - kPastMarkDoubtful, .since_jump = milliseconds(0)};
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "an operator set it, or one who has the time";
   facts.mark = *facts.mark - kTick;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
   EXPECT_THAT(WhyNotVouched(facts), HasSubstr("it jumped ahead, and is 120 s past the mark"));
 }
 
 TEST(ClockJudge, AfterAJumpTheKernelTakesAWhileToNotice) {
   ClockFacts facts{.now = kNow, .kernel_synchronised = true, .since_jump = kKernelNotices};
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
   facts.since_jump = milliseconds(kKernelNotices) + kTick;
   EXPECT_EQ(VoucherOf(facts), Voucher::kKernel);
   facts.since_jump = milliseconds(0);
@@ -53,7 +53,7 @@ TEST(ClockJudge, FarAheadOfTheDatabaseOnlyAMarkOfNowVouches) {
       .now = kNow, .mark = kNow - std::chrono::minutes(10), .database = kNow - kAheadOfDatabaseMax};
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark);
   facts.database = *facts.database - kTick;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
   facts.mark = kNow;
   EXPECT_EQ(VoucherOf(facts), Voucher::kMark) << "an operator knows better than the database";
   facts.mark = kNow - std::chrono::minutes(10);
@@ -65,18 +65,18 @@ TEST(ClockJudge, OnceVouchedForItsOwnMonotonicClockVouches) {
   ClockFacts facts{.now = kNow,
                    .mark = kNow - std::chrono::days(2),
                    .database = kNow - std::chrono::days(2),
-                   .went_together = true};
+                   .advanced_together = true};
   EXPECT_EQ(VoucherOf(facts), Voucher::kMonotonic);
   EXPECT_TRUE(MayMoveMark(facts)) << "so that the mark follows";
-  facts.went_together = false;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
-  facts.went_together = true;
+  facts.advanced_together = false;
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
+  facts.advanced_together = true;
   facts.mark = kNow + kBeforeMarkTrusted + kTick;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody) << "somebody else who was trusted set it";
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone) << "somebody else who was trusted set it";
 }
 
 TEST(ClockJudge, NobodyVouchesWithoutAMark) {
-  EXPECT_EQ(VoucherOf({.now = kNow}), Voucher::kNobody);
+  EXPECT_EQ(VoucherOf({.now = kNow}), Voucher::kNone);
   EXPECT_FALSE(MayMoveMark({.now = kNow}));
 }
 
@@ -91,16 +91,16 @@ TEST(ClockJudge, TheKernelVouchesOnlyWithTheDatabase) {
     facts.database = kNow + apart;
     EXPECT_EQ(VoucherOf(facts), Voucher::kKernel);
     facts.database = kNow + apart + (apart.count() > 0 ? kTick : -kTick);
-    EXPECT_EQ(VoucherOf(facts), Voucher::kNobody);
+    EXPECT_EQ(VoucherOf(facts), Voucher::kNone);
   }
   facts.kernel_synchronised = false;
   facts.database = kNow;
-  EXPECT_EQ(VoucherOf(facts), Voucher::kNobody) << "both may have come from the same machine";
+  EXPECT_EQ(VoucherOf(facts), Voucher::kNone) << "both may have come from the same machine";
 }
 
 TEST(ClockJudge, AMarkGoesBackOnlyWhereOurClockIsConfirmed) {
   ClockFacts facts{.now = kNow, .mark = kNow + std::chrono::hours(1)};
-  EXPECT_FALSE(MayMoveMark(facts)) << "nobody confirms that the mark is the one that is wrong";
+  EXPECT_FALSE(MayMoveMark(facts)) << "not confirmed that the mark is the one that is wrong";
   facts.kernel_synchronised = true;
   EXPECT_TRUE(MayMoveMark(facts));
   facts.kernel_synchronised = false;

@@ -161,7 +161,7 @@ TEST_F(LeaseRoundsTest, ARobotThatLeavesIsNotTakenBack) {
   const storage::AdoptRequest request{.robot = robot_, .holder = kOther};
   ASSERT_TRUE(ours_.Adopt({&request, 1})->front().held_since);
   Pass(std::chrono::seconds(10));
-  EXPECT_EQ(robot->state.held_since(), 0U) << "the store says that it is ours, and nobody asks";
+  EXPECT_EQ(robot->state.held_since(), 0U) << "the store says that it is ours, but is not asked";
 }
 
 TEST_F(LeaseRoundsTest, ARobotThatWentElsewhereIsLetGo) {
@@ -185,7 +185,7 @@ TEST_F(LeaseRoundsTest, WhoCannotRenewGoesOnUntilItsRobotsAreAdopted) {
   leases_->SetAway(true);
   Pass(kSilentMax);
   EXPECT_EQ(probe_.failing.value(), 1);
-  EXPECT_EQ(robot.state.held_since(), 1U) << "nobody adopted it yet, and commits go on";
+  EXPECT_EQ(robot.state.held_since(), 1U) << "it is not adopted yet, and commits go on";
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
   Pass(kLookEvery);
   EXPECT_THAT(History(), ElementsAre(model::Presence::kOnline));
@@ -234,7 +234,7 @@ TEST_F(LeaseRoundsTest, OfTwoThatLeaveAtOnceTheLastFindsNobody) {
   rounds_->Round();
   EXPECT_EQ(probe_.others.value(), 1);
   database_.Release(kOther);
-  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody) << "though it was there a moment ago";
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNone) << "though it was there a moment ago";
 }
 
 TEST_F(LeaseRoundsTest, WhoLeavesAnotherLeavesTheRobotsToIt) {
@@ -289,7 +289,7 @@ TEST_F(LeaseRoundsTest, AProcessThatIsLateIsCountedAndNamedOnce) {
   leases_->SetAway(true);
   Pass(kLookEvery);
   EXPECT_EQ(probe_.others_late.value(), 0) << "its lease was in time when we looked";
-  EXPECT_EQ(probe_.others_unseen.value(), 1) << "nobody knows what it does now";
+  EXPECT_EQ(probe_.others_unseen.value(), 1) << "what it does now is not known";
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("process_late"), HasSubstr("lease_fails")));
 }
 
@@ -325,7 +325,7 @@ TEST_F(LeaseRoundsTest, RunsOnAThreadOfItsOwnAndReleases) {
   EXPECT_TRUE(testing::Eventually([&] { return !database_.ReadLeases().empty(); }));
   rounds_->Stop();
   rounds_->Stop();
-  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody);
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNone);
   EXPECT_TRUE(database_.ReadLeases().front().released);
   EXPECT_THAT(lines_, IsEmpty());
 }
@@ -342,7 +342,7 @@ TEST_F(LeaseRoundsTest, WhoIsAskedForIsJudgedByARoundThatComesAtOnce) {
 
 TEST_F(LeaseRoundsTest, AReleaseThatFailsIsALine) {
   leases_->SetAway(true);
-  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNobody);
+  EXPECT_EQ(rounds_->Leave(), LeaseRounds::Left::kToNone);
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("lease_not_released")));
 }
 
@@ -355,7 +355,7 @@ TEST_F(LeaseRoundsTest, AStoreThatOneProcessHasNeedsNone) {
   none.Round();
   none.Start();
   none.Stop();
-  EXPECT_EQ(none.Leave(), LeaseRounds::Left::kToNobody);
+  EXPECT_EQ(none.Leave(), LeaseRounds::Left::kToNone);
   EXPECT_EQ(probe_.renewed.value(), 0);
 }
 

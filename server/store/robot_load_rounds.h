@@ -12,16 +12,16 @@
 #include "server/log/logger.h"
 #include "server/loop/one_at_a_time.h"
 #include "server/store/restore.h"
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 #include "storage/reader.h"
 
 namespace uplink::store {
 
-/// Runs the seed at the start, and repeatedly while the store is away; restores robots that this
+/// Loads the robots at the start, and repeatedly while the store is away; restores robots that this
 /// process has begun to hold. Logs the results.
 ///
 /// Thread: Begin on main before the rest; ReadOn on one thread; done from any.
-class SeedRounds final {
+class RobotLoadRounds final {
  public:
   /// The references outlive it.
   struct Context {
@@ -30,18 +30,18 @@ class SeedRounds final {
     storage::Reader& reader;
     log::Logger& logger;
     std::size_t robots_max = 0;
-    /// Seed::Context's.
+    /// RobotLoader::Context's.
     std::optional<milliseconds> adopt_grace;
-    /// Seed::Context's.
+    /// RobotLoader::Context's.
     std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
-  explicit SeedRounds(const Context& context)
+  explicit RobotLoadRounds(const Context& context)
       : context_(context),
-        seed_({context.fleet, context.journals, context.reader, context.adopt_grace,
-               context.is_forgotten}),
+        loader_({context.fleet, context.journals, context.reader, context.adopt_grace,
+                 context.is_forgotten}),
         restore_(context.fleet, context.reader) {}
-  SeedRounds(const SeedRounds&) = delete;
-  SeedRounds& operator=(const SeedRounds&) = delete;
+  RobotLoadRounds(const RobotLoadRounds&) = delete;
+  RobotLoadRounds& operator=(const RobotLoadRounds&) = delete;
 
   /// Takes the robots that the store knows into the fleet, unless the store is away; `away` says
   /// why. ReadOn then reads the rest.
@@ -50,7 +50,7 @@ class SeedRounds final {
   /// something to read and no such job is under way.
   void ReadOn(const loop::Post& post);
   /// The robots were read. Until then the log says why not.
-  [[nodiscard]] bool done() const { return seed_.done(); }
+  [[nodiscard]] bool done() const { return loader_.done(); }
 
  private:
   void Read();
@@ -59,7 +59,7 @@ class SeedRounds final {
   void RestoreDue();
 
   const Context context_;
-  Seed seed_;
+  RobotLoader loader_;
   Restore restore_;
   loop::OneAtATime reads_;
   /// The last result; on main, then on the thread of the jobs.

@@ -1,4 +1,4 @@
-#include "server/store/watch.h"
+#include "server/store/health_log.h"
 
 #include <memory>
 #include <string>
@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class WatchTest : public ::testing::Test {
+class HealthLogTest : public ::testing::Test {
  protected:
   testing::ManualClock clock_;
   std::vector<std::string> lines_;
@@ -29,86 +29,86 @@ class WatchTest : public ::testing::Test {
   absl::Status checkpoints_;
   absl::Status store_;
   std::vector<journal::WentBack> went_back_;
-  Watch watch_{{.facts = [this] { return facts_; },
-                .retention = [this] { return retention_; },
-                .checkpoints = [this] { return checkpoints_; },
-                .store = [this] { return store_; },
-                .went_back = [this] { return std::exchange(went_back_, {}); }},
-               logger_};
+  HealthLog health_log_{{.facts = [this] { return facts_; },
+                         .retention = [this] { return retention_; },
+                         .checkpoints = [this] { return checkpoints_; },
+                         .store = [this] { return store_; },
+                         .went_back = [this] { return std::exchange(went_back_, {}); }},
+                        logger_};
 };
 
-TEST_F(WatchTest, AStoreThatWorksMakesNoLine) {
-  watch_.LookAtFacts();
-  watch_.Look();
+TEST_F(HealthLogTest, AStoreThatWorksMakesNoLine) {
+  health_log_.LookAtFacts();
+  health_log_.Look();
   EXPECT_THAT(lines_, IsEmpty());
 }
 
-TEST_F(WatchTest, TellsOnceThatSomethingFailsAndOnceThatItWorksAgain) {
+TEST_F(HealthLogTest, TellsOnceThatSomethingFailsAndOnceThatItWorksAgain) {
   store_ = absl::UnavailableError("gone");
-  watch_.Look();
-  watch_.Look();
+  health_log_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_fails why=gone")));
   store_ = absl::OkStatus();
-  watch_.Look();
-  watch_.Look();
+  health_log_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_fails"), HasSubstr("store_works_again")));
 }
 
-TEST_F(WatchTest, RetentionAndCheckpointsHaveTurnsOfTheirOwn) {
+TEST_F(HealthLogTest, RetentionAndCheckpointsHaveTurnsOfTheirOwn) {
   retention_ = absl::InternalError("a");
   checkpoints_ = absl::InternalError("b");
-  watch_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_,
               ElementsAre(HasSubstr("retention_fails why=a"), HasSubstr("checkpoint_fails why=b")));
   lines_.clear();
   retention_ = absl::OkStatus();
-  watch_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("retention_works_again")));
   lines_.clear();
   checkpoints_ = absl::OkStatus();
-  watch_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("checkpoint_works_again")));
 }
 
-TEST_F(WatchTest, TellsOnceThatAnOldSnapshotIsThereAndOnceThatItIsGone) {
+TEST_F(HealthLogTest, TellsOnceThatAnOldSnapshotIsThereAndOnceThatItIsGone) {
   facts_.oldest_snapshot = storage::kOldSnapshot;
-  watch_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, IsEmpty());
   facts_.oldest_snapshot += milliseconds(1);
-  watch_.Look();
-  watch_.Look();
+  health_log_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_old_snapshot")));
   facts_.oldest_snapshot = milliseconds(0);
-  watch_.Look();
-  watch_.Look();
+  health_log_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_,
               ElementsAre(HasSubstr("store_old_snapshot"), HasSubstr("store_old_snapshot_gone")));
 }
 
-TEST_F(WatchTest, TellsPerShardOfHowManyRobotsTheStoreWentBackAndNamesTheFirst) {
+TEST_F(HealthLogTest, TellsPerShardOfHowManyRobotsTheStoreWentBackAndNamesTheFirst) {
   went_back_ = {{.shard = 1, .robots = 2, .named = {"rcan://a", "rcan://b"}},
                 {.shard = 3, .robots = 9, .named = {"rcan://c"}}};
-  watch_.Look();
-  watch_.Look();
+  health_log_.Look();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr(R"(shard=1 robots=2 named="rcan://a rcan://b")"),
                                   HasSubstr("shard=3 robots=9 named=rcan://c")));
 }
 
-TEST_F(WatchTest, TellsOnceThatTheStoreIsUnsafe) {
+TEST_F(HealthLogTest, TellsOnceThatTheStoreIsUnsafe) {
   facts_.unsafe = true;
-  watch_.LookAtFacts();
-  watch_.Look();
+  health_log_.LookAtFacts();
+  health_log_.Look();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_unsafe")));
 }
 
-TEST_F(WatchTest, TellsOfAClockThatDiffersByMoreThanFiveSecondsEitherWay) {
+TEST_F(HealthLogTest, TellsOfAClockThatDiffersByMoreThanFiveSecondsEitherWay) {
   for (const milliseconds offset : {milliseconds(5001), milliseconds(-5001)}) {
     facts_.clock_offset = milliseconds(5000);
-    watch_.LookAtFacts();
+    health_log_.LookAtFacts();
     EXPECT_THAT(lines_, IsEmpty());
     facts_.clock_offset = offset;
-    watch_.LookAtFacts();
-    watch_.LookAtFacts();
+    health_log_.LookAtFacts();
+    health_log_.LookAtFacts();
     EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_clock_differs offset_ms=" +
                                               std::to_string(offset.count()))));
     lines_.clear();

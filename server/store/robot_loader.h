@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kFleetsReadMax = 10'000;
 /// meanwhile stays as it is.
 ///
 /// Thread: Run by one thread at a time.
-class Seed final {
+class RobotLoader final {
  public:
   /// The references outlive it.
   struct Context {
@@ -38,7 +38,7 @@ class Seed final {
     /// Whether a robot that was last heard then must not be in memory.
     std::function<bool(SystemTime heard_at)> is_forgotten = [](SystemTime) { return false; };
   };
-  explicit Seed(const Context& context) : context_(context) {}
+  explicit RobotLoader(const Context& context) : context_(context) {}
 
   /// Reads the robots, most recently heard first, up to the room. Returns how many were left out:
   /// they come into memory when they speak. Errors: of the reader; it may then be run again.

@@ -1,4 +1,4 @@
-#include "server/store/watch.h"
+#include "server/store/health_log.h"
 
 #include <chrono>
 #include <string>
@@ -14,10 +14,10 @@ constexpr std::chrono::seconds kClockOffsetLogged{5};
 
 }  // namespace
 
-Watch::Watch(Sources sources, const log::Logger& logger)
+HealthLog::HealthLog(Sources sources, const log::Logger& logger)
     : sources_(std::move(sources)), logger_(logger) {}
 
-void Watch::LookAtFacts() {
+void HealthLog::LookAtFacts() {
   const storage::StoreFacts facts = sources_.facts();
   if (facts.unsafe && !said_unsafe_) {
     logger_.Warn("store_unsafe", {{"why", "fsync is off: what is acked may be lost"}});
@@ -31,7 +31,7 @@ void Watch::LookAtFacts() {
   said_clock_ = differs;
 }
 
-void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
+void HealthLog::LookAtSnapshot(const storage::StoreFacts& facts) {
   if (facts.old_snapshot() == said_snapshot_) return;
   said_snapshot_ = facts.old_snapshot();
   if (said_snapshot_) {
@@ -45,7 +45,7 @@ void Watch::LookAtSnapshot(const storage::StoreFacts& facts) {
   }
 }
 
-void Watch::LookAtWentBack() const {
+void HealthLog::LookAtWentBack() const {
   for (const journal::WentBack& shard : sources_.went_back()) {
     logger_.Warn("store_went_back",
                  {{"why", "after a reconnect the database lacks commits that it had confirmed"},
@@ -55,22 +55,22 @@ void Watch::LookAtWentBack() const {
   }
 }
 
-void Watch::Look() {
+void HealthLog::Look() {
   LookAtFacts();
   LookAtWentBack();
   LookAtSnapshot(sources_.facts());
-  LogTurn(retention_, sources_.retention());
-  LogTurn(checkpoints_, sources_.checkpoints());
-  LogTurn(store_, sources_.store());
+  LogChange(retention_, sources_.retention());
+  LogChange(checkpoints_, sources_.checkpoints());
+  LogChange(store_, sources_.store());
 }
 
-void Watch::LogTurn(Turn& turn, const absl::Status& status) const {
-  if (status.ok() == turn.works) return;
-  turn.works = status.ok();
-  if (turn.works) {
-    logger_.Info(turn.works_again, {});
+void HealthLog::LogChange(Condition& condition, const absl::Status& status) const {
+  if (status.ok() == condition.works) return;
+  condition.works = status.ok();
+  if (condition.works) {
+    logger_.Info(condition.works_again, {});
   } else {
-    logger_.Warn(turn.fails, {{"why", std::string(status.message())}});
+    logger_.Warn(condition.fails, {{"why", std::string(status.message())}});
   }
 }
 

@@ -1,4 +1,4 @@
-#include "server/store/seed_rounds.h"
+#include "server/store/robot_load_rounds.h"
 
 #include <functional>
 #include <memory>
@@ -20,7 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class SeedRoundsTest : public ::testing::Test {
+class RobotLoadRoundsTest : public ::testing::Test {
  protected:
   /// Keeps the job until the test runs it.
   bool Post(std::function<void()> job) {
@@ -35,12 +35,12 @@ class SeedRoundsTest : public ::testing::Test {
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), world_.clock,
                       log::Format::kText, log::Level::kInfo};
-  SeedRounds rounds_{
+  RobotLoadRounds rounds_{
       {world_.fleet, world_.shards, world_.reader, logger_, world_.kRobotsMax, std::nullopt}};
   std::vector<std::function<void()>> jobs_;
 };
 
-TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
+TEST_F(RobotLoadRoundsTest, BeginsWithTheRobotsOfTheStore) {
   Know(world_.store, "rcan://a", world_.clock.System());
   rounds_.Begin(absl::OkStatus());
   EXPECT_TRUE(rounds_.done());
@@ -50,7 +50,7 @@ TEST_F(SeedRoundsTest, BeginsWithTheRobotsOfTheStore) {
   EXPECT_THAT(jobs_, IsEmpty()) << "they are read once";
 }
 
-TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
+TEST_F(RobotLoadRoundsTest, AStoreThatIsAwayIsReadLater) {
   Know(world_.store, "rcan://a", world_.clock.System());
   rounds_.Begin(absl::UnavailableError("gone"));
   EXPECT_FALSE(rounds_.done());
@@ -62,7 +62,7 @@ TEST_F(SeedRoundsTest, AStoreThatIsAwayIsReadLater) {
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_away"), HasSubstr("robots_read robots=1")));
 }
 
-TEST_F(SeedRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
+TEST_F(RobotLoadRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
   world_.reader.SetAway(true);
   rounds_.Begin(absl::OkStatus());
   EXPECT_FALSE(rounds_.done());
@@ -74,21 +74,21 @@ TEST_F(SeedRoundsTest, AStoreThatGoesAwayWhileItIsReadIsReadAgain) {
   EXPECT_EQ(jobs_.size(), 2U);
 }
 
-TEST_F(SeedRoundsTest, OneJobIsUnderWayAtATime) {
+TEST_F(RobotLoadRoundsTest, OneJobIsUnderWayAtATime) {
   rounds_.Begin(absl::UnavailableError("gone"));
   ReadOn();
   ReadOn();
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
-TEST_F(SeedRoundsTest, AJobThatIsNotTakenIsAskedForAgain) {
+TEST_F(RobotLoadRoundsTest, AJobThatIsNotTakenIsAskedForAgain) {
   rounds_.Begin(absl::UnavailableError("gone"));
   rounds_.ReadOn([](const auto& /*job*/) { return false; });
   ReadOn();
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
-TEST_F(SeedRoundsTest, OfMoreRobotsThanThereMayBeThoseHeardLastAreTakenAndTheRestIsALine) {
+TEST_F(RobotLoadRoundsTest, OfMoreRobotsThanThereMayBeThoseHeardLastAreTakenAndTheRestIsALine) {
   int age = 0;
   for (const char* ruri : {"a", "b", "c", "d", "e", "f"}) {
     Know(world_.store, ruri, world_.clock.System() + std::chrono::seconds(++age));
@@ -100,7 +100,7 @@ TEST_F(SeedRoundsTest, OfMoreRobotsThanThereMayBeThoseHeardLastAreTakenAndTheRes
   EXPECT_NE(world_.fleet.Find("b"), nullptr);
 }
 
-TEST_F(SeedRoundsTest, ARobotThatCameMeanwhileHasItsPlaceWhenTheStoreIsReadLater) {
+TEST_F(RobotLoadRoundsTest, ARobotThatCameMeanwhileHasItsPlaceWhenTheStoreIsReadLater) {
   int age = 0;
   for (const char* ruri : {"a", "b", "c", "d", "e"}) {
     Know(world_.store, ruri, world_.clock.System() + std::chrono::seconds(++age));
@@ -115,7 +115,7 @@ TEST_F(SeedRoundsTest, ARobotThatCameMeanwhileHasItsPlaceWhenTheStoreIsReadLater
   EXPECT_NE(world_.fleet.Find("another"), nullptr);
 }
 
-TEST_F(SeedRoundsTest, WhyRobotsCannotBeReadIsALineOnce) {
+TEST_F(RobotLoadRoundsTest, WhyRobotsCannotBeReadIsALineOnce) {
   world_.reader.Fail(absl::InternalError("no such column"));
   rounds_.Begin(absl::OkStatus());
   for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace uplink::store {
 namespace {
 
-class SeedTest : public ::testing::Test {
+class RobotLoaderTest : public ::testing::Test {
  protected:
   robot::StateSnapshot State(const std::string& ruri) {
     return fleet_.Find(ruri)->state.Snapshot(robot::RobotState::Parts::kAll);
@@ -28,29 +28,29 @@ class SeedTest : public ::testing::Test {
   fleet::Fleet fleet_{clock_, 2, {}};
   journal::Journal journal_{ours_, {}, clock_, ledger_, probe_, storage::ProcessId{1}};
   journal::Shards journals_{{&journal_}};
-  Seed seed_{{fleet_, journals_, reader_, std::nullopt}};
+  RobotLoader loader_{{fleet_, journals_, reader_, std::nullopt}};
 };
 
-TEST_F(SeedTest, TakesTheRobotsOfTheStore) {
+TEST_F(RobotLoaderTest, TakesTheRobotsOfTheStore) {
   Know(store_, "rcan://a", clock_.System());
-  EXPECT_FALSE(seed_.done());
-  EXPECT_TRUE(seed_.Run(2).ok());
-  EXPECT_TRUE(seed_.done());
+  EXPECT_FALSE(loader_.done());
+  EXPECT_TRUE(loader_.Run(2).ok());
+  EXPECT_TRUE(loader_.done());
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
-TEST_F(SeedTest, CanBeRunAgainWhileTheStoreIsAway) {
+TEST_F(RobotLoaderTest, CanBeRunAgainWhileTheStoreIsAway) {
   Know(store_, "rcan://a", clock_.System());
   reader_.SetAway(true);
-  EXPECT_FALSE(seed_.Run(2).ok());
-  EXPECT_FALSE(seed_.done());
+  EXPECT_FALSE(loader_.Run(2).ok());
+  EXPECT_FALSE(loader_.done());
   EXPECT_EQ(fleet_.size(), 0U);
   reader_.SetAway(false);
-  EXPECT_TRUE(seed_.Run(2).ok());
+  EXPECT_TRUE(loader_.Run(2).ok());
   EXPECT_EQ(fleet_.size(), 1U);
 }
 
-TEST_F(SeedTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
+TEST_F(RobotLoaderTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
   Know(store_, "rcan://a", clock_.System());
   Know(store_, "rcan://b", clock_.System());
   storage::Batch batch;
@@ -59,34 +59,34 @@ TEST_F(SeedTest, WhoIsForgottenIsLeftInTheStoreUnlessTheStoreCallsItOnline) {
                      model::Presence::kOnline, clock_.System(), 1,
                      database_.HeldSinceOf("rcan://b")}};
   ASSERT_TRUE(store_.Commit(batch).ok());
-  Seed seed({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
-  const auto left_out = seed.Run(2);
+  RobotLoader loader({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
+  const auto left_out = loader.Run(2);
   ASSERT_TRUE(left_out.ok());
   EXPECT_EQ(*left_out, 0U) << "there was room";
   EXPECT_EQ(fleet_.Find("rcan://a"), nullptr);
-  EXPECT_NE(fleet_.Find("rcan://b"), nullptr) << "it is to be judged first";
+  EXPECT_NE(fleet_.Find("rcan://b"), nullptr) << "it must be judged first";
 }
 
-TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatAreForgotten) {
+TEST_F(RobotLoaderTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatAreForgotten) {
   using Verdict = fleet::OddFleets::Verdict;
   const std::string odd = "no\xE2\x80\x8Brth";  // U+200B
   Know(store_, "rcan://a", clock_.System(), odd);
-  Seed seed({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
+  RobotLoader loader({fleet_, journals_, reader_, std::nullopt, [](SystemTime) { return true; }});
   EXPECT_EQ(fleet_.odd_fleets().Judge(odd), Verdict::kUnread);
-  ASSERT_TRUE(seed.Run(2).ok());
+  ASSERT_TRUE(loader.Run(2).ok());
   EXPECT_EQ(fleet_.size(), 0U);
   EXPECT_EQ(fleet_.odd_fleets().Judge(odd), Verdict::kFits);
   EXPECT_EQ(fleet_.odd_fleets().Judge(odd + "2"), Verdict::kRefused);
 }
 
-TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatThereIsNoRoomFor) {
+TEST_F(RobotLoaderTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatThereIsNoRoomFor) {
   using Verdict = fleet::OddFleets::Verdict;
   const std::string odd = "no\xE2\x80\x8Brth";  // U+200B
   Know(store_, "rcan://old", clock_.System(), odd);
   clock_.Advance(std::chrono::hours(1));
   Know(store_, "rcan://a", clock_.System());
   Know(store_, "rcan://b", clock_.System());
-  const auto left_out = seed_.Run(2);
+  const auto left_out = loader_.Run(2);
   ASSERT_TRUE(left_out.ok());
   EXPECT_EQ(*left_out, 1U);
   EXPECT_EQ(fleet_.Find("rcan://old"), nullptr);
@@ -94,14 +94,14 @@ TEST_F(SeedTest, TellsWhichOddFleetsTheStoreHasAlsoOfRobotsThatThereIsNoRoomFor)
   EXPECT_EQ(fleet_.odd_fleets().Judge(odd + "2"), Verdict::kRefused);
 }
 
-TEST_F(SeedTest, ARobotThatHasComeByItselfStaysAsItIs) {
+TEST_F(RobotLoaderTest, ARobotThatHasComeByItselfStaysAsItIs) {
   Know(store_, "rcan://a", clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://a", "another"}).ok());
-  EXPECT_TRUE(seed_.Run(2).ok());
+  EXPECT_TRUE(loader_.Run(2).ok());
   EXPECT_EQ(fleet_.Find("rcan://a")->id()->fleet, "another");
 }
 
-TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
+TEST_F(RobotLoaderTest, RobotsComeWithTheirLastSession) {
   Know(store_, "rcan://a", clock_.System());
   storage::Batch batch;
   batch.records.push_back(
@@ -112,23 +112,23 @@ TEST_F(SeedTest, RobotsComeWithTheirLastSession) {
        .received_at = clock_.System(),
        .content = test::RecordOf(model::AgentInfo{})});
   ASSERT_TRUE(store_.Commit(batch).ok());
-  ASSERT_TRUE(seed_.Run(2).ok());
+  ASSERT_TRUE(loader_.Run(2).ok());
   const robot::SessionView view = fleet_.Find("rcan://a")->sessions.View();
   EXPECT_EQ(view.session, model::SessionId({1}));
   EXPECT_EQ(view.settled_seq, 12U);
   EXPECT_FALSE(view.connected);
 }
 
-TEST_F(SeedTest, ARobotThatHasComeByItselfKeepsItsSession) {
+TEST_F(RobotLoaderTest, ARobotThatHasComeByItselfKeepsItsSession) {
   Know(store_, "rcan://a", clock_.System());
   const auto robot = fleet_.FindOrAdmit({"rcan://a", "f"});
   ASSERT_TRUE(robot.ok());
   ASSERT_TRUE((*robot)->sessions.Begin(model::SessionId({9}), clock_.Steady()));
-  ASSERT_TRUE(seed_.Run(2).ok());
+  ASSERT_TRUE(loader_.Run(2).ok());
   EXPECT_EQ((*robot)->sessions.View().session, model::SessionId({9}));
 }
 
-TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
+TEST_F(RobotLoaderTest, ShowsARobotAsItsLastHolderWroteIt) {
   Know(store_, "rcan://a", clock_.System());
   Know(store_, "rcan://b", clock_.System());
   storage::Batch batch;
@@ -137,7 +137,7 @@ TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
   ASSERT_TRUE(store_.Commit(batch).ok());
   const SystemTime known_since = clock_.System();
   clock_.Advance(std::chrono::hours(1));
-  ASSERT_TRUE(seed_.Run(2).ok());
+  ASSERT_TRUE(loader_.Run(2).ok());
   EXPECT_EQ(State("rcan://a").presence, robot::Presence::kOnline);
   EXPECT_EQ(State("rcan://a").presence_since, FromUnixMs(7));
   EXPECT_TRUE(State("rcan://a").foreign.has_value());
@@ -147,10 +147,10 @@ TEST_F(SeedTest, ShowsARobotAsItsLastHolderWroteIt) {
   EXPECT_TRUE(State("rcan://a").foreign.has_value()) << "its holder may live";
 }
 
-TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
+TEST_F(RobotLoaderTest, AdoptsWhatNobodyElseCanHold) {
   Know(store_, "rcan://a", clock_.System());
-  Seed seed({fleet_, journals_, reader_, std::chrono::minutes(2)});
-  ASSERT_TRUE(seed.Run(2).ok());
+  RobotLoader loader({fleet_, journals_, reader_, std::chrono::minutes(2)});
+  ASSERT_TRUE(loader.Run(2).ok());
   EXPECT_EQ(journal_.turns().Advance(), journal::Step::kWorked);
   EXPECT_FALSE(State("rcan://a").foreign.has_value());
   EXPECT_EQ(fleet_.Find("rcan://a")->state.held_since(), 2U);
@@ -158,7 +158,7 @@ TEST_F(SeedTest, AdoptsWhatNobodyElseCanHold) {
 }
 
 /// As a start finds a store that it has alone: what was known stands.
-TEST_F(SeedTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
+TEST_F(RobotLoaderTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
   Know(store_, "rcan://a", clock_.System());
   Know(store_, "rcan://b", clock_.System());
   const auto change = [this](const std::string& ruri, model::Presence presence, model::Seq number) {
@@ -178,8 +178,8 @@ TEST_F(SeedTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
     clock_.Advance(std::chrono::seconds(1));
     fleet_.Sweep(std::chrono::hours(1));
   };
-  Seed seed({fleet_, journals_, reader_, std::chrono::minutes(2)});
-  ASSERT_TRUE(seed.Run(2).ok());
+  RobotLoader loader({fleet_, journals_, reader_, std::chrono::minutes(2)});
+  ASSERT_TRUE(loader.Run(2).ok());
   for (int i = 0; i < 10; ++i) all();
   EXPECT_FALSE(State("rcan://a").foreign.has_value());
   EXPECT_EQ(State("rcan://a").presence, robot::Presence::kOffline);
@@ -193,13 +193,13 @@ TEST_F(SeedTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
   EXPECT_EQ(ours_.PresenceChanges({})->rows.size(), 4U);
 }
 
-TEST_F(SeedTest, TellsHowManyRobotsItLeftOut) {
+TEST_F(RobotLoaderTest, TellsHowManyRobotsItLeftOut) {
   for (const char* ruri : {"rcan://a", "rcan://b"}) Know(store_, ruri, clock_.System());
   ASSERT_TRUE(fleet_.FindOrAdmit({"rcan://c", "f"}).ok());
-  const auto left_out = seed_.Run(2);
+  const auto left_out = loader_.Run(2);
   ASSERT_TRUE(left_out.ok());
   EXPECT_EQ(*left_out, 1U);
-  EXPECT_TRUE(seed_.done()) << "trying again would change nothing";
+  EXPECT_TRUE(loader_.done()) << "trying again would change nothing";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace uplink::store {
 
 /// Logs each change of the store's health once: when it begins to fail, when it works again, and
 /// other facts that deserve a line. Confined to one thread at a time.
-class Watch final {
+class HealthLog final {
  public:
   /// The last result of each kind of work on the store, from its journals.
   struct Sources {
@@ -27,7 +27,7 @@ class Watch final {
       return std::vector<journal::WentBack>();
     };
   };
-  Watch(Sources sources, const log::Logger& logger);
+  HealthLog(Sources sources, const log::Logger& logger);
 
   /// Logs facts of the store's connection: at the start, before anything else is asked of it.
   void LookAtFacts();
@@ -36,20 +36,20 @@ class Watch final {
 
  private:
   /// Something that fails and works again, with the event of each.
-  struct Turn {
+  struct Condition {
     const char* fails;
     const char* works_again;
     bool works = true;
   };
   void LookAtWentBack() const;
   void LookAtSnapshot(const storage::StoreFacts& facts);
-  void LogTurn(Turn& turn, const absl::Status& status) const;
+  void LogChange(Condition& condition, const absl::Status& status) const;
 
   const Sources sources_;
   const log::Logger& logger_;
-  Turn retention_{"retention_fails", "retention_works_again"};
-  Turn checkpoints_{"checkpoint_fails", "checkpoint_works_again"};
-  Turn store_{"store_fails", "store_works_again"};
+  Condition retention_{"retention_fails", "retention_works_again"};
+  Condition checkpoints_{"checkpoint_fails", "checkpoint_works_again"};
+  Condition store_{"store_fails", "store_works_again"};
   bool said_unsafe_ = false;
   bool said_clock_ = false;
   bool said_snapshot_ = false;

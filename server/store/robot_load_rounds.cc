@@ -1,18 +1,18 @@
-#include "server/store/seed_rounds.h"
+#include "server/store/robot_load_rounds.h"
 
 #include <string>
 #include <utility>
 
 namespace uplink::store {
 
-void SeedRounds::Begin(const absl::Status& away) {
+void RobotLoadRounds::Begin(const absl::Status& away) {
   if (!away.ok()) return LogUnread(away);
-  const auto left_out = seed_.Run(context_.robots_max);
+  const auto left_out = loader_.Run(context_.robots_max);
   if (!left_out.ok()) return LogUnread(left_out.status());
   LogLeftOut(*left_out);
 }
 
-void SeedRounds::LogUnread(const absl::Status& why) {
+void RobotLoadRounds::LogUnread(const absl::Status& why) {
   const bool away = absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why);
   if (why == unread_) return;
   unread_ = why;
@@ -20,28 +20,28 @@ void SeedRounds::LogUnread(const absl::Status& why) {
                        {{"why", std::string(why.message())}});
 }
 
-void SeedRounds::LogLeftOut(std::size_t robots) {
+void RobotLoadRounds::LogLeftOut(std::size_t robots) {
   if (robots == 0) return;
   context_.logger.Warn("robots_left_out",
                        {{"robots", robots}, {"robots_max", context_.robots_max}});
 }
 
-void SeedRounds::ReadOn(const loop::Post& post) {
-  if (seed_.done() && !restore_.due()) return;
+void RobotLoadRounds::ReadOn(const loop::Post& post) {
+  if (loader_.done() && !restore_.due()) return;
   reads_.PostBy(post, [this] {
-    if (!seed_.done()) Read();
+    if (!loader_.done()) Read();
     RestoreDue();
   });
 }
 
-void SeedRounds::Read() {
-  const auto left_out = seed_.Run(context_.robots_max);
+void RobotLoadRounds::Read() {
+  const auto left_out = loader_.Run(context_.robots_max);
   if (!left_out.ok()) return LogUnread(left_out.status());
   context_.logger.Info("robots_read", {{"robots", context_.fleet.size()}});
   LogLeftOut(*left_out);
 }
 
-void SeedRounds::RestoreDue() {
+void RobotLoadRounds::RestoreDue() {
   const absl::Status restored = restore_.Run();
   if (restored.ok() != restores_) {
     restores_ = restored.ok();

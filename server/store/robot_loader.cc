@@ -1,10 +1,10 @@
-#include "server/store/seed.h"
+#include "server/store/robot_loader.h"
 
 #include <algorithm>
 
 namespace uplink::store {
 
-absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
+absl::StatusOr<std::size_t> RobotLoader::Run(std::size_t robots_max) {
   const auto rows = context_.reader.Robots(static_cast<std::uint32_t>(robots_max));
   if (!rows.ok()) return rows.status();
   std::size_t known = rows->size();
@@ -36,20 +36,20 @@ absl::StatusOr<std::size_t> Seed::Run(std::size_t robots_max) {
   return known - taken;
 }
 
-absl::Status Seed::KnowOtherFleets() const {
+absl::Status RobotLoader::KnowOtherFleets() const {
   const auto fleets = context_.reader.FleetsBeyondAscii(kFleetsReadMax);
   if (!fleets.ok()) return fleets.status();
   for (const std::string& fleet : *fleets) context_.fleet.odd_fleets().Know(fleet);
   return absl::OkStatus();
 }
 
-void Seed::RestoreSession(const storage::RobotRow& row) const {
+void RobotLoader::RestoreSession(const storage::RobotRow& row) const {
   const fleet::RobotPtr robot = context_.fleet.Find(row.robot.ruri);
   if (robot == nullptr || !row.last_session) return;
   robot->sessions.Restore(*row.last_session);
 }
 
-void Seed::Take(robot::Robot& robot, const storage::RobotRow& row) const {
+void RobotLoader::Take(robot::Robot& robot, const storage::RobotRow& row) const {
   robot.NoteHeard(row.last_seen);
   if (row.was_claimed) robot.calls.NoteSpoken();
   robot.state.FollowHolder(
