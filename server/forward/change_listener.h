@@ -17,8 +17,8 @@ namespace uplink::forward {
 
 /// Listens for the commits of other servers, and tells them of this server's commits.
 ///
-/// Changes only come sooner by it: while it fails, Rounds finds them each kLookEvery. A failure is
-/// therefore logged and shown, and does not make the server degraded.
+/// It only makes changes come sooner: while it fails, Rounds finds them each kLookEvery. A failure
+/// is therefore logged and shown, and does not make the server degraded.
 ///
 /// Thread: Tell from any; Round by one thread at a time. Start runs it on a thread of its own.
 class ChangeListener final {
@@ -29,7 +29,7 @@ class ChangeListener final {
     ForwardProbe& probe;
     /// Null if this process has the store alone.
     storage::ChangeSignal* signal = nullptr;
-    /// Called when another server has told of a commit; any thread.
+    /// Called when another server has announced a commit; any thread.
     std::function<void()> wake;
     /// For the pauses between tries.
     std::uint64_t seed = 0;
@@ -39,7 +39,7 @@ class ChangeListener final {
   ChangeListener& operator=(const ChangeListener&) = delete;
 
   void Start();
-  /// Waits for a call to the store that is under way, for nothing else.
+  /// Waits only for a call to the store that is under way.
   void Stop() { rounds_.Stop(); }
   /// This server committed something that may be shared.
   void Tell();

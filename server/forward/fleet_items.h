@@ -63,10 +63,10 @@ class FleetItems final {
   FleetItems(const SnapshotMarks& marks, bool whole, const ReceiverLimits& limits = {})
       : marks_(marks), limits_(limits), whole_(whole) {}
 
-  /// Who is told of a change.
+  /// The receivers of a change.
   struct FannedOut {
     std::vector<loop::StreamRef> to_wake;
-    /// Receivers for which the change waits now.
+    /// Receivers for which it waits, and replaced no earlier change.
     std::size_t receivers = 0;
   };
 
@@ -143,7 +143,7 @@ class FleetItems final {
 
   /// Queues a change for every receiver but its origin.
   FannedOut FanOut(const KeyRef& key, const EncodedFrame& frame, Change change);
-  /// False: nothing needs to wait for the receiver.
+  /// Whether the change waits for the receiver, and replaced no earlier one.
   bool Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame, Change change);
   void Overflow(Receiver& receiver);
   void Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into);

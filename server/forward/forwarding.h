@@ -44,8 +44,8 @@ class Forwarding final {
   }
   /// Where streams receive from.
   [[nodiscard]] session::ForwardSource& source() { return forwards_; }
-  /// All was not read yet, changes cannot be read now, not all that is shared has room, or some of
-  /// it cannot be read.
+  /// Receivers lack something: the items were not all read yet, changes cannot be read now, some
+  /// items have no room, or some cannot be read.
   [[nodiscard]] bool incomplete() const {
     return !forwards_.whole() || probe_.failing.value() != 0 || forwards_.left_out() ||
            probe_.unreadable_now.value() != 0;

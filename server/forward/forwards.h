@@ -43,19 +43,19 @@ class Forwards final : public session::ForwardSource {
   };
   /// Adds or replaces the item in this fleet. Forwards nothing if no robot would see a difference.
   /// If there is no room, the item is left out and removed. Returns the bytes that receivers will
-  /// get. The frame is made only if `least_bytes`, its least size, has room.
+  /// get. A new item's frame is made only if `least_bytes`, its least size, may have room.
   std::size_t Put(const ItemKey& key, const Facts& facts, const Encode& encode);
   /// Removes the item, if it is there. Returns the bytes that receivers will get.
   std::size_t Remove(const ItemKey& key);
-  /// The item exists in this fleet, in no other, until it expires; its new content follows by a
-  /// later Put.
+  /// The item's new content follows by a later Put. Until then the old content stays, if it is in
+  /// this fleet, and expires at the new time; in another fleet it is removed.
   void Postpone(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms);
   /// Everything that the store holds was put: snapshots may begin.
   void SetWhole();
   /// Removes what expired at or before then.
   void Expire(SystemTime now);
-  /// Wakes each receiver for which something has come to wait since the last call, once. Returns
-  /// how many.
+  /// Wakes the receivers for which something began to wait since the last call. Returns how many
+  /// wakes that took: a receiver that looked meanwhile may get two.
   std::size_t WakeReceivers();
   /// Keys of all items.
   [[nodiscard]] std::vector<ItemKey> Keys() const;

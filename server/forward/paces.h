@@ -15,12 +15,12 @@
 
 namespace uplink::forward {
 
-/// How much each robot makes all others receive, and the items whose changes wait because it
+/// How much each robot makes all others receive, and the items whose changes wait because the robot
 /// exceeds that. They are looked up again once they may go out, so an item that keeps changing is
 /// forwarded in its latest form, less often.
 ///
-/// Bound: robots that forwarded anything within the time in which a bucket fills; at most
-/// `waiting_max` items wait, and past that no further one does.
+/// Bound: robots that forwarded anything within the time in which a bucket fills; `waiting_max`
+/// waiting items, past which changes pass unpaced.
 /// Thread: confined to its owner's.
 class Paces final {
  public:

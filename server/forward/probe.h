@@ -13,24 +13,24 @@ namespace uplink::forward {
   return std::chrono::duration_cast<milliseconds>(time.time_since_epoch()).count();
 }
 
-/// What the reading of the shared set counts; what becomes of changes counts itself (counts.h).
+/// Counts of reading the shared set from the store. Counts holds what becomes of each change.
 /// Thread-safe.
 struct ForwardProbe {
   /// Times that all shared items were read from the store.
   metrics::Cell reads_of_all;
   /// Changes of items that were read from the store.
   metrics::Cell changes;
-  /// Items that the store holds and that could not be made a command.
+  /// Items of the store that could not be made a command.
   metrics::Cell unreadable;
   /// Of these, those that are there now, up to kUnreadableMax.
   metrics::Cell unreadable_now;
   /// Items whose changes wait because their robot makes the others receive too much.
   metrics::Cell paced_now;
-  /// When the store last told all changes that it had: milliseconds of the steady clock.
+  /// When all changes of the store were last read: milliseconds of the steady clock.
   metrics::Cell followed_at_ms;
   /// 1 while the store cannot be asked for changes.
   metrics::Cell failing;
-  /// Times that other servers told of their commits; several at once may count as one.
+  /// Notices by other servers that they committed; several at once may count as one.
   metrics::Cell heard;
   /// 1 while other servers can be neither heard nor told.
   metrics::Cell listen_failing;

@@ -67,7 +67,7 @@ class Rounds final {
   absl::Status Look();
   /// Reads all shared items, and removes those that are gone.
   absl::Status ReadAll();
-  /// Reads again the items of robots of which some were left out, if there may be room for them.
+  /// Reads again the items of robots with left-out items, if there may be room for them.
   absl::Status LookAtLeftOut();
   absl::Status ReadRobot(const std::string& ruri);
   /// What a walk through the pages does with each item, until it returns false, and between pages.

@@ -38,10 +38,10 @@ class Shares final {
   /// Changes an item of the robot from `before` to `after` bytes. False, and nothing changes, if
   /// there is no room.
   [[nodiscard]] bool Resize(const Holder& holder, std::size_t before, std::size_t after);
-  /// Whose items must go to make room for an item that Resize refused: those of the robot that
-  /// takes most of its fleet or, if everything is full, of the fleet that takes most. Empty if the
-  /// robot exceeds its own share, or that one does not take twice as much: so two robots never push
-  /// each other out in turns.
+  /// Whose items must go to make room for an item that Resize refused: if the fleet is full, those
+  /// of its largest robot; otherwise those of the largest robot of the largest fleet. Empty if the
+  /// asking robot exceeds its own share, or the other does not take twice as much: so two robots
+  /// never push each other out in turns.
   [[nodiscard]] std::optional<OwnedHolder> WhoGivesWay(const Holder& holder, std::size_t before,
                                                        std::size_t after) const;
   /// False if an item of the robot of this size, or more, can have no room at all.

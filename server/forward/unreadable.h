@@ -15,7 +15,8 @@ namespace uplink::forward {
 /// Items of the store that cannot be made a command. Each is logged and counted once, until it is
 /// good or gone.
 ///
-/// Bound: kUnreadableMax are remembered; further ones are logged each time that they are read.
+/// Bound: kUnreadableMax are remembered; further ones are logged and counted each time that they
+/// are read.
 /// Thread: confined to its owner's.
 class Unreadable final {
  public:

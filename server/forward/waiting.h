@@ -29,7 +29,7 @@ class Waiting final {
     kNew,
     /// It replaced an earlier change of the item.
     kCoalesced,
-    /// The item came and went while it waited: the receiver learns neither.
+    /// The item came and went while the change waited: the receiver gets neither.
     kCancelled,
     /// Too many items wait: nothing was added.
     kFull,
@@ -54,7 +54,7 @@ class Waiting final {
   struct Entry {
     KeyRef key;
     EncodedFrame frame;
-    /// The receiver was told of the item before these changes.
+    /// The receiver had the item before these changes.
     bool told = false;
   };
   /// By the order of each item's first change.
