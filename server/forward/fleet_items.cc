@@ -90,16 +90,16 @@ bool FleetItems::Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame
     return false;
   }
   switch (receiver.waiting.Add(key, frame, change)) {
-    case Waiting::Added::kNew:
+    case WaitingChanges::Added::kNew:
       return true;
-    case Waiting::Added::kCoalesced:
+    case WaitingChanges::Added::kCoalesced:
       ++counts_.coalesced;
       return false;
-    case Waiting::Added::kCancelled:
+    case WaitingChanges::Added::kCancelled:
       // This change, and the one that waited.
       counts_.coalesced += 2;
       return false;
-    case Waiting::Added::kFull:
+    case WaitingChanges::Added::kFull:
       Overflow(receiver);
       return false;
   }
@@ -160,16 +160,16 @@ void FleetItems::Take(Receiver& receiver, std::vector<EncodedFrame>& into) {
   if (receiver.state == Receiver::State::kWalks) {
     // The walk has the other half, so that it ends.
     Room half = room.Split();
-    GiveWaiting(receiver, Waiting::Which::kUpserts, half, into);
+    GiveWaiting(receiver, WaitingChanges::Which::kUpserts, half, into);
     room.Join(half);
     Walk(receiver, room, into);
   }
   if (receiver.state == Receiver::State::kFollows) {
-    GiveWaiting(receiver, Waiting::Which::kAll, room, into);
+    GiveWaiting(receiver, WaitingChanges::Which::kAll, room, into);
   }
 }
 
-void FleetItems::GiveWaiting(Receiver& receiver, Waiting::Which which, Room& room,
+void FleetItems::GiveWaiting(Receiver& receiver, WaitingChanges::Which which, Room& room,
                              std::vector<EncodedFrame>& into) {
   for (EncodedFrame frame = receiver.waiting.First(which); frame != nullptr && room.Give(frame);
        frame = receiver.waiting.First(which)) {

@@ -14,7 +14,7 @@
 #include "server/forward/counts.h"
 #include "server/forward/item.h"
 #include "server/forward/limits.h"
-#include "server/forward/waiting.h"
+#include "server/forward/waiting_changes.h"
 #include "server/loop/wake.h"
 
 namespace uplink::forward {
@@ -54,7 +54,7 @@ class FleetItems final {
     bool again = false;
     /// It was woken, and has not looked since.
     bool woken = false;
-    Waiting waiting;
+    WaitingChanges waiting;
     /// Its index among the receivers.
     std::size_t place = 0;
   };
@@ -147,7 +147,7 @@ class FleetItems final {
   bool Offer(Receiver& receiver, const KeyRef& key, const EncodedFrame& frame, Change change);
   void Overflow(Receiver& receiver);
   void Walk(Receiver& receiver, Room& room, std::vector<EncodedFrame>& into);
-  void GiveWaiting(Receiver& receiver, Waiting::Which which, Room& room,
+  void GiveWaiting(Receiver& receiver, WaitingChanges::Which which, Room& room,
                    std::vector<EncodedFrame>& into);
   void SetExpiryOf(const KeyRef& key, Item& item, std::int64_t expires_ms);
 

@@ -90,8 +90,9 @@ std::size_t Forwards::Put(const ItemKey& key, const Facts& facts, const Encode& 
     return ends;
   }
   where.bytes = bytes;
-  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
-              frame_bytes);
+  return NoteFannedOut(
+      where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
+      frame_bytes);
 }
 
 std::size_t Forwards::PutNew(const ItemKey& key, const Facts& facts, const Encode& encode) {
@@ -110,19 +111,20 @@ std::size_t Forwards::PutNew(const ItemKey& key, const Facts& facts, const Encod
   shares_.NoteChanged(key.ruri);
   const Where where{facts.fleet, FleetOf(facts.fleet), command, bytes};
   where_.emplace(key, where);
-  return Told(where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
-              frame_bytes);
+  return NoteFannedOut(
+      where.fleet->Put(key, {.frame = std::move(frame), .expires_ms = facts.expires_ms}),
+      frame_bytes);
 }
 
 bool Forwards::TakeRoom(const Shares::Holder& holder, std::size_t before, std::size_t after) {
   for (std::size_t gone = 0; !shares_.Resize(holder, before, after); ++gone) {
-    const auto who = shares_.WhoGivesWay(holder, before, after);
-    if (!who || gone == kGiveWayMax || !GiveWay(*who)) return false;
+    const auto who = shares_.ChooseToGiveWay(holder, before, after);
+    if (!who || gone == kGiveWayMax || !LeaveOutOne(*who)) return false;
   }
   return true;
 }
 
-bool Forwards::GiveWay(const Shares::OwnedHolder& holder) {
+bool Forwards::LeaveOutOne(const Shares::OwnedHolder& holder) {
   for (const storage::PresentKind kind : storage::kItemKinds) {
     const auto first = where_.lower_bound(ItemKey{kind, holder.ruri, ""});
     if (first == where_.end() || first->first.kind != kind || first->first.ruri != holder.ruri) {
@@ -148,7 +150,7 @@ std::size_t Forwards::Remove(const ItemKey& key) {
   where_.erase(known);
   static_cast<void>(shares_.Resize({gone.ruri, where.fleet_name}, where.bytes, 0));
   const EncodedFrame deletion = DeleteFrame(gone, NewCommand());
-  return Told(where.fleet->Remove(gone, deletion), deletion->size());
+  return NoteFannedOut(where.fleet->Remove(gone, deletion), deletion->size());
 }
 
 void Forwards::Postpone(const ItemKey& key, const std::string& fleet, std::int64_t expires_ms) {
@@ -161,8 +163,8 @@ void Forwards::Postpone(const ItemKey& key, const std::string& fleet, std::int64
   }
 }
 
-std::size_t Forwards::Told(const FleetItems::FannedOut& out, std::size_t frame_bytes) {
-  ToWake(out.to_wake);
+std::size_t Forwards::NoteFannedOut(const FleetItems::FannedOut& out, std::size_t frame_bytes) {
+  NoteToWake(out.to_wake);
   return out.receivers * (frame_bytes + kWireOverheadBytes);
 }
 
@@ -172,7 +174,7 @@ std::map<std::string, std::string> Forwards::TakeOverflowed() {
   return robots;
 }
 
-void Forwards::ToWake(const std::vector<loop::StreamRef>& streams) {
+void Forwards::NoteToWake(const std::vector<loop::StreamRef>& streams) {
   to_wake_.insert(to_wake_.end(), streams.begin(), streams.end());
 }
 
@@ -188,7 +190,7 @@ void Forwards::SetWhole() {
     const std::lock_guard lock(mutex_);
     whole_ = true;
   }
-  for (const FleetRef& fleet : Fleets()) ToWake(fleet->SetWhole());
+  for (const FleetRef& fleet : Fleets()) NoteToWake(fleet->SetWhole());
 }
 
 void Forwards::Expire(SystemTime now) {

@@ -93,15 +93,15 @@ class Forwards final : public session::ForwardSource {
   using FleetRef = std::shared_ptr<FleetItems>;
   class Receiver;
 
-  void ToWake(const std::vector<loop::StreamRef>& streams);
+  void NoteToWake(const std::vector<loop::StreamRef>& streams);
   /// Notes the streams to wake, and returns the bytes that they get of the frame.
-  std::size_t Told(const FleetItems::FannedOut& out, std::size_t frame_bytes);
+  std::size_t NoteFannedOut(const FleetItems::FannedOut& out, std::size_t frame_bytes);
   std::size_t PutNew(const ItemKey& key, const Facts& facts, const Encode& encode);
   /// Makes room for an item of the robot that takes `after` in place of `before`, if need be by
   /// removing items of those that take most.
   [[nodiscard]] bool TakeRoom(const Shares::Holder& holder, std::size_t before, std::size_t after);
   /// Removes one item of the robot, and notes it as left out. False if there is none.
-  bool GiveWay(const Shares::OwnedHolder& holder);
+  bool LeaveOutOne(const Shares::OwnedHolder& holder);
   [[nodiscard]] FleetRef FleetOf(const std::string& name);
   [[nodiscard]] std::vector<FleetRef> Fleets() const;
   [[nodiscard]] nexus_command::CommandId NewCommand() const;

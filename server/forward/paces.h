@@ -53,7 +53,7 @@ class Paces final {
   /// When the next may go out; empty if none waits.
   [[nodiscard]] std::optional<SteadyTime> DueAt(SteadyTime now) const;
   [[nodiscard]] std::size_t waiting() const { return waiting_; }
-  /// Robots whose changes wait, for ToldRobots.
+  /// Robots whose changes wait, for OncePerRobotLog.
   [[nodiscard]] std::map<std::string, std::string> robots() const;
 
  private:

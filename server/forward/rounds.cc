@@ -127,7 +127,7 @@ absl::Status Rounds::LookAtLeftOut() {
     return absl::OkStatus();
   }
   // Each robot once: one that keeps giving room back would keep this thread busy for ever.
-  for (const std::string& robot : context_.forwards.shares().ToLookAtAgain()) {
+  for (const std::string& robot : context_.forwards.shares().DueForLook()) {
     if (absl::Status read = ReadRobot(robot); !read.ok()) return read;
     // Do not delay the others' items for one robot.
     if (absl::Status step = Step(); !step.ok()) return step;

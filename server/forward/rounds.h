@@ -14,10 +14,10 @@
 #include "schema/base/clock.h"
 #include "server/forward/forwards.h"
 #include "server/forward/limits.h"
+#include "server/forward/once_per_robot_log.h"
 #include "server/forward/paces.h"
 #include "server/forward/probe.h"
-#include "server/forward/told_robots.h"
-#include "server/forward/unreadable.h"
+#include "server/forward/unreadable_items.h"
 #include "server/limits/recent_times.h"
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
@@ -97,12 +97,12 @@ class Rounds final {
   std::optional<storage::ChangePositions> positions_;
   limits::RecentTimes<1> left_out_looks_;
   bool failing_ = false;
-  Unreadable unreadable_;
+  UnreadableItems unreadable_;
   Paces paces_;
-  ToldRobots left_out_;
-  ToldRobots paced_;
+  OncePerRobotLog left_out_;
+  OncePerRobotLog paced_;
   /// Receivers of the last look only: one that falls behind again is named again.
-  ToldRobots behind_;
+  OncePerRobotLog behind_;
   /// The thread's.
   std::stop_token stop_;
   /// Streams that the last look woke.

@@ -39,8 +39,8 @@ bool Shares::Resize(const Holder& holder, std::size_t before, std::size_t after)
   return true;
 }
 
-std::optional<Shares::OwnedHolder> Shares::WhoGivesWay(const Holder& holder, std::size_t before,
-                                                       std::size_t after) const {
+std::optional<Shares::OwnedHolder> Shares::ChooseToGiveWay(const Holder& holder, std::size_t before,
+                                                           std::size_t after) const {
   Taken taken = TakenBy(holder);
   for (std::size_t* bytes : {&taken.robot, &taken.fleet, &taken.all}) *bytes += after - before;
   if (taken.robot > limits_.robot_bytes_max) return std::nullopt;
@@ -58,7 +58,7 @@ std::optional<Shares::OwnedHolder> Shares::WhoGivesWay(const Holder& holder, std
 bool Shares::MayFit(const Holder& holder, std::size_t bytes) const {
   Taken taken = TakenBy(holder);
   for (std::size_t* of : {&taken.robot, &taken.fleet, &taken.all}) *of += bytes;
-  return Fits(taken) || WhoGivesWay(holder, 0, bytes);
+  return Fits(taken) || ChooseToGiveWay(holder, 0, bytes);
 }
 
 std::string Shares::MostOf(const std::string& fleet) const {
@@ -114,7 +114,7 @@ void Shares::BreakOffLook() {
   }
 }
 
-std::vector<std::string> Shares::ToLookAtAgain() const {
+std::vector<std::string> Shares::DueForLook() const {
   std::vector<std::string> robots;
   for (const auto& [robot, left_out] : robots_left_out_) {
     if (left_out.to_look_at) robots.push_back(robot);

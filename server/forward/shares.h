@@ -42,8 +42,8 @@ class Shares final {
   /// of its largest robot; otherwise those of the largest robot of the largest fleet. Empty if the
   /// asking robot exceeds its own share, or the other does not take twice as much: so two robots
   /// never push each other out in turns.
-  [[nodiscard]] std::optional<OwnedHolder> WhoGivesWay(const Holder& holder, std::size_t before,
-                                                       std::size_t after) const;
+  [[nodiscard]] std::optional<OwnedHolder> ChooseToGiveWay(const Holder& holder, std::size_t before,
+                                                           std::size_t after) const;
   /// False if an item of the robot of this size, or more, can have no room at all.
   [[nodiscard]] bool MayFit(const Holder& holder, std::size_t bytes) const;
   /// The robot that takes most of the fleet's room; empty if none takes any.
@@ -61,7 +61,7 @@ class Shares final {
   void BreakOffLook();
   /// Robots whose left-out items may have room now: the robot gave some back or changed an item
   /// since; or any robot did, if the fleet or everything was full.
-  [[nodiscard]] std::vector<std::string> ToLookAtAgain() const;
+  [[nodiscard]] std::vector<std::string> DueForLook() const;
   /// Robots with left-out items, each with the robot that takes most of its fleet.
   [[nodiscard]] std::map<std::string, std::string> robots_left_out() const;
 

@@ -65,7 +65,7 @@ EVENTS = {
         Source("server/front/", r'\bTell\(\s*"(\w+)"'),
         Source("server/front/door/door_book.cc", r'\breturn (?:\w+ \? )?"(\w+)"'),
     ),
-    ("ToldRobots::Write", "event_"): (
+    ("OncePerRobotLog::Write", "event_"): (
         Source("server/forward/", r'\b\w+_\(context\.logger, "(\w+)"(?:, "(\w+)")?\)'),
     ),
     ("HealthLog::LogChange", "condition.works_again"): (
@@ -80,7 +80,7 @@ KEYS = {
     ("LiveBudget::Tell", "name.key"): Source(
         "server/fleet/live_budget.cc", r'(?:return |holder_of\()\{"(\w+)",'
     ),
-    ("ToldRobots::Write", "other_"): None,
+    ("OncePerRobotLog::Write", "other_"): None,
 }
 LOGS = "server/log/"
 CALL = re.compile(r"(\w*)(?:\.|->)(Debug|Info|Warn|Error|Write)\(|\bLineText\(")

@@ -65,13 +65,13 @@ TEST(SharesTest, ARobotIsLookedAtAgainOnceItGaveSomeBack) {
   EXPECT_TRUE(shares.Resize({"b", "f"}, 0, 10));
   EXPECT_FALSE(shares.Resize({"a", "f"}, 0, 5));
   shares.NoteLeftOut({"a", "f"});
-  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty());
+  EXPECT_THAT(shares.DueForLook(), IsEmpty());
   EXPECT_TRUE(shares.Resize({"b", "f"}, 10, 0));
-  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty()) << "that is another's share";
+  EXPECT_THAT(shares.DueForLook(), IsEmpty()) << "that is another's share";
   EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 9));
-  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("a"));
+  EXPECT_THAT(shares.DueForLook(), ElementsAre("a"));
   shares.BeginLook("a");
-  EXPECT_THAT(shares.ToLookAtAgain(), IsEmpty());
+  EXPECT_THAT(shares.DueForLook(), IsEmpty());
 }
 
 TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
@@ -81,7 +81,7 @@ TEST(SharesTest, WhereAllIsFullWhatAnybodyGivesBackIsRoom) {
   EXPECT_FALSE(shares.Resize({"c", "f"}, 0, 1));
   shares.NoteLeftOut({"c", "f"});
   EXPECT_TRUE(shares.Resize({"a", "f"}, 10, 5));
-  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("c"));
+  EXPECT_THAT(shares.DueForLook(), ElementsAre("c"));
 }
 
 TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
@@ -92,7 +92,7 @@ TEST(SharesTest, AFleetEndsAtItsShareAndTheOthersGoOn) {
   shares.NoteLeftOut({"b", "north"});
   EXPECT_TRUE(shares.Resize({"c", "south"}, 0, 20));
   EXPECT_TRUE(shares.Resize({"a", "north"}, 20, 10));
-  EXPECT_THAT(shares.ToLookAtAgain(), ElementsAre("b")) << "another of its fleet gave some back";
+  EXPECT_THAT(shares.DueForLook(), ElementsAre("b")) << "another of its fleet gave some back";
   EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 1));
 }
 
@@ -100,14 +100,15 @@ TEST(SharesTest, WhoTakesMostGivesWayToWhoTakesLittle) {
   Shares shares({.bytes_max = 100, .fleet_bytes_max = 60, .robot_bytes_max = 40});
   EXPECT_TRUE(shares.Resize({"big", "north"}, 0, 40));
   EXPECT_TRUE(shares.Resize({"small", "north"}, 0, 20));
-  const auto who = shares.WhoGivesWay({"new", "north"}, 0, 20);
+  const auto who = shares.ChooseToGiveWay({"new", "north"}, 0, 20);
   ASSERT_TRUE(who);
   EXPECT_EQ(who->ruri, "big");
   EXPECT_EQ(who->fleet, "north");
-  EXPECT_FALSE(shares.WhoGivesWay({"new", "north"}, 0, 21)) << "that is over half of what it has";
-  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 40, 41)) << "it is over its own share";
+  EXPECT_FALSE(shares.ChooseToGiveWay({"new", "north"}, 0, 21))
+      << "that is over half of what it has";
+  EXPECT_FALSE(shares.ChooseToGiveWay({"big", "north"}, 40, 41)) << "it is over its own share";
   EXPECT_TRUE(shares.Resize({"big", "north"}, 40, 30));
-  EXPECT_FALSE(shares.WhoGivesWay({"big", "north"}, 30, 40)) << "to no other";
+  EXPECT_FALSE(shares.ChooseToGiveWay({"big", "north"}, 30, 40)) << "to no other";
   EXPECT_EQ(shares.MostOf("north"), "big");
   EXPECT_EQ(shares.MostOf("south"), "");
 }
@@ -118,7 +119,7 @@ TEST(SharesTest, WhereAllAreFullTheLargestFleetGivesWay) {
   EXPECT_TRUE(shares.Resize({"b", "north"}, 0, 25));
   EXPECT_TRUE(shares.Resize({"c", "south"}, 0, 40));
   EXPECT_FALSE(shares.Resize({"d", "east"}, 0, 10));
-  const auto who = shares.WhoGivesWay({"d", "east"}, 0, 10);
+  const auto who = shares.ChooseToGiveWay({"d", "east"}, 0, 10);
   ASSERT_TRUE(who);
   EXPECT_EQ(who->ruri, "a") << "of the fleet that takes most, though c alone takes more";
 }

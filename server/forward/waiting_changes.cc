@@ -1,16 +1,17 @@
-#include "server/forward/waiting.h"
+#include "server/forward/waiting_changes.h"
 
 #include <algorithm>
 
 namespace uplink::forward {
 
-const Waiting::Entries& Waiting::Origin::FirstOf(Which which) const {
+const WaitingChanges::Entries& WaitingChanges::Origin::FirstOf(Which which) const {
   if (which == Which::kUpserts || ends.empty()) return upserts;
   if (upserts.empty()) return ends;
   return upserts.begin()->first < ends.begin()->first ? upserts : ends;
 }
 
-Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame, Change change) {
+WaitingChanges::Added WaitingChanges::Add(const KeyRef& key, const EncodedFrame& frame,
+                                          Change change) {
   const bool ends = change == Change::kGoes;
   if (const auto known = places_.find(key); known != places_.end()) {
     Place& place = known->second;
@@ -44,13 +45,13 @@ Waiting::Added Waiting::Add(const KeyRef& key, const EncodedFrame& frame, Change
   return Added::kNew;
 }
 
-EncodedFrame Waiting::First(Which which) const {
+EncodedFrame WaitingChanges::First(Which which) const {
   const Turns& turns = TurnsOf(which);
   if (turns.empty()) return nullptr;
   return turns.begin()->second->FirstOf(which).begin()->second.frame;
 }
 
-void Waiting::Pop(Which which) {
+void WaitingChanges::Pop(Which which) {
   Origin& origin = *TurnsOf(which).begin()->second;
   Entries& entries = origin.Of(&origin.FirstOf(which) == &origin.ends);
   const auto first = entries.begin();
@@ -65,7 +66,7 @@ void Waiting::Pop(Which which) {
   Settle(key->ruri, origin);
 }
 
-void Waiting::Enlist(Origin& origin) {
+void WaitingChanges::Enlist(Origin& origin) {
   turns_.try_emplace(origin.turn, &origin);
   if (origin.upserts.empty()) {
     upsert_turns_.erase(origin.turn);
@@ -74,21 +75,21 @@ void Waiting::Enlist(Origin& origin) {
   }
 }
 
-void Waiting::Settle(const std::string& ruri, Origin& origin) {
+void WaitingChanges::Settle(const std::string& ruri, Origin& origin) {
   if (origin.size() > 0) return Enlist(origin);
   turns_.erase(origin.turn);
   upsert_turns_.erase(origin.turn);
   origins_.erase(ruri);
 }
 
-void Waiting::Clear() {
+void WaitingChanges::Clear() {
   places_.clear();
   turns_.clear();
   upsert_turns_.clear();
   origins_.clear();
 }
 
-std::string Waiting::MostFrom() const {
+std::string WaitingChanges::MostFrom() const {
   const auto most =
       std::ranges::max_element(origins_, {}, [](const auto& entry) { return entry.second.size(); });
   return most == origins_.end() ? std::string() : most->first;

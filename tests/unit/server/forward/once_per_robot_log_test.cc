@@ -1,5 +1,5 @@
 // Robots that the log names, each once.
-#include "server/forward/told_robots.h"
+#include "server/forward/once_per_robot_log.h"
 
 #include <map>
 #include <memory>
@@ -21,16 +21,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class ToldRobotsTest : public ::testing::Test {
+class OncePerRobotLogTest : public ::testing::Test {
  protected:
   testing::ManualClock clock_;
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
-  ToldRobots told_{logger_, "too_much", "most_from"};
+  OncePerRobotLog told_{logger_, "too_much", "most_from"};
 };
 
-TEST_F(ToldRobotsTest, EachIsNamedOnceWhileItApplies) {
+TEST_F(OncePerRobotLogTest, EachIsNamedOnceWhileItApplies) {
   EXPECT_TRUE(told_.none());
   told_.Tell({{"a", "b"}, {"c", ""}});
   told_.Tell({{"a", "d"}, {"c", ""}});
@@ -44,8 +44,8 @@ TEST_F(ToldRobotsTest, EachIsNamedOnceWhileItApplies) {
   EXPECT_THAT(lines_, SizeIs(3)) << "it applies anew";
 }
 
-TEST_F(ToldRobotsTest, WhoIsBeyondTheLinesOfAMinuteIsNamedInTheNextOne) {
-  ToldRobots::Robots robots;
+TEST_F(OncePerRobotLogTest, WhoIsBeyondTheLinesOfAMinuteIsNamedInTheNextOne) {
+  OncePerRobotLog::Robots robots;
   for (std::size_t i = 0; i < kForwardLinesMax; ++i) robots.emplace("a" + std::to_string(i), "");
   robots.emplace("z-honest", "");
   told_.Tell(robots);

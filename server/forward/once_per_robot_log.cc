@@ -1,4 +1,4 @@
-#include "server/forward/told_robots.h"
+#include "server/forward/once_per_robot_log.h"
 
 #include <chrono>
 #include <utility>
@@ -7,17 +7,17 @@
 
 namespace uplink::forward {
 
-ToldRobots::ToldRobots(const log::Logger& logger, std::string event, std::string other)
+OncePerRobotLog::OncePerRobotLog(const log::Logger& logger, std::string event, std::string other)
     : event_(std::move(event)),
       other_(std::move(other)),
       lines_(logger, kForwardLinesMax, std::chrono::minutes(1)) {}
 
-bool ToldRobots::Write(const std::string& robot, const std::string& other) {
+bool OncePerRobotLog::Write(const std::string& robot, const std::string& other) {
   if (other.empty()) return lines_.Write(log::Level::kWarn, event_, {{"robot", robot}});
   return lines_.Write(log::Level::kWarn, event_, {{"robot", robot}, {other_, other}});
 }
 
-void ToldRobots::Tell(const Robots& robots) {
+void OncePerRobotLog::Tell(const Robots& robots) {
   none_ = robots.empty();
   std::erase_if(told_, [&](const std::string& robot) { return !robots.contains(robot); });
   for (const auto& [robot, other] : robots) {

@@ -18,12 +18,12 @@ namespace uplink::forward {
 ///
 /// The turns are start-time fair queueing: each robot has a time that advances by the bytes taken
 /// from it, and the lowest is next.
-class Waiting final {
+class WaitingChanges final {
  public:
   /// At most `items_max` items wait.
-  explicit Waiting(std::size_t items_max = kWaitingMax) : items_max_(items_max) {}
-  Waiting(const Waiting&) = delete;
-  Waiting& operator=(const Waiting&) = delete;
+  explicit WaitingChanges(std::size_t items_max = kWaitingMax) : items_max_(items_max) {}
+  WaitingChanges(const WaitingChanges&) = delete;
+  WaitingChanges& operator=(const WaitingChanges&) = delete;
 
   enum class Added : std::uint8_t {
     kNew,

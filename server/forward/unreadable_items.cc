@@ -1,4 +1,4 @@
-#include "server/forward/unreadable.h"
+#include "server/forward/unreadable_items.h"
 
 #include <chrono>
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace uplink::forward {
 
-Unreadable::Unreadable(const log::Logger& logger, ForwardProbe& probe)
+UnreadableItems::UnreadableItems(const log::Logger& logger, ForwardProbe& probe)
     : probe_(probe), lines_(logger, kForwardLinesMax, std::chrono::minutes(1)) {}
 
-void Unreadable::Note(const ItemKey& key, const absl::Status& why) {
+void UnreadableItems::Note(const ItemKey& key, const absl::Status& why) {
   if (items_.contains(key)) return;
   probe_.unreadable.Add();
   lines_.Write(log::Level::kWarn, "forward_unreadable",
@@ -20,15 +20,17 @@ void Unreadable::Note(const ItemKey& key, const absl::Status& why) {
   Show();
 }
 
-void Unreadable::Forget(const ItemKey& key) {
+void UnreadableItems::Forget(const ItemKey& key) {
   if (items_.erase(key) > 0) Show();
 }
 
-void Unreadable::KeepOnly(const std::function<bool(const ItemKey&)>& there) {
+void UnreadableItems::KeepOnly(const std::function<bool(const ItemKey&)>& there) {
   std::erase_if(items_, [&](const ItemKey& key) { return !there(key); });
   Show();
 }
 
-void Unreadable::Show() { probe_.unreadable_now.Set(static_cast<std::int64_t>(items_.size())); }
+void UnreadableItems::Show() {
+  probe_.unreadable_now.Set(static_cast<std::int64_t>(items_.size()));
+}
 
 }  // namespace uplink::forward

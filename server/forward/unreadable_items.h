@@ -18,10 +18,10 @@ namespace uplink::forward {
 /// Bound: kUnreadableMax are remembered; further ones are logged and counted each time that they
 /// are read.
 /// Thread: confined to its owner's.
-class Unreadable final {
+class UnreadableItems final {
  public:
   /// Both outlive it.
-  Unreadable(const log::Logger& logger, ForwardProbe& probe);
+  UnreadableItems(const log::Logger& logger, ForwardProbe& probe);
 
   void Note(const ItemKey& key, const absl::Status& why);
   /// The item is good, or gone.

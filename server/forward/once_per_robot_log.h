@@ -12,14 +12,14 @@ namespace uplink::forward {
 
 /// Logs robots to which something applies, each once while it does. Past kForwardLinesMax names in
 /// a minute, the rest come in the next one. Confined to its owner's thread.
-class ToldRobots final {
+class OncePerRobotLog final {
  public:
   /// Each with another robot that causes it; empty: none.
   using Robots = std::map<std::string, std::string>;
 
   /// `event` is the event of their lines, and `other` the key of the other robot. The logger
   /// outlives it.
-  ToldRobots(const log::Logger& logger, std::string event, std::string other = {});
+  OncePerRobotLog(const log::Logger& logger, std::string event, std::string other = {});
 
   /// These are the robots now.
   void Tell(const Robots& robots);
