@@ -39,7 +39,8 @@ class Attachment final {
   [[nodiscard]] robot::Standing Attach();
   /// The wait has ended, or the stream ends during it. Idempotent.
   void EndWait();
-  /// Begins the session and asks the store for its cursor. Returns what the stream appends with.
+  /// Begins the session and asks the store for its cursor. Returns the mark for what the stream
+  /// appends.
   ///
   /// Errors: kResourceExhausted if all sessions of the robot wait for the store; kPermissionDenied
   ///         if the robot came into another fleet than its gateway's since Admit.

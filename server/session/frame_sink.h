@@ -27,7 +27,7 @@ class FrameSink {
   /// As Write, for serialized frames: in order, as one write, at least one.
   virtual void WriteEncoded(std::span<const EncodedFrame> frames) = 0;
   /// Ends the call with this status, after a write under way. The session makes no further call,
-  /// and the transport calls nothing but OnBroken.
+  /// and the transport calls only OnBroken.
   virtual void Finish(const absl::Status& status) = 0;
   /// Ends the call at once: the peer does not read, or its time is over.
   virtual void Cancel() = 0;

@@ -14,7 +14,7 @@ namespace uplink::session {
 /// The contract's value of a reason; the two enumerations agree (checked at compile time).
 [[nodiscard]] v1::RejectReason ToWire(model::RejectReason reason);
 
-/// The frames that a session sends. Texts are made printable and cut to their limits.
+/// The frames that a session sends. They make texts printable and cut them to their limits.
 [[nodiscard]] v1::RelayResponse WelcomeFrame(const std::string& ruri, model::Seq committed,
                                              const SessionLimits& limits, SystemTime now);
 [[nodiscard]] v1::RelayResponse AckFrame(model::Seq through, model::Seq judged);

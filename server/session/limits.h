@@ -28,7 +28,7 @@ inline constexpr std::chrono::seconds kHelloLook{1};
 inline constexpr std::chrono::seconds kWelcomeWait{1};
 /// A peer that takes nothing for so long while its outgoing queue is full is ended.
 inline constexpr std::chrono::seconds kPeerStallMax{30};
-/// A superseded or refused call whose peer does not read is cancelled after this.
+/// A call that has ended, and whose peer does not read its status, is cancelled after this.
 inline constexpr std::chrono::seconds kFinishWait{1};
 /// After so many rejected, limited or partly invalid messages a stream lets others of its thread go
 /// first: such a message takes up to 40 us, a good one half a microsecond.
@@ -37,9 +37,9 @@ inline constexpr std::size_t kCostlyPerTurn = 16;
 inline constexpr std::size_t kForwardsPerTurn = 16;
 /// After how long a failed read of Rejects is tried again.
 inline constexpr std::chrono::seconds kRejectsReadAgain{1};
-/// How long after Welcome an agent is first asked for what the store lacks of it. By then most
-/// agents have sent it by themselves: it takes a round trip over a mobile link, and the time to
-/// make the message.
+/// How long after Welcome an agent is first asked for messages that the store lacks. By then most
+/// agents have sent them unasked: that takes a round trip over a mobile link, and the time to make
+/// the message.
 inline constexpr std::chrono::seconds kResendGrace{1};
 /// Largest jump of numbers, except at a stream's first message.
 inline constexpr std::uint64_t kSeqJumpMax = std::uint64_t{1} << 32U;

@@ -47,7 +47,7 @@ class LiveIntake final {
   /// The current message is a sign of life.
   void NoteLife() { sign_of_life_ = true; }
   void Add(model::Seq seq, model::Record record, Processed& processed);
-  /// The age of a state beside the one before; changes nothing.
+  /// The age of a state compared with the one before; changes nothing.
   [[nodiscard]] RcanOrder::Age AgeOf(const model::RcanState& state) const;
   /// Notes its place in the order, whatever becomes of it; returns its age.
   [[nodiscard]] RcanOrder::Age See(const model::RcanState& state);

@@ -59,8 +59,8 @@ class NewUplink final : public ingest::Message {
   void Settle(metrics::Became /*became*/) override {}
 
  private:
-  /// It was not decided before: it was not sent again, and the store has said how far the session
-  /// is.
+  /// Its number is past all that were decided before (RobotSessions::free_through): it counts for
+  /// rates and the flow.
   [[nodiscard]] bool IsNew() const;
   /// The durable record that is stored unless it exceeds its rate; null for other messages.
   [[nodiscard]] const model::Record* Durable() const;
@@ -78,7 +78,7 @@ class NewUplink final : public ingest::Message {
   /// Of a Robot State.
   RcanOrder::Age age_ = RcanOrder::Age::kNewer;
   std::optional<model::Rejection> too_old_;
-  /// For a record of which the store keeps the latest.
+  /// For a record of a kind whose latest message the store keeps.
   std::optional<storage::LatestKind> latest_;
 };
 

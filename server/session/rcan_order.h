@@ -16,7 +16,7 @@ inline constexpr std::size_t kLastSamplesMax = 256;
 /// the stream's thread.
 class RcanOrder final {
  public:
-  /// The age of a state beside the one before.
+  /// The age of a state compared with the one before.
   enum class Age : std::uint8_t {
     kNewer,
     /// The same sample again.

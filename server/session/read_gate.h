@@ -38,7 +38,7 @@ class ReadGate final {
   /// Runs the peer's time to read (Timer::kStall) while `outgoing` frames are too many.
   void WatchPeer(std::size_t outgoing);
   /// Notes whether the robot's stream is read; counted once per change. A stream that the server
-  /// stops reading for good is not held back.
+  /// stops reading for good also counts as held back.
   using Reading = robot::RobotState::Reading;
   void SetReading(Reading reading);
 

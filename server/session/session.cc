@@ -264,7 +264,7 @@ void Session::OnDrain(milliseconds grace) {
   if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(Drained());
   outgoing_.Push(DrainFrame(grace));
   if (state_ == State::kStreaming) {
-    intake_->Drop();  // as above
+    intake_->Drop();  // the agent sends it again
     state_ = State::kSettling;
     settling_.BeginDrained();
   }

@@ -28,8 +28,8 @@ namespace uplink::session {
 
 /// One stream's side of the relay protocol: frames in, frames out, timers; no transport in it.
 ///
-/// Life: Start; then the transport calls On...; after FrameSink::Finish it calls nothing but
-/// OnBroken. May be destroyed once `done()`.
+/// Life: Start; then the transport calls On...; after FrameSink::Finish it calls only OnBroken. May
+/// be destroyed once `done()`.
 /// Thread: confined to the stream's thread. Other threads only call loop::StreamRef::Wake, which
 ///         makes the transport call OnWake there.
 class Session final {
@@ -74,8 +74,8 @@ class Session final {
   /// The server drains: tells the agent, stops reading, settles, and ends within `grace`.
   void OnDrain(milliseconds grace);
 
-  /// Bytes of the largest next frame; before the Hello, those of a Hello. A transport that knows a
-  /// larger size before the bytes calls OnFrameTooLarge.
+  /// Bytes that the next frame may have; before the Hello, those of a Hello. A transport that
+  /// learns from a frame's head that it is larger calls OnFrameTooLarge.
   [[nodiscard]] std::size_t frame_bytes_max() const {
     const std::size_t limit = context_.limits.frame_bytes_max;
     return state_ == State::kHello ? std::min(limit, kHelloFrameBytesMax) : limit;
@@ -100,7 +100,8 @@ class Session final {
     /// Waits for the store's cursor, kWelcomeWait at most.
     kOpening,
     kStreaming,
-    /// The agent half-closed, or the server drains: settle what was processed, then end.
+    /// The agent half-closed, the server drains, or too many Rejects are unconfirmed: settle what
+    /// was processed, then end.
     kSettling,
     kDone,
   };

@@ -30,7 +30,7 @@ class Settling final {
   };
   explicit Settling(const Sources& sources) : sources_(sources) {}
 
-  // Why it begins; each once, and what was not judged yet has been dropped.
+  // The reasons to begin, each at most once. The caller has dropped what was not judged yet.
   /// The agent half-closed.
   void BeginHalfClosed();
   /// The server drains; EndWithin follows.
@@ -41,7 +41,7 @@ class Settling final {
   /// BeginUnconfirmed was called, even if a drain has set another status since.
   [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
 
-  /// The server drains: the stream has `grace`, whatever it settles for.
+  /// The server drains: the stream ends within `grace`, whatever it settles for.
   void EndWithin(milliseconds grace);
   /// A write is done. An agent that takes its Rejects gets the time that it needs.
   void OnWritten();
