@@ -13,7 +13,7 @@ namespace uplink::storage {
 enum class HolderEnd : std::uint8_t {
   /// It gave its robots up, or is not there any more: no robot streams to it.
   kEnded,
-  /// It was not heard of. It may live with its robots' streams, cut off from the store alone.
+  /// It is silent. It may live and have its robots' streams, and be cut off from the store alone.
   kSilent,
 };
 

@@ -6,7 +6,7 @@
 
 namespace uplink::storage {
 
-/// A process tells the others at most once in so long: what comes sooner is told at its end, once.
+/// Shortest time between two signals of a process. Commits in between share one, at its end.
 inline constexpr milliseconds kTellEvery{10};
 
 /// How processes that share a store wake each other once there may be changes to read

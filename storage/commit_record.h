@@ -24,8 +24,8 @@ struct QuarantineItem {
   model::Rejection rejection;
 };
 
-/// Consecutive numbers of a session whose messages were over their rates. It stands in the last of
-/// them. No payload is kept: one row says of all of them what their robot is told.
+/// Consecutive numbers of a session whose messages were over their rates. It has the number of the
+/// last of them. No payload is kept: one row holds the rejection that their robot gets for all.
 struct LimitedRange {
   /// At most the number in which it stands.
   model::Seq first = 0;

@@ -9,8 +9,8 @@
 #include "storage/epoch.h"
 #include "storage/presence.h"
 
-// What a process knows from a store, and whether the store has it still: one that was connected to
-// anew may be another, which lacks the last commits (Store::InDoubt).
+// What a process knows from a store, and whether the store still has it: after a reconnect it may
+// be another store, which lacks the last commits (Store::InDoubt).
 namespace uplink::storage {
 
 /// Robots of one call of Store::Compare: some milliseconds of reading.

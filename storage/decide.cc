@@ -57,7 +57,7 @@ absl::StatusOr<std::optional<OutcomeKind>> Decider::LookAt(const CommitRecord& o
   return std::nullopt;
 }
 
-void Decider::GoOn(const CommitRecord& before, const Outcome& outcome) {
+void Decider::ResumeSample(const CommitRecord& before, const Outcome& outcome) {
   const bool is_over =
       outcome.kind == OutcomeKind::kFenced || outcome.kind == OutcomeKind::kDuplicate;
   sample_ = before.sample.get();

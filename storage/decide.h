@@ -139,9 +139,9 @@ class Decider final {
 
   /// The outcome of a record that is not new; nothing for one that is.
   [[nodiscard]] absl::StatusOr<std::optional<Outcome>> Look(const CommitRecord& record);
-  /// The decision begins within a sample whose first records another one decided: `outcome` was
-  /// that of the record that stands before.
-  void GoOn(const CommitRecord& before, const Outcome& outcome);
+  /// For a slice of a batch that may begin within a sample: `before` is the record in front of the
+  /// slice, which another Decider decided, and `outcome` its outcome.
+  void ResumeSample(const CommitRecord& before, const Outcome& outcome);
   /// Of a good record that Look found new. What it lets pass counts from now on.
   [[nodiscard]] absl::StatusOr<Ruling> Judge(const CommitRecord& record);
   /// What becomes of the batch's deliveries, once `outcomes` has those of its records.
@@ -157,7 +157,7 @@ class Decider final {
   absl::StatusOr<std::optional<OutcomeKind>> LookAt(const CommitRecord& of_sample);
   absl::StatusOr<Ruling> JudgeRequest(const CommitRecord& record,
                                       const model::OperatorRequest& request);
-  /// True if the lease is not that of the client id any more; none always is.
+  /// True if the client id's lease is not this one any more. False without one (null).
   absl::StatusOr<bool> IsLeaseOver(const TopicHold* hold);
   /// True unless this process holds the robot since exactly then: a store that went back gives an
   /// epoch twice, so a greater one proves nothing.

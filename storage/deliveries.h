@@ -23,9 +23,9 @@ inline constexpr std::uint32_t kUnackedMaxMax = 32'767;
 /// Records of one message at most.
 inline constexpr std::uint32_t kMessageRecordsMax = 128;
 
-/// How many deliveries are remembered under a window: as many may stand before a message that is
-/// not acked, and, since acks go in order, as many behind it; each of them may be committed, while
-/// its own ack is lost with every kill.
+/// How many deliveries are remembered under a window. A message that is not acked may have a window
+/// of others before it and, since acks go in order, as many behind it. Each may be committed, while
+/// a kill loses its ack.
 [[nodiscard]] constexpr std::uint32_t DeliveriesKept(std::uint32_t unacked_max) {
   return 2 * unacked_max;
 }

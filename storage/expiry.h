@@ -18,13 +18,13 @@ namespace uplink::storage {
   return UnixMs(received_at + rules.object_ttl);
 }
 
-/// By when a shape or object must have expired at `now` to be over for the store, Unix
-/// milliseconds: nothing is until the clock is vouched for.
+/// The latest time of expiry, Unix milliseconds, that counts as past at `now`. 0, so that nothing
+/// counts as expired, until the clock is vouched for.
 [[nodiscard]] inline std::int64_t ExpiredByMs(SystemTime now, const StoreRules& rules) {
   return Vouches(rules.clock, now) ? UnixMs(now) : 0;
 }
 
-/// A shape or object is there until its time of expiry, which is not part of its life.
+/// True from the time of expiry on; 0: it never expires.
 [[nodiscard]] constexpr bool IsExpired(std::int64_t expires_at_ms, std::int64_t now_ms) {
   return expires_at_ms != 0 && expires_at_ms <= now_ms;
 }

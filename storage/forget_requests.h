@@ -21,7 +21,7 @@ inline constexpr std::size_t kForgetRequestsMax = 100;
 /// A request without an answer lapses after this, so that nothing happens long after the program
 /// that asked has left.
 inline constexpr std::chrono::minutes kForgetRequestLives{1};
-/// So long servers are told that a robot is gone; one that was cut off for longer finds it missing.
+/// How long servers are told that a robot is gone; one that was cut off longer finds it missing.
 inline constexpr std::chrono::hours kForgottenTold{24};
 
 /// What the holder says to a request.
@@ -29,7 +29,7 @@ enum class ForgetAnswer : std::uint8_t {
   kNone = 0,
   /// The robot is in its memory no more.
   kLetGo = 1,
-  /// The robot has a stream, and that was not to be ended.
+  /// The robot has a stream, and the request did not ask to end it.
   kHasStream = 2,
   /// Records of it wait for the store.
   kRecordsWait = 3,

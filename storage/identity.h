@@ -16,9 +16,9 @@ using RobotRef = std::shared_ptr<const model::RobotId>;
 /// One life of one server process: 16 random bytes drawn at its start.
 using ProcessId = std::array<std::uint8_t, 16>;
 
-/// Stands for the server itself where a session needs a robot: no certificate can name it, since a
-/// RURI begins with `rcan://`. Its sessions are outside kSessionsPerRobotMax and in no reading of
-/// robots.
+/// Stands for the server itself where a session needs a robot. No certificate can name it, since a
+/// RURI begins with `rcan://`. Its sessions do not count for kSessionsPerRobotMax, and no list of
+/// robots shows it.
 inline constexpr std::string_view kServerRuri = "server";
 
 }  // namespace uplink::storage

@@ -10,7 +10,7 @@
 ///             kNameTable in `tables/`
 ///   number    part of the tokens that readers hold: it never changes
 ///   Row       what it is a list of (rows.h)
-///   Query     what it takes (reader.h); from and to are of the time by which it stands
+///   Query     what it takes (reader.h); from and to bound the time that orders it
 ///   retained  of Retained: how long its rows are kept
 ///
 /// Reader, the readers of both stores, tokens, the tables that a batch fills and what goes for its
@@ -28,9 +28,9 @@
   LIST(MissionReports, 8, MissionReportRow, MissionsQuery, kAsHistory)              \
   LIST(Quarantine, 3, QuarantineRow, QuarantineQuery, kAsSetAside)                  \
   LIST(PresenceChanges, 11, PresenceRow, HistoryQuery, kAsHistory)                  \
-  /* from and to are of the first arrival. */                                       \
+  /* from and to bound the first arrival. */                                        \
   LIST(MissionRuns, 7, MissionRunRow, MissionsQuery, kAsHistory)                    \
-  /* from and to are of the arrival that opened it. */                              \
+  /* from and to bound the arrival that opened it. */                               \
   LIST(OperatorRequests, 13, OperatorRequestRow, OperatorRequestsQuery, kAsHistory) \
   LIST(Shapes, 9, ShapeRow, PresentQuery, kWhilePresent)                            \
   LIST(Objects, 10, ObjectRow, PresentQuery, kWhilePresent)                         \

@@ -35,7 +35,7 @@ struct LiveRow {
   Epoch held_since = 0;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
-  /// Reader::Robots tells it; readings of live states leave it out.
+  /// Reader::Robots returns it; Reader::LiveOf leaves it out.
   std::optional<SettledSession> session;
   /// By LivePart; the bytes are the server's own, and mean nothing to a store.
   std::array<std::optional<std::string>, kLivePartKinds> parts;

@@ -19,11 +19,11 @@ namespace uplink::storage {
 /// Whether the stream that asked for an OpenStream is still there.
 enum class StreamState : std::uint8_t { kOpen, kEnded };
 
-/// What a stream's word for the fleet of its robot is worth.
+/// What happens if a request names another fleet than the store has for the robot.
 enum class FleetWord : std::uint8_t {
-  /// A certificate that names the robot gave it: a robot of another fleet moves.
+  /// The robot moves to the fleet: a certificate that names the robot says so.
   kMoves,
-  /// A gateway gave it for its whole fleet: it stands for no robot of another fleet.
+  /// The request is refused: a gateway speaks for its whole fleet, and for no other robot.
   kMatches,
 };
 
@@ -48,8 +48,8 @@ struct OpenResult {
   /// False: the stream had ended, and a process that did not release its lease holds the robot; or
   /// the robot is of another fleet (`other_fleet`). Nothing was written, and nothing else is set.
   bool taken = true;
-  /// In which fleet the store has the robot, where that is another one and the request's word moves
-  /// nothing.
+  /// The fleet in which the store has the robot, if it is another one and the request was refused
+  /// for that (FleetWord::kMatches).
   std::optional<std::string> other_fleet;
   /// In which fleet the store had the robot, where this moved it to another.
   std::optional<std::string> moved_from;

@@ -15,8 +15,8 @@ enum class OutcomeKind : std::uint8_t {
   /// Not kept, now or (for a number at or below the cursor) earlier: its row of quarantine, or of
   /// the kept Rejects, says why.
   kRefused,
-  /// This process does not hold the robot since then: another one does, or its row is gone. Or it
-  /// came under a lease on topics that is over. Nothing of the record was looked at.
+  /// This process does not hold the robot under the record's `held_since`: another one holds it, or
+  /// its row is gone. Or the record came under a lease on topics that is over. It was not examined.
   kFenced,
 };
 

@@ -14,7 +14,7 @@
 namespace uplink::storage {
 
 /// Where a page ended: the next one begins with the newest row below it. `entry` is the number that
-/// the store gave the row when it wrote it, so no two rows stand at one position.
+/// the store gave the row when it wrote it, so no two rows have one position.
 struct PagePosition {
   SystemTime at;
   std::uint64_t entry = 0;

@@ -8,7 +8,7 @@
 #include "schema/model/rejection.h"
 
 // What is present of a robot, by key: its active faults, its shapes, its objects. How the three
-// differ stands here once, for every store.
+// differ is defined here once, for every store.
 namespace uplink::storage {
 
 struct CommitRecord;

@@ -168,10 +168,10 @@ class Reader {
  public:
   virtual ~Reader() = default;
 
-  /// Robots that ever opened a stream, at most `robots_max`: those heard last first, of several at
-  /// one time by RURI. What stands for no robot (origin.h) is not among them.
+  /// Robots that have a row, since they opened a stream or were claimed; at most `robots_max`.
+  /// Those heard last come first, of several at one time by RURI. Without stand-ins (origin.h).
   [[nodiscard]] virtual absl::StatusOr<std::vector<RobotRow>> Robots(std::uint32_t robots_max) = 0;
-  /// How many robots ever opened a stream.
+  /// How many robots have a row, without stand-ins.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> RobotCount() = 0;
   /// Their fleets whose names hold characters beyond ASCII: each once, ascending by bytes, at most
   /// `fleets_max`.

@@ -5,7 +5,7 @@
 
 namespace uplink::storage {
 
-/// Who holds a robot, or has its claim, as its row says.
+/// The process that holds a robot, or has its claim, by its row.
 struct RobotHold {
   ProcessId owner{};
   /// Of its last stream, adoption or claim.

@@ -46,8 +46,8 @@ struct SampleMark {
   std::string last;
 };
 
-/// Shared by all records of a sample, 1 to kSampleRecordsMax, which stand one after the other in
-/// one batch: the pointer says that they are of one. Null: the record is of no sample.
+/// Shared by all records of a sample, 1 to kSampleRecordsMax, which follow each other in one batch:
+/// records with the same pointer are of one sample. Null: the record is of no sample.
 using SampleRef = std::shared_ptr<const SampleMark>;
 
 /// What is remembered of a drone's samples of one type. A value.

@@ -22,10 +22,10 @@
 #include "storage/reader.h"
 #include "storage/rows.h"
 
-// Shapes and objects that are there for other robots too: those of scope fleet or world.
+// Shapes and objects that robots share: those of scope fleet or world.
 namespace uplink::storage {
 
-/// Changes that one answer of SharedItems::ChangesSince counts in at most.
+/// Changes that one answer of SharedItems::ChangesSince covers at most.
 inline constexpr std::size_t kChangesReadMax = 4'096;
 /// Items that one answer of SharedItems::Page has at most.
 inline constexpr std::size_t kSharedPageMax = 1'000;

@@ -49,8 +49,8 @@ class Store {
       std::span<const OpenRequest> requests) = 0;
 
   /// Adopts robots whose holders are over, one answer per request, in one transaction. Each
-  /// request names another robot. Of several processes that try, one succeeds; asked again, it is
-  /// told its hold.
+  /// request names another robot. Of several processes that try, one succeeds; asked again, it gets
+  /// its hold.
   [[nodiscard]] virtual absl::StatusOr<std::vector<AdoptResult>> Adopt(
       std::span<const AdoptRequest> requests) = 0;
 
@@ -66,11 +66,11 @@ class Store {
   /// Commits a batch in one transaction: one outcome per record, in order, then one per change of
   /// presence: kStored, kDuplicate or kFenced.
   ///
-  /// For each record: any hold but this process's own since exactly then is kFenced, and so is any
-  /// of a robot that has no row, since OpenStreams and ClaimDrones alone make one. Gaps of such a
-  /// hold are dropped. At or below the session's cursor as it then stands: kRefused with the stored
-  /// reason if the number was rejected (it lies in quarantine, or in a range that was limited),
-  /// else kDuplicate. Otherwise it is written (or, where a bound or the database refuses it, its
+  /// Each record is kFenced unless this process holds its robot since exactly `held_since`; so is
+  /// one whose robot has no row, since OpenStreams and ClaimDrones alone make one. Gaps of such a
+  /// hold are dropped. A number at or below the session's cursor, as it then is: kRefused with the
+  /// stored reason if it was rejected (it lies in quarantine, or in a range that was limited), else
+  /// kDuplicate. Otherwise the record is written (or, where a bound or the database refuses it, its
   /// quarantine row), and the cursor becomes its number. Durable once this returns.
   ///
   /// A record with a SampleMark is decided by that alone, once for all records of its sample, and
@@ -79,10 +79,10 @@ class Store {
   /// before. Otherwise each is written, or its quarantine row where a bound or the database refuses
   /// it alone, and the sample is remembered.
   ///
-  /// Beyond faults: an event, a message, a mission report each become a row of history; the latest
-  /// report of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and
-  /// AgentInfo of a robot and the present shapes and objects by id follow commit order, never a
-  /// robot's clock. An upsert replaces all of its id; a delete of an unknown id, and a clear of a
+  /// A fault, an event, a message, a mission report each become a row of history. The latest report
+  /// of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and AgentInfo of a
+  /// robot, its active faults and its shapes and objects by id follow commit order, never a robot's
+  /// clock. An upsert replaces all of its id; a delete of an unknown id, and a clear of a
   /// fault that is not active, change nothing that is present. A report without a name leaves the
   /// run's name. An upsert of a shape or object that would be one more than the bound is
   /// refused; deletes always pass. Upserts count and expire by `received_at`. A report that leaves
@@ -137,11 +137,11 @@ class Store {
   /// before it must be compared anew.
   [[nodiscard]] virtual absl::StatusOr<std::vector<FoundRobot>> Compare(
       std::span<const ToldRobot> robots) = 0;
-  /// Names the run of the server, and the database, that answered last: what is connected to anew
-  /// and has the same name has all that it told. Empty before a server was connected to, and for a
-  /// store that cannot tell.
+  /// Names the database that answered last, and its server's present run. If the name is the same
+  /// after a reconnect, the store has all that it confirmed. Empty before the first connection, and
+  /// for a store that cannot know.
   [[nodiscard]] virtual std::string ServerRun() const { return {}; }
-  /// All that the caller knows was compared by calls that did not fail, and what differed is void.
+  /// The caller compared all that it knows, by calls that did not fail, and voided what differed.
   virtual void EndDoubt() = 0;
 };
 

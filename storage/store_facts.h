@@ -7,9 +7,9 @@
 
 namespace uplink::storage {
 
-/// A snapshot that is older is worth a word. By far the longest read of ours takes 5 s, so it is
-/// somebody else's; a report or a small dump is done by then. At 1,000 messages per second 600,000
-/// dead versions of cursors lie there at this age, some 60 MB.
+/// An older snapshot is reported. Our longest read takes 5 s, so such a snapshot is another
+/// program's; a report or a small dump is done by then. At 1,000 messages per second a snapshot of
+/// this age keeps 600,000 dead versions of cursors, some 60 MB.
 inline constexpr std::chrono::minutes kOldSnapshot{10};
 
 /// Facts about the database or file behind a store.

@@ -55,7 +55,7 @@ bool IsInTheWay(
   });
 }
 
-bool EndsWith(const TopicLease& lease, const TakeRequest& request) {
+bool IsEndedBy(const TopicLease& lease, const TakeRequest& request) {
   return lease.client_id != request.client_id && SharesPrefix(lease, request);
 }
 

@@ -63,8 +63,8 @@ struct TakeRequest {
 /// kInvalidArgument, naming field and limit, for a request that breaks a bound above.
 [[nodiscard]] absl::Status CheckRequest(const TakeRequest& request);
 
-/// Whether the lease, unless it was released, stands for something that the request asks for: the
-/// client id or one of the prefixes.
+/// Whether the lease, unless it was released, has something that the request asks for: the client
+/// id or one of the prefixes.
 [[nodiscard]] bool Overlaps(const TopicLease& lease, const TakeRequest& request);
 /// Whether this lease keeps `self` from what the request asks for. `renewed_since` says whether the
 /// process's lease grew since it stood at that counter.
@@ -73,7 +73,7 @@ struct TakeRequest {
     const std::function<bool(const ProcessId& process, std::uint64_t counter)>& renewed_since);
 /// Whether the lease has to end when the request is granted: of another client id, with a prefix
 /// that both want.
-[[nodiscard]] bool EndsWith(const TopicLease& lease, const TakeRequest& request);
+[[nodiscard]] bool IsEndedBy(const TopicLease& lease, const TakeRequest& request);
 
 /// Which process subscribes to which topics at a broker, among those that share a store. A lease is
 /// not renewed: it stands as long as its holder's own lease does (leases.h). Every commit that came
@@ -88,9 +88,9 @@ class TopicLeases {
   /// Takes the lease of all the prefixes for the client id, or nothing of it: nothing if another
   /// process holds the client id, or one of the prefixes, and is not over. Of several processes
   /// that try, one succeeds. Draws an epoch, above all that were given, and numbers the client id's
-  /// deliveries anew (NumberedAnew), unless this process holds the client id already: it is told
-  /// its epoch then, and its prefixes are these from now on. A lease that had one of the prefixes
-  /// ends with all of its prefixes, and its epoch with it.
+  /// deliveries anew (NumberedAnew). If this process holds the client id already, returns its epoch
+  /// instead, and replaces its prefixes. A lease that had one of the prefixes ends with all of its
+  /// prefixes, and its epoch with it.
   ///
   /// Errors: kInvalidArgument for a request that CheckRequest refuses.
   [[nodiscard]] virtual absl::StatusOr<std::optional<Epoch>> Take(const TakeRequest& request) = 0;
@@ -99,10 +99,10 @@ class TopicLeases {
   [[nodiscard]] virtual absl::Status Release(std::string_view client_id) = 0;
   /// All, by client id; at most kTopicClientsMax and what is held beyond.
   [[nodiscard]] virtual absl::StatusOr<std::vector<TopicLease>> Read() = 0;
-  /// What is known of the client id's deliveries: who took its lease begins with it.
+  /// What is known of the client id's deliveries; the process that took its lease begins with it.
   [[nodiscard]] virtual absl::StatusOr<DeliveryMemory> MemoryOf(std::string_view client_id) = 0;
-  /// How often the store was connected to: where that grew, it may be another one, which lacks the
-  /// last commits. Always 0 of a file.
+  /// How often the store was connected to. After a new connection it may be another store, which
+  /// lacks the last commits. Always 0 for a file.
   [[nodiscard]] virtual std::uint64_t connections() const { return 0; }
 };
 

@@ -13,8 +13,7 @@
 namespace uplink::storage::postgres {
 
 /// What holds back cleaning in our database: row versions that were deleted by the transaction
-/// `oldest` or a later one stay. Numbers of transactions are those of the
-/// server, which wrap.
+/// `oldest` or a later one stay. Transactions have the server's numbers, which wrap.
 struct Horizon {
   /// The number that the next transaction gets, or a smaller one that is not done yet.
   std::uint32_t next = 0;

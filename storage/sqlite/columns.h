@@ -12,8 +12,8 @@ namespace uplink::storage::sqlite {
 /// Binds a value for one run of the statement, which it must outlive.
 void BindColumn(Statement& statement, int index, ColumnType type, const ColumnValue& value);
 
-/// The value of a row that is there, valid until the next one. What no program of ours wrote is
-/// told through `status`.
+/// A value of the present row, valid until the next one. `status` becomes an error for a value that
+/// no program of ours wrote.
 [[nodiscard]] ColumnValue ReadColumn(const Rows& rows, int index, ColumnType type,
                                      absl::Status& status);
 

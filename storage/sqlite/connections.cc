@@ -29,12 +29,12 @@ absl::StatusOr<std::unique_ptr<Database>> OpenWriter(const std::string& path,
   auto database = Database::Open(path, Access::kWrite, options.busy_timeout);
   if (!database.ok()) return database;
   if (absl::Status set = SetUp(**database, options); !set.ok()) {
-    return StartFailed(**database, set);
+    return StatusOfFailedStart(**database, set);
   }
   return database;
 }
 
-absl::Status StartFailed(Database& database, const absl::Status& failed) {
+absl::Status StatusOfFailedStart(Database& database, const absl::Status& failed) {
   if (!absl::IsDataLoss(failed)) return failed;
   Damage(database.path()).Note("a start found it damaged");
   std::string text = "store " + database.path() + " is damaged: ";

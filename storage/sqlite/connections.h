@@ -21,9 +21,9 @@ namespace uplink::storage::sqlite {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> OpenWriter(const std::string& path,
                                                                    const StoreOptions& options);
 
-/// How a start ends that `failed`. Damage is noted, so that the next start reads the whole file:
-/// kFailedPrecondition then, naming the file and what to do. Anything else stays as it is.
-[[nodiscard]] absl::Status StartFailed(Database& database, const absl::Status& failed);
+/// The status with which a start ends after the error `failed`. Damage: kFailedPrecondition, naming
+/// the file and what to do, and noted, so that the next start reads the whole file. Else `failed`.
+[[nodiscard]] absl::Status StatusOfFailedStart(Database& database, const absl::Status& failed);
 
 /// How long a call of such a connection waits for another writer of the file.
 inline constexpr milliseconds kBusyTimeout{5'000};

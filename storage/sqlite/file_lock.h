@@ -13,8 +13,8 @@ namespace uplink::storage::sqlite {
 ///
 /// Three locks; each catches what the others miss:
 /// - the file `<path>.lock`, by the path as it was given: earlier versions know this one alone;
-/// - `<real path>.lock`, if the path leads through a link to the file: so does who was given the
-///   real path, and who opens another file that was put in the place of ours;
+/// - `<real path>.lock`, if the path is a link to the file: a process that was given the real path
+///   takes it too, and so does one that opens another file in the place of ours;
 /// - a byte of the store's file itself, far behind its end: hard links and mounts of the same file.
 ///
 /// The files of the first two stay. The descriptor of the third is closed here alone, after the
@@ -34,13 +34,13 @@ class FileLock final {
   ///         process holds it (IsInUse), or if the store's file has hard links.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Take(const std::string& path);
 
-  /// For who writes to a file beside its server, if there is one: takes no lock and makes nothing,
-  /// but sees to it that a server which has the file has it by this name. Must be called before the
-  /// database is opened, and go after it. Whether the file is there is not asked.
+  /// For a program that writes to a file beside its server, if there is one. Takes no lock and
+  /// makes nothing, but ensures that a server which has the file has it by this name. Must be
+  /// called before the database is opened, and go after it. Whether the file is there is not
+  /// checked.
   ///
-  /// Errors: kFailedPrecondition, naming the file, if the file has hard links, if somebody has it
-  /// by
-  ///         another name or through another mount, or if that cannot be told.
+  /// Errors: kFailedPrecondition, naming the file, if the file has hard links, if another process
+  ///         has it by another name or through another mount, or if that cannot be known.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Join(const std::string& path);
 
   FileLock(const FileLock&) = delete;

@@ -16,8 +16,7 @@
 // own, so that an operator may make it while a server runs.
 //
 // Errors: kFailedPrecondition, naming the path: no file, not ours, not this program's schema
-// version,
-//         or another name of it (FileLock::Join). Of the calls, as of the interface.
+//         version, or another name of it (FileLock::Join). Of the calls, as of the interface.
 // Thread: as of the interface.
 namespace uplink::storage::sqlite {
 
@@ -32,8 +31,7 @@ namespace uplink::storage::sqlite {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<SharedItems>> OpenSharedItems(
     const std::string& path, DamagePtr damage = nullptr);
 
-/// One process has the store at a time; what others judged, and who was there before, counts all
-/// the same.
+/// One process has the store at a time. Leases that earlier processes took count all the same.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<TopicLeases>> OpenTopicLeases(
     const std::string& path, const ProcessId& process, DamagePtr damage = nullptr);
 

@@ -116,7 +116,7 @@ class Statement final {
   }
 
   /// For parameters that are bound one by one, as a table's columns are: before Select() without
-  /// arguments; the caller numbers from 1. The first failure is told by the first Next.
+  /// arguments; the caller numbers from 1. The first Next returns the first failure.
   template <typename Arg>
   void Bind(int index, const Arg& arg) {
     const int code = BindAt(index, arg);

@@ -68,7 +68,7 @@ absl::StatusOr<std::unique_ptr<SqliteStore>> SqliteStore::Open(const std::string
   if (!database.ok()) return database.status();
   impl->database = *std::move(database);
   if (absl::Status prepared = impl->Prepare(); !prepared.ok()) {
-    return StartFailed(*impl->database, prepared);
+    return StatusOfFailedStart(*impl->database, prepared);
   }
   return std::unique_ptr<SqliteStore>(new SqliteStore(std::move(impl)));
 }

@@ -76,7 +76,7 @@ class StoreFiles final {
   /// The number that a commit left, or that the store had when it was opened.
   void NoteEntry(EntryNumber next) { next_entry_ = next; }
 
-  /// What a call of the store that failed with `status` is to say.
+  /// The status that a call of the store returns after it failed with `status`.
   [[nodiscard]] absl::Status DamageOr(const absl::Status& status) const;
   /// The same after a transaction that was rolled back; frees room if that was lacking.
   [[nodiscard]] absl::Status AfterFailure(absl::Status status);

@@ -118,7 +118,7 @@ absl::StatusOr<std::optional<Epoch>> SqliteTopicLeases::TakeInTransaction(
   }
   absl::Status status;
   for (const TopicLease& lease : *leases) {
-    if (status.ok() && EndsWith(lease, request)) status = End(lease);
+    if (status.ok() && IsEndedBy(lease, request)) status = End(lease);
   }
   if (status.ok() && !epoch) {
     const absl::StatusOr<Epoch> drawn = DrawEpoch();

@@ -148,8 +148,8 @@ struct Column {
   std::string_view update = {};
 };
 
-/// A column as its functions say: Get gives the value of an In, Field where in an Out it is read
-/// to. It becomes a Column of any such pair; lists leave it out where Field takes no Out.
+/// A column by its functions: Get gives its value in an In, Field points to its member in an Out.
+/// Converts to a Column of any such pair; lists leave it out where Field takes no Out.
 template <typename Get, typename Field>
 class ColumnBy final {
  public:

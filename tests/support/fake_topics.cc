@@ -15,7 +15,7 @@ std::optional<storage::Epoch> FakeTopics::Take(const storage::TakeRequest& reque
     if (IsInTheWay(client.lease, request, process, renewed_since)) return std::nullopt;
   }
   for (auto& [id, client] : clients_) {
-    if (!EndsWith(client.lease, request)) continue;
+    if (!IsEndedBy(client.lease, request)) continue;
     client.lease.prefixes.clear();
     client.lease.released = true;
     client.lease.epoch = draw();

@@ -47,8 +47,8 @@ class Link final {
     Purpose purpose = Purpose::kWrite;
     /// Accept a server with fsync = off.
     bool accept_unsafe = false;
-    /// Connect also where the schema shuts this program out, once the caller was refused for that,
-    /// and check no more then: for what such a program still has to write to end in order.
+    /// If the schema shuts this program out: refuse the caller once, and accept the schema from
+    /// then on, so that such a program can still write what an orderly stop needs.
     bool when_shut_out = false;
     /// Apply missing migrations before the first connection, whenever that comes.
     bool migrate = false;
@@ -95,10 +95,9 @@ auto ReadAgainIfDied(const Link& link, const Once& once) -> decltype(once()) {
   return once();
 }
 
-/// What a session begins with that migrates: no timeout of its role, its database or the server
-/// ends a step, which may take long and may have to wait for others' locks; what bounds it is how
-/// long its call may take. `idle_session_timeout` is there from PostgreSQL 14 on,
-/// `transaction_timeout` from 17 on.
+/// A session that migrates begins with this: no timeout of its role, its database or the server
+/// ends a step, which may take long and wait for others' locks. The timeout of its call bounds it.
+/// PostgreSQL has `idle_session_timeout` from 14 on and `transaction_timeout` from 17 on.
 inline constexpr std::string_view kNoTimeouts =
     "SET statement_timeout = 0; SET lock_timeout = 0; SET idle_in_transaction_session_timeout = 0;"
     " SELECT pg_catalog.set_config(name, '0', false) FROM pg_catalog.pg_settings"

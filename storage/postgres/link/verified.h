@@ -17,8 +17,8 @@ struct Unverified {
 };
 
 /// Nothing if every place of the URL is a Unix socket or a loopback address, or `sslmode` is
-/// `verify-full`: any weaker one lets who stands between read and change everything, the password
-/// included where the server may ask for it in clear.
+/// `verify-full`. Any weaker mode lets a machine in between read and change everything, including
+/// the password where the server may ask for it in clear.
 ///
 /// Thread: any; libpq reads the environment for what the URL leaves out.
 [[nodiscard]] std::optional<Unverified> FindUnverified(const Url& url);

@@ -5,7 +5,7 @@
 
 namespace uplink::storage::postgres {
 
-/// The number that stands in `by_ms` for whenever.
+/// The value of `by_ms` that takes an entry whatever its expiry is.
 inline constexpr std::string_view kAlwaysMs = "9223372036854775807";
 
 /// The statements by which entries of one kind are found, counted and deleted. How the tables

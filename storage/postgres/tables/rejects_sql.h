@@ -5,9 +5,9 @@
 namespace uplink::storage::postgres {
 
 /// Joins the Rejects `q` (seq, reason, field, detail) of sessions, those in quarantine and the kept
-/// ones, in no order. Stands behind `u` (ruri, session, above) and `s` (through, first_entry):
-/// above which number and up to which, and the session's first entry. Parameter 4: how many rows to
-/// read of each of the two at most.
+/// ones, in no order. Follows `u` (ruri, session, above) and `s` (through, first_entry): numbers
+/// are in (above, through], and first_entry is the session's first entry. Parameter 4: how many
+/// rows to read of each of the two tables at most.
 inline constexpr std::string_view kJoinRejects =
     " CROSS JOIN LATERAL ((SELECT p.seq, p.reason, p.field, p.detail FROM uplinkd.quarantine AS p"
     " WHERE p.ruri = u.ruri AND p.session = u.session AND p.seq > u.above"

@@ -111,8 +111,10 @@ class SliceDecision final {
         known_by_rows_(known, rows),
         decider_(known_by_rows_, rules) {}
 
-  /// The slice begins within a sample.
-  void GoOn(const CommitRecord& before, const Outcome& outcome) { decider_.GoOn(before, outcome); }
+  /// Decider::ResumeSample.
+  void ResumeSample(const CommitRecord& before, const Outcome& outcome) {
+    decider_.ResumeSample(before, outcome);
+  }
 
   Outcome Decide(const CommitRecord& record, std::int32_t place) {
     std::optional<Outcome> earlier = ValueOrDie(decider_.Look(record));
@@ -199,8 +201,8 @@ std::vector<Outcome> DecideSlice(const Slice& slice, KnownRows& known, const Sto
                                  std::span<const Outcome> earlier, BatchRows& rows) {
   UPLINK_CHECK(!refusal || slice.last - slice.first == 1, "a refusal is of one record");
   SliceDecision decision(known, rules, refusal, rows);
-  UPLINK_CHECK(earlier.size() == slice.first, "what stands before a slice was decided");
-  if (slice.first > 0) decision.GoOn(slice.batch->records[slice.first - 1], earlier.back());
+  UPLINK_CHECK(earlier.size() == slice.first, "the records before a slice are decided");
+  if (slice.first > 0) decision.ResumeSample(slice.batch->records[slice.first - 1], earlier.back());
   std::vector<Outcome> outcomes;
   outcomes.reserve(slice.last - slice.first);
   for (std::size_t place = slice.first; place < slice.last; ++place) {

@@ -63,7 +63,7 @@ struct KnownRows {
   std::map<std::pair<std::string, model::SessionId>, KnownSession, std::less<>> sessions;
   /// By RURI and type: of samples that the slice names.
   std::map<std::pair<std::string, std::uint32_t>, KnownSamples> samples;
-  /// By RURI: of robots of whose requests the slice has any.
+  /// By RURI: the open requests of robots that have one in the slice.
   std::map<std::string, KnownRobot::RequestIds, std::less<>> open_requests;
   /// By client id: the epochs of the leases under which the slice came, if this process has them
   /// still.

@@ -51,7 +51,7 @@ inline constexpr std::string_view kNextBatch = "SELECT nextval('uplinkd.batches'
 /// The error is that of a commit which the server answered with a warning.
 [[nodiscard]] bool IsInDoubt(const absl::Status& status);
 
-/// An error of rows that decide: the refusal of one is no refusal of a record.
+/// An error of rows that decide: if the database refuses one, that refuses no record.
 [[nodiscard]] absl::Status Decisive(const absl::Status& status);
 
 }  // namespace uplink::storage::postgres

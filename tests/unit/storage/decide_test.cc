@@ -253,9 +253,9 @@ TEST_F(Decide, GoesByTheClaimForASampleOfARobotThatAnotherHolds) {
 TEST_F(Decide, GoesOnWithinASampleAsItsFirstRecordsWereDecided) {
   known_.robots["rcan://r"].claim = 5;
   const CommitRecord record = Sampled(Note(1), 1);
-  decider_.GoOn(record, {OutcomeKind::kRefused, TooManyShapes()});
+  decider_.ResumeSample(record, {OutcomeKind::kRefused, TooManyShapes()});
   EXPECT_EQ(Kind(record), OutcomeKind::kStored);
-  decider_.GoOn(record, {OutcomeKind::kDuplicate, std::nullopt});
+  decider_.ResumeSample(record, {OutcomeKind::kDuplicate, std::nullopt});
   EXPECT_EQ(Kind(record), OutcomeKind::kDuplicate);
   EXPECT_THAT(known_.samples, IsEmpty());
   EXPECT_EQ(Kind(Sampled(Note(2), 2)), OutcomeKind::kStored) << "another sample is looked at";
