@@ -36,21 +36,21 @@ Intake::Intake(const Sources& sources)
              // Its agent sends it again, to the server that has the robot.
              .lost_counts_as = metrics::Became::kSuperseded}),
       numbers_(robot_.sessions, line_.session),
-      appending_(line_, port_, numbers_),
+      ranges_(line_, port_, numbers_),
       live_({.context = context_, .line = line_, .port = port_}),
       uplinks_{.context = context_,
                .robot = robot_,
                .session = line_.session,
                .port = port_,
                .numbers = numbers_,
-               .appending = appending_,
+               .ranges = ranges_,
                .live = live_} {}
 
 void Intake::Begin(std::span<const UplinkView> uplinks, SteadyTime arrived,
                    SystemTime received_at) {
   batch_.Begin(uplinks);
   arrived_ = {.steady = arrived, .system = received_at};
-  appending_.Begin(arrived, received_at);
+  ranges_.Begin(arrived, received_at);
   live_.Begin(arrived, received_at);
 }
 
@@ -79,7 +79,7 @@ Intake::Processed Intake::Process(std::size_t outgoing) {
     front_cost_.reset();
     batch_.PopFront();
   }
-  appending_.Flush();
+  ranges_.Flush();
   numbers_.Flush();
   live_.Apply();
   port_.Publish();
@@ -128,8 +128,8 @@ bool Intake::ProcessUplink(const UplinkView& uplink, Processed& processed) {
 }
 
 bool Intake::AddUndecoded(std::size_t kind, const UplinkView& uplink, const robot::Seen& seen) {
-  if (!HasRoom(appending_.CostOfGap(seen))) return false;
-  appending_.AddGap(seen);
+  if (!HasRoom(ranges_.CostOfGap(seen))) return false;
+  ranges_.AddGap(seen);
   live_.AddUndecoded(kind, uplink);
   numbers_.AddSettled(uplink.seq);
   return true;

@@ -9,7 +9,6 @@
 #include "server/ingest/port.h"
 #include "server/journal/entry.h"
 #include "server/robot/robot.h"
-#include "server/session/appending.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
 #include "server/session/live_intake.h"
@@ -17,6 +16,7 @@
 #include "server/session/number_run.h"
 #include "server/session/pending_batch.h"
 #include "server/session/processed.h"
+#include "server/session/range_appender.h"
 #include "server/session/stream_timers.h"
 
 namespace uplink::session {
@@ -95,7 +95,7 @@ class Intake final {
   ingest::Port port_;
   PendingBatch batch_;
   NumberRun numbers_;
-  Appending appending_;
+  RangeAppender ranges_;
   LiveIntake live_;
   const UplinkSources uplinks_;
   /// The cost of the next message, if it had to wait.

@@ -34,7 +34,7 @@ const model::Record* NewUplink::Durable() const {
 
 std::optional<ingest::RecordCost> NewUplink::Cost() {
   const std::size_t payload = uplink_.payload.size();
-  cost_ = sources_.appending.CostOfGap(seen_);
+  cost_ = sources_.ranges.CostOfGap(seen_);
   if (const model::Record* record = Durable()) {
     const ingest::Allowance& allowance = sources_.port.allowance();
     if (IsNew() && sources_.robot.rates.WouldLimit(record->body(), allowance.rates,
@@ -42,7 +42,7 @@ std::optional<ingest::RecordCost> NewUplink::Cost() {
       // Counts as a gap; a number that continues a range takes no flow, and is in flight like any
       // other.
       cost_.journal_bytes += robot::kRecordOverheadBytes;
-      if (!sources_.appending.Continues(uplink_.seq)) cost_.flow_bytes = 0;
+      if (!sources_.ranges.Continues(uplink_.seq)) cost_.flow_bytes = 0;
     } else {
       cost_.journal_bytes += journal::CostOf(payload, *record);
       if (IsNew()) cost_.flow_bytes = ingest::FlowBytes(payload, *record);
@@ -57,7 +57,7 @@ std::optional<ingest::RecordCost> NewUplink::Cost() {
 }
 
 void NewUplink::Begin() {
-  sources_.appending.AddGap(seen_);
+  sources_.ranges.AddGap(seen_);
   sources_.live.TakeRate(judged_.kind, sources_.port.allowance().telemetry);
   if (judged_.sign_of_life) sources_.live.NoteLife();
   if (judged_.odd.any()) sources_.context.ledger.CountOdd(judged_.odd);
@@ -88,7 +88,7 @@ Numbered NewUplink::RejectLimited(const model::Rejection& rejection) {
   sources_.context.judge.Reuse(std::move(record));
   robot::RejectedSeq limited{
       .seq = uplink_.seq, .rejection = rejection, .retry_after_ms = again_.count()};
-  if (is_stored) return sources_.appending.AddLimited(std::move(limited));
+  if (is_stored) return sources_.ranges.AddLimited(std::move(limited));
   sources_.robot.sessions.RememberLive(sources_.session, std::move(limited));
   sources_.numbers.AddSettled(uplink_.seq);
   return Numbered::kSettled;
@@ -147,7 +147,7 @@ ingest::Brought NewUplink::TakeRecord(model::Record& record) {
 
 Numbered NewUplink::Number(std::vector<storage::CommitRecord>& records,
                            std::optional<model::RejectReason> /*rejected*/) {
-  sources_.appending.Flush();
+  sources_.ranges.Flush();
   storage::CommitRecord& record = records.front();
   record.seq = uplink_.seq;
   const std::int64_t grew = sources_.numbers.AddWaiting(record.seq, journal::CostOf(record));

@@ -7,13 +7,13 @@
 #include "schema/base/clock.h"
 #include "server/ingest/port.h"
 #include "server/robot/robot.h"
-#include "server/session/appending.h"
 #include "server/session/context.h"
 #include "server/session/frame_view.h"
 #include "server/session/judged.h"
 #include "server/session/live_intake.h"
 #include "server/session/number_run.h"
 #include "server/session/processed.h"
+#include "server/session/range_appender.h"
 #include "server/session/rcan_order.h"
 
 namespace uplink::session {
@@ -25,7 +25,7 @@ struct UplinkSources {
   model::SessionId session;
   ingest::Port& port;
   NumberRun& numbers;
-  Appending& appending;
+  RangeAppender& ranges;
   LiveIntake& live;
 };
 

@@ -164,7 +164,7 @@ bool Session::EndForRejects() {
 
 void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
-  if (const std::optional<absl::Status> status = settling_.Ended()) Finish(*status);
+  if (const std::optional<absl::Status> status = settling_.StatusWhenSettled()) Finish(*status);
 }
 
 void Session::Read() {

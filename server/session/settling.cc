@@ -53,7 +53,7 @@ void Settling::OnWritten() {
   if (follows_writes_ && sources_.outgoing.size() > 0) SetTime();
 }
 
-std::optional<absl::Status> Settling::Ended() {
+std::optional<absl::Status> Settling::StatusWhenSettled() {
   if (sources_.robot.waiting() > 0 || sources_.robot.AwaitsRejects()) return std::nullopt;
   // Another process took the robot, and waiting messages are void: the wake that is on its way ends
   // this.

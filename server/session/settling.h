@@ -45,8 +45,8 @@ class Settling final {
   void EndWithin(milliseconds grace);
   /// A write is done. An agent that takes its Rejects gets the time that it needs.
   void OnWritten();
-  /// The status with which the stream ends now; empty while something waits.
-  [[nodiscard]] std::optional<absl::Status> Ended();
+  /// The status with which the stream ends now; empty while something waits. Sends the last Ack.
+  [[nodiscard]] std::optional<absl::Status> StatusWhenSettled();
 
  private:
   void Begin(absl::Status status, ReadGate::Reading reading);

@@ -1,11 +1,11 @@
-#include "server/session/appending.h"
+#include "server/session/range_appender.h"
 
 #include <utility>
 #include <vector>
 
 namespace uplink::session {
 
-ingest::RecordCost Appending::CostOfGap(const robot::Seen& seen) const {
+ingest::RecordCost RangeAppender::CostOfGap(const robot::Seen& seen) const {
   ingest::RecordCost cost;
   if (seen.missing_first == 0) return cost;
   cost.journal_bytes = robot::kRecordOverheadBytes;
@@ -13,7 +13,7 @@ ingest::RecordCost Appending::CostOfGap(const robot::Seen& seen) const {
   return cost;
 }
 
-void Appending::AddGap(const robot::Seen& seen) {
+void RangeAppender::AddGap(const robot::Seen& seen) {
   if (seen.missing_first == 0) return;
   if (IsNew(seen.missing_last)) port_.TakeFlow(line_, ingest::Waits::kStream, 0);
   port_.counts().missing += seen.missing;
@@ -26,7 +26,7 @@ void Appending::AddGap(const robot::Seen& seen) {
                            .seen_at = received_at_});
 }
 
-ingest::Numbered Appending::AddLimited(robot::RejectedSeq limited) {
+ingest::Numbered RangeAppender::AddLimited(robot::RejectedSeq limited) {
   if (!Continues(limited.seq)) {
     port_.TakeFlow(line_, ingest::Waits::kStream, 0);
     Flush();
@@ -38,7 +38,7 @@ ingest::Numbered Appending::AddLimited(robot::RejectedSeq limited) {
   return ingest::Numbered::kWaiting;
 }
 
-void Appending::Flush() {
+void RangeAppender::Flush() {
   if (limited_.empty()) return;
   std::vector<storage::CommitRecord> range;
   range.push_back({.robot = line_.id,

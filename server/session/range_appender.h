@@ -11,10 +11,10 @@ namespace uplink::session {
 /// messages.
 ///
 /// Thread: confined to the stream's thread.
-class Appending final {
+class RangeAppender final {
  public:
   /// `port` and `numbers` outlive it.
-  Appending(ingest::Line line, ingest::Port& port, NumberRun& numbers)
+  RangeAppender(ingest::Line line, ingest::Port& port, NumberRun& numbers)
       : line_(std::move(line)), port_(port), numbers_(numbers) {}
 
   /// Begins a frame that arrived at this time.
