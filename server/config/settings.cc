@@ -659,7 +659,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "cyberwave",
      .key = "fleet",
      .kind = Kind::kText,
-     .allowed = "1 to 256 bytes without characters that nobody sees, and not \"*\"",
+     .allowed = "1 to 256 bytes without invisible characters, and not \"*\"",
      .text = "The fleet that twins are in.",
      UPLINK_BIND(cyberwave, CyberwaveConfig, fleet)},
 

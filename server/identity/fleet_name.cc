@@ -32,7 +32,7 @@ std::optional<std::string> FlawOfNewFleet(std::string_view fleet) {
   if (auto flaw = FlawOfFleet(fleet)) return flaw;
   const std::optional<char32_t> unseen = UnseenCharacter(fleet);
   if (!unseen) return std::nullopt;
-  return fmt::format("holds U+{:04X}, which nobody sees", static_cast<std::uint32_t>(*unseen));
+  return fmt::format("holds U+{:04X}, which is invisible", static_cast<std::uint32_t>(*unseen));
 }
 
 }  // namespace uplink::identity

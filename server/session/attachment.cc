@@ -49,14 +49,15 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
                       claim.gateway, claim.robot.ruri));
     case fleet::Refusal::kOddFleet:
       context_.probe.refused_identity_total.Add();
-      return absl::UnauthenticatedError(fmt::format(
-          "client certificate: its O holds U+{:04X}, which nobody sees, and the store has no robot "
-          "of that fleet",
-          static_cast<std::uint32_t>(*identity::UnseenCharacter(claim.robot.fleet))));
+      return absl::UnauthenticatedError(
+          fmt::format("client certificate: its O holds U+{:04X}, which is invisible, and the store "
+                      "has no robot "
+                      "of that fleet",
+                      static_cast<std::uint32_t>(*identity::UnseenCharacter(claim.robot.fleet))));
     case fleet::Refusal::kFleetsUnread:
       context_.probe.refused_identity_total.Add();
       return absl::UnavailableError(
-          "client certificate: its O holds a character that nobody sees, and the server has not "
+          "client certificate: its O holds an invisible character, and the server has not "
           "read yet whether the store has robots of that fleet");
   }
   return absl::OkStatus();

@@ -27,11 +27,11 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
                       claim.gateway, claim.robot.ruri));
     case fleet::Refusal::kOddFleet:
       return absl::UnauthenticatedError(
-          "client certificate: its O holds a character that nobody sees, and the store has no "
+          "client certificate: its O holds an invisible character, and the store has no "
           "robot of that fleet");
     case fleet::Refusal::kFleetsUnread:
       return absl::UnavailableError(
-          "client certificate: its O holds a character that nobody sees, and the server has not "
+          "client certificate: its O holds an invisible character, and the server has not "
           "read yet whether the store has robots of that fleet");
   }
   return absl::OkStatus();

@@ -118,7 +118,7 @@ TEST(Profiles, AFleetThatTheRelayRefusesIsNamed) {
     }
   }
   EXPECT_THAT(Message(RobotProfile("rcan://a", "no\xE2\x80\x8Brth", "n").status()),
-              HasSubstr("it holds U+200B, which nobody sees"));
+              HasSubstr("it holds U+200B, which is invisible"));
   EXPECT_TRUE(RobotProfile("rcan://a", "Köln", "n").ok());
   EXPECT_THAT(Message(RobotProfile("rcan://a", "*", "n").status()), HasSubstr("fleet \"*\""));
   EXPECT_THAT(Message(GatewayProfile({}, "*", "n").status()), HasSubstr("fleet \"*\""));

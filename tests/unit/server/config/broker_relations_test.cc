@@ -164,7 +164,7 @@ TEST(BrokerRelationsTest, TheFleetIsNamedAsAnother) {
   EXPECT_THAT(OneProblem("[cyberwave]\nfleet = \"a\\tb\"\n"),
               HasSubstr("cyberwave.fleet: it holds a control character"));
   EXPECT_THAT(OneProblem("[cyberwave]\nfleet = \"a\\u200Bb\"\n"),
-              HasSubstr("cyberwave.fleet: it holds U+200B, which nobody sees"));
+              HasSubstr("cyberwave.fleet: it holds U+200B, which is invisible"));
 }
 
 }  // namespace

@@ -333,7 +333,7 @@ constexpr std::string_view kZeroWidth = "no\xE2\x80\x8Brth";  // U+200B
 TEST_F(GatewayTest, ANewFleetOfAnOddNameIsRefused) {
   server().fleet().odd_fleets().SetRead();
   EXPECT_EQ(ConnectOfFleet("rcan://a/1", kZeroWidth).end(),
-            "UNAUTHENTICATED: client certificate: its O holds U+200B, which nobody sees, and the "
+            "UNAUTHENTICATED: client certificate: its O holds U+200B, which is invisible, and the "
             "store has no robot of that fleet");
   EXPECT_EQ(server().fleet().size(), 0U);
   EXPECT_EQ(server().probe().refused_identity_total.value(), 1);
@@ -350,7 +350,7 @@ TEST_F(GatewayTest, AFleetOfAnOddNameThatTheStoreHasGoesOn) {
 
 TEST_F(GatewayTest, UntilTheStoreWasReadAnOddNameWaits) {
   EXPECT_EQ(ConnectOfFleet("rcan://a/1", kZeroWidth).end(),
-            "UNAVAILABLE: client certificate: its O holds a character that nobody sees, and the "
+            "UNAVAILABLE: client certificate: its O holds an invisible character, and the "
             "server has not read yet whether the store has robots of that fleet");
 }
 
