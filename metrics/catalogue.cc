@@ -29,7 +29,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kFieldsDropped, "uplinkd_fields_dropped_total", kCounter, "fields",
      "Fields of live messages that were at fault and dropped.", kByVariantReason},
     {kUplinksMissing, "uplinkd_uplinks_missing_total", kCounter, "messages",
-     "Numbers that agents skipped, of one jump 1048576 at most; after a restart of the server an "
+     "Numbers that agents skipped, at most 1048576 per jump; after a restart of the server an "
      "upper bound."},
     {kRecords, "uplinkd_records_total", kCounter, "messages", "Good messages by kind.", kByKind},
     {kRcanStatesMissing, "uplinkd_rcan_states_missing_total", kCounter, "messages",
@@ -47,10 +47,10 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
     {kRobotsLeaving, "uplinkd_robots_leaving", kGauge, "robots",
-     "Robots on their way out of memory, 1024 at most; one leaves once nothing of it waits."},
+     "Robots that are about to leave memory, 1024 at most; one leaves once no record of it waits."},
     {kRobotsForgotten, "uplinkd_robots_forgotten_total", kCounter, "robots",
-     "Robots that left memory: silent for fleet.forget_after, for others at limits.robots_max, "
-     "or removed from the store, which each server counts that had the robot."},
+     "Robots that left memory: silent for fleet.forget_after, replaced by others at "
+     "limits.robots_max, or removed from the store. Each server that had the robot counts it."},
     {kLiveBytes, "uplinkd_live_bytes", kGauge, "bytes",
      "Memory of the live state of all robots and twins."},
     {kLiveBytesLimit, "uplinkd_live_bytes_limit", kGauge, "bytes",
@@ -62,7 +62,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",
      "Changes of presence that the store refused: the server did not hold the robot."},
     {kRobotsAdopted, "uplinkd_robots_adopted_total", kCounter, "robots",
-     "Robots that were adopted, since the server that held them was over."},
+     "Robots that this server adopted, because the server that held them was over."},
     {kLeaseRenewals, "uplinkd_lease_renewals_total", kCounter, "renewals",
      "Renewals of this server's lease in the store."},
     {kLeaseFailing, "uplinkd_lease_failing", kGauge, "0 or 1",
@@ -107,7 +107,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kResumes, "uplinkd_resumes_total", kCounter, "streams",
      "Streams that went on with a session that was known."},
     {kResendRequests, "uplinkd_resend_requests_total", kCounter, "requests",
-     "Times that a robot was asked for a kind of message that the store lacked of it.", kByKind},
+     "Times that a robot was asked for a kind of message that the store lacked.", kByKind},
     {kResendUnanswered, "uplinkd_resend_unanswered", kGauge, "robots",
      "Connected robots that were asked for a kind of message and have not sent it.", kByKind},
     {kFrames, "uplinkd_frames_received_total", kCounter, "frames",
@@ -145,13 +145,14 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kForwardBytesLimit, "uplinkd_forward_bytes_limit", kGauge, "bytes",
      "Memory that they may take; a fleet may have a quarter of it, a robot a 16th."},
     {kForwardLeftOut, "uplinkd_forward_left_out", kGauge, "times",
-     "Times that an item was left out for that, since its robot's were read last."},
+     "Times that an item was left out for lack of that memory, since its robot's items were last "
+     "read."},
     {kForwardUnreadable, "uplinkd_forward_unreadable_total", kCounter, "items",
-     "Items of the store that could not be forwarded: their geometry is none."},
+     "Items of the store that could not be forwarded: their geometry is invalid."},
     {kForwardUnreadableNow, "uplinkd_forward_items_unreadable", kGauge, "items",
-     "Of these, those that are there now (up to 1,000): no robot gets them."},
+     "Of these, those that are in the store now (up to 1,000): no robot gets them."},
     {kForwardPaced, "uplinkd_forward_paced", kGauge, "items",
-     "Items whose changes wait, since what their robot shares is over 64 MiB per second to all "
+     "Items whose changes wait, because what their robot shares exceeds 64 MiB per second over all "
      "receivers."},
     {kForwardChanges, "uplinkd_forward_changes_total", kCounter, "items",
      "Changed items that were read from the store, of this server and of others."},
@@ -161,15 +162,13 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kForwardFailing, "uplinkd_forward_failing", kGauge, "0 or 1",
      "1 while the store cannot be asked for changes of shared items."},
     {kForwardLookAge, "uplinkd_forward_look_age_seconds", kGauge, "seconds",
-     "Time since the store last told all changes that it had: how far forwards are behind; 0 "
-     "before "
+     "Time since all changes in the store were last read: how far forwards are behind; 0 before "
      "the first time."},
     {kForwardHeard, "uplinkd_forward_heard_total", kCounter, "times",
      "Notices of commits by other servers on the store; several at once may count as one."},
     {kForwardListenFailing, "uplinkd_forward_listen_failing", kGauge, "0 or 1",
-     "1 while other servers are neither heard nor told: what one commits reaches the others' "
-     "robots "
-     "within a second or two."},
+     "1 while this server cannot exchange notices of commits with others: a commit of one then "
+     "reaches the others' robots only within a second or two."},
     {kStreamsRefused, "uplinkd_streams_refused_total", kCounter, "streams",
      "Calls that ended before they became a stream.", kByCause},
     {kGatewayStreams, "uplinkd_gateway_streams", kGauge, "streams",
@@ -192,7 +191,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kUnfinishedBytes, "uplinkd_unfinished_frame_bytes", kGauge, "bytes",
      "Memory of frames that have begun and are not whole."},
     {kUnfinishedEnds, "uplinkd_unfinished_frame_ends_total", kCounter, "streams",
-     "Streams that ended as the first to have begun, with that memory used up."},
+     "Streams that ended because that memory was used up and their frame was the oldest, of the "
+     "certificate that uses most if that is over its share."},
     {kAcceptPauses, "uplinkd_accept_pauses_total", kCounter, "pauses",
      "Times that the relay accepted no connection for 100 ms, for lack of descriptors or memory."},
     {kFinishTimeouts, "uplinkd_finish_timeouts_total", kCounter, "streams",
@@ -251,7 +251,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kStoreErrors, "uplinkd_store_errors_total", kCounter, "errors",
      "Calls of the store that failed and are tried again."},
     {kStoreFailing, "uplinkd_store_failing", kGauge, "0 or 1",
-     "1 while the last call of at least one shard of the store failed."},
+     "1 while the last call of at least one shard to the store has failed."},
     {kStoreUnsafe, "uplinkd_store_unsafe", kGauge, "0 or 1",
      "1 if the store may lose what is acked when the power fails (store.accept_unsafe)."},
     {kStoreClockOffset, "uplinkd_store_clock_offset_seconds", kGauge, "seconds",
@@ -310,9 +310,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kRcanRobotsIncomplete, "uplinkd_rcan_robots_incomplete", kGauge, "robots",
      "Robots that the last scrape of /metrics/robots showed without some of their series."},
     {kRcanSeriesLeftOut, "uplinkd_rcan_series_left_out_total", kCounter, "series",
-     "Series that scrapes left out of a robot that they show, at each scrape again, by the bound "
-     "of "
-     "the configuration.",
+     "Series that scrapes left out of a robot that they show, counted at each scrape, by the "
+     "configured bound that cut them.",
      kByCause},
     {kRcanScrapeSeconds, "uplinkd_rcan_scrape_seconds", kHistogram, "seconds",
      "Time to write a scrape of /metrics/robots."},
@@ -327,8 +326,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "process, until one that began afterwards takes 1 s at most. No robot goes offline "
      "meanwhile."},
     {kStandstills, "uplinkd_standstills_total", kCounter, "standstills",
-     "Times the process stood still, suspends of its machine too: more than 3 s lay between two of"
-     " its looks at presence."},
+     "Times the process stood still, also with its machine suspended: more than 3 s passed between "
+     "two of its looks at presence."},
     {kCertificateExpiry, "uplinkd_certificate_expiry_timestamp_seconds", kGauge, "seconds",
      "Unix time at which the server's certificate expires."},
     {kLogLinesWaiting, "uplinkd_log_lines_waiting", kGauge, "lines",
@@ -337,8 +336,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Lines of the log that were lost: its reader took none for too long, or is gone."},
     {kDraining, "uplinkd_draining", kGauge, "0 or 1", "1 once the server drains."},
     {kDegraded, "uplinkd_degraded", kGauge, "0 or 1",
-     "1 while /readyz has the word in degraded; each word that there is has its series.",
-     kByReason},
+     "1 while /readyz has the word in degraded; each word has its series.", kByReason},
     {kBuildInfo, "uplinkd_build_info", kGauge, "1", "Version of the server.", kByVersion},
     {kProcessStartTime, "process_start_time_seconds", kGauge, "seconds",
      "Unix time at which the server started."},

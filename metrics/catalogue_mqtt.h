@@ -44,9 +44,9 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
     {MetricId::kMqttHeldBack, "uplinkd_mqtt_message_held_back", MetricType::kGauge, "0 or 1",
      "1 while a message at QoS 1 waits for room."},
     {MetricId::kMqttUnread, "uplinkd_mqtt_unread", MetricType::kGauge, "0 or 1",
-     "1 while the server is behind with its broker, and no twin becomes offline: nothing read at "
-     "QoS 1 for 1 s while reading is stopped or what waits gets no PUBACK, or one of the two, a "
-     "full window or live state unread again and again for 10 s."},
+     "1 while the server is behind with its broker; no twin becomes offline meanwhile. For 1 s it "
+     "read nothing at QoS 1 while reading was stopped or waiting messages got no PUBACK; or for "
+     "10 s that happened repeatedly, the window was full, or live state stayed unread."},
     {MetricId::kMqttTwins, "uplinkd_mqtt_twins", MetricType::kGauge, "robots",
      "Robots of twins whose live state this server has."},
     {MetricId::kMqttTwinsLimit, "uplinkd_mqtt_twins_limit", MetricType::kGauge, "robots",
@@ -76,7 +76,7 @@ inline constexpr auto kMqttSpecs = std::to_array<MetricSpec>({
     {MetricId::kMqttPublishes, "uplinkd_mqtt_publishes_total", MetricType::kCounter, "messages",
      "PUBLISHes that the broker delivered, by QoS.", kByConnectionQos},
     {MetricId::kMqttDups, "uplinkd_mqtt_dups_total", MetricType::kCounter, "messages",
-     "PUBLISHes that the broker may have delivered before, by its own word.", kByConnection},
+     "PUBLISHes that the broker marked as possibly delivered before (DUP).", kByConnection},
     {MetricId::kMqttRetained, "uplinkd_mqtt_retained_total", MetricType::kCounter, "messages",
      "PUBLISHes that were retained, and ignored.", kByConnection},
     {MetricId::kMqttOversized, "uplinkd_mqtt_oversized_total", MetricType::kCounter, "messages",

@@ -10,7 +10,7 @@ namespace uplink::metrics {
 
 inline constexpr auto kUncrewSpecs = std::to_array<MetricSpec>({
     {MetricId::kAvatarPublishes, "uplinkd_avatar_publishes_total", MetricType::kCounter, "calls",
-     "Calls by which drones published, by type and by what they were told.", kByTypeOutcome},
+     "Calls by which drones published, by type and outcome.", kByTypeOutcome},
     {MetricId::kAvatarAnswerSeconds, "uplinkd_avatar_answer_seconds", MetricType::kHistogram,
      "seconds",
      "From a drone's sample to its answer, of live samples and of those that are stored first.",
@@ -21,7 +21,7 @@ inline constexpr auto kUncrewSpecs = std::to_array<MetricSpec>({
      "requests", "Requests of drones that wait for an operator, as the drones last said."},
     {MetricId::kOperatorRequestOldest, "uplinkd_operator_request_oldest_seconds",
      MetricType::kGauge, "seconds",
-     "Since when the oldest of them has waited here; 0 if none does."},
+     "How long the oldest of them has waited here; 0 if none waits."},
 });
 
 }  // namespace uplink::metrics

@@ -12,7 +12,7 @@
 namespace uplink::metrics {
 
 /// One counter or gauge that a component keeps in its probe and the exposition reads. Thread-safe;
-/// relaxed, since no other data hangs on it.
+/// relaxed, since no other data depends on it.
 class Cell final {
  public:
   void Add(std::int64_t by = 1) { value_.fetch_add(by, std::memory_order_relaxed); }
@@ -28,7 +28,7 @@ class Cell final {
 class CoreCell final {
  public:
   void Add(std::int64_t by = 1) {
-    // Which core hardly matters: it is only to be another one for another thread.
+    // Any slot will do, if threads that run at once mostly get different ones.
     const auto core = static_cast<std::size_t>(std::max(sched_getcpu(), 0));
     slots_[core % kSlots].value.fetch_add(by, std::memory_order_relaxed);
   }

@@ -25,11 +25,11 @@ inline constexpr std::size_t kUnknownKind = kKinds;
 enum class Became : std::uint8_t {
   /// All that it brought is committed.
   kStored,
-  /// It is live, and what it says is held.
+  /// It is live, and is the latest of its kind now.
   kApplied,
-  /// It is live, and a newer one of its kind is held.
+  /// It is live, and a newer one of its kind is known.
   kSuperseded,
-  /// It came before, and waits or is settled.
+  /// It came before; that one waits or is settled.
   kDuplicate,
   /// For a reason; its row of quarantine is committed, if it has one.
   kRejected,

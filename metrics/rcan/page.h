@@ -34,7 +34,7 @@ class SeriesPage final {
   void BeginRobot(std::string_view ruri);
   /// Whether samples of that series are kept.
   [[nodiscard]] bool Writes(SeriesId id) const { return written_[Index(id)]; }
-  /// A sample of the robot at hand. Of what is not to be written nothing is kept.
+  /// A sample of the present robot. One that would not be written is dropped.
   void Add(SeriesId id, double value);
   /// `label` is the value of the series' own label, whatever its bytes.
   void Add(SeriesId id, std::string_view label, double value);
