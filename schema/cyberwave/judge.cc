@@ -136,7 +136,7 @@ void JudgeObject(Judgement& judgement, PayloadReading& reading, const JudgeTerms
   const bool mark = judgement.topic.kind == TopicKind::kTelemetry && IsMark(unjudged);
   Violations violations(
       {.durable = judgement.message_class == MessageClass::kDurable,
-       .telling = judgement.may_be_kept ? schema::Telling::kQuoted : schema::Telling::kUnquoted});
+       .quoting = judgement.may_be_kept ? schema::Quoting::kQuoted : schema::Quoting::kUnquoted});
   Reader in(object, root, violations);
   judgement.head = ReadHead(in, source, reading.enclosed_seconds);
   Body body = BodyOf(judgement.topic, in, object, terms);

@@ -67,8 +67,8 @@ struct Judgement {
 ///          of what a message must have and of its identity reject; other violations of content
 ///          reject a durable message, and a live one goes without the field. Unknown fields are
 ///          ignored, a null is as absent, of a key that stands twice the last one counts.
-/// Limits:  limits.h, and those of texts in schema/limits.h. Media and signalling are not looked
-/// into, and have none. Thread:  pure; any thread.
+/// Limits:  limits.h, and those of texts in schema/limits.h; none for media and signalling, which
+///          are not read. Thread:  pure; any thread.
 [[nodiscard]] Judgement JudgeMessage(std::string_view topic, std::string_view payload,
                                      const JudgeTerms& terms);
 

@@ -8,8 +8,8 @@
 
 namespace uplink::cyberwave {
 
-/// What every RURI of a twin begins with. Certificates with such a RURI are refused by the relay:
-/// whose these robots are says the broker.
+/// What every RURI of a twin begins with. The relay refuses certificates with such a RURI: only the
+/// broker may speak for these robots.
 inline constexpr std::string_view kRuriStem = "rcan://local.rcan/cyberwave/";
 
 /// Which of a twin's two robots.

@@ -18,8 +18,8 @@ enum class OperatorRequestKind : std::uint8_t {
 /// The kind that ToText spells so, or nothing.
 [[nodiscard]] std::optional<OperatorRequestKind> OperatorRequestKindFromText(std::string_view text);
 
-/// An operator's request was opened or closed; (robot, request_id) is its key while it is open.
-/// Durable. Made of what was judged (uncrew::Records). A value.
+/// A drone's request to an operator was opened or closed. (robot, request_id) is its key while it
+/// is open. Durable. Made by uncrew::Records. A value.
 struct OperatorRequest {
   /// When it was opened or closed: the drone's clock; 0: unknown.
   std::int64_t unix_time_ms = 0;

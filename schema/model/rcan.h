@@ -39,7 +39,7 @@ struct RcanPosition {
   friend bool operator==(const RcanPosition&, const RcanPosition&) = default;
 };
 
-/// One Robot State; whose it is stands beside it. A value.
+/// One Robot State, without the robot's name. A value.
 struct RcanState {
   /// At least 1.
   std::optional<std::int64_t> seq;

@@ -34,8 +34,8 @@ class SpareTexts final {
   std::array<std::string, 2> texts_;
 };
 
-/// Whether the text about violations may quote the message.
-enum class Telling : std::uint8_t { kQuoted, kUnquoted };
+/// Whether a violation's sentence may quote the message.
+enum class Quoting : std::uint8_t { kQuoted, kUnquoted };
 
 /// What was found while one message was judged: the rejection if there is one, the fields dropped,
 /// the counts. Confined to one judgement.
@@ -49,7 +49,7 @@ class Violations final {
     /// Most readings in one telemetryExtras: the one bound of items that an operator sets.
     std::size_t extras_items_max = SIZE_MAX;
     TextForm texts = TextForm::kAsSent;
-    Telling telling = Telling::kQuoted;
+    Quoting quoting = Quoting::kQuoted;
   };
   explicit Violations(const Terms& terms) : terms_(terms) {}
 
@@ -111,7 +111,7 @@ class Violations final {
 
  private:
   [[nodiscard]] model::Rejection InWords(const Violation& violation) const {
-    return terms_.telling == Telling::kQuoted ? violation.Describe() : violation.DescribeUnquoted();
+    return terms_.quoting == Quoting::kQuoted ? violation.Describe() : violation.DescribeUnquoted();
   }
 
   void CountUntold(model::RejectReason reason) {

@@ -102,7 +102,7 @@ Judgement Judge(uc::SampleType type, std::string_view request) {
       .request = request,
       .violations = Violations(
           {.durable = row.kind != uc::SampleKind::kLive,
-           .telling = found.may_be_kept ? schema::Telling::kQuoted : schema::Telling::kUnquoted})};
+           .quoting = found.may_be_kept ? schema::Quoting::kQuoted : schema::Quoting::kUnquoted})};
   Violations& violations = judging.violations;
   std::optional<uc::Value> value;
   if (request.size() > kRequestBytesMax) {

@@ -45,8 +45,8 @@ struct Judgement {
   }
 };
 
-/// Judges one request of the contract's Publish calls: `request` is the bytes of its message. They
-/// are also what makes a sample known again: with the type, its digest is of them as they came.
+/// Judges one request of the contract's Publish calls: `request` is the bytes of its message. The
+/// digest by which a sample is recognized again is of these bytes, as they came, and the type.
 ///
 /// Units:   as the model (schema/model/uncrew).
 /// Errors:  bad content is a Rejection; no input makes it throw or abort. Violations of structure

@@ -103,17 +103,18 @@ template <>
 constexpr std::string_view kChangeKind<uc::CurrentMissionItem> = "missionItem";
 
 template <typename Body>
-concept ToldOnChange = !kChangeKind<Body>.empty();
+concept DurableOnChange = !kChangeKind<Body>.empty();
 
-/// What a value of a durable type says that the one before it does not; one overload for each.
-struct Telling {
+/// Makes the records of what a value says and the one before it does not: one overload for each
+/// durable type.
+struct RecordMaker {
   const uc::Value& value;
   const uc::Value* before;
   std::int64_t sampled_ms;
-  std::vector<std::variant<model::Body, model::OperatorRequest>> told{};
+  std::vector<std::variant<model::Body, model::OperatorRequest>> made{};
 
   void operator()(const uc::StatusText& body) {
-    told.emplace_back(model::Message{.unix_time_ms = sampled_ms,
+    made.emplace_back(model::Message{.unix_time_ms = sampled_ms,
                                      .level = LevelOf(body.type),
                                      .message = body.text,
                                      .detail_json = {},
@@ -123,7 +124,7 @@ struct Telling {
   void operator()(const uc::ConnectionEvent& /*body*/) { Event("connection", json::Text(value)); }
   void operator()(const uc::CommandResult& /*body*/) { Event("commandResult", json::Text(value)); }
 
-  template <ToldOnChange Mode>
+  template <DurableOnChange Mode>
   void operator()(const Mode& body) {
     const Mode* last = Before<Mode>();
     if (!SaysSomething(body) || (last != nullptr && SaysTheSame(*last, body))) return;
@@ -135,19 +136,19 @@ struct Telling {
     const uc::Alerts none;
     const uc::Alerts& were = last != nullptr ? *last : none;
     ForEachNotIn(body.items, were.items,
-                 [&](const auto& alert) { Tell(FaultOf(alert, sampled_ms, false)); });
+                 [&](const auto& alert) { Make(FaultOf(alert, sampled_ms, false)); });
     ForEachNotIn(were.items, body.items,
-                 [&](const auto& alert) { Tell(FaultOf(alert, sampled_ms, true)); });
+                 [&](const auto& alert) { Make(FaultOf(alert, sampled_ms, true)); });
   }
   void operator()(const uc::OperatorRequests& body) {
     const uc::OperatorRequests* last = Before<uc::OperatorRequests>();
     const uc::OperatorRequests none;
     const uc::OperatorRequests& were = last != nullptr ? *last : none;
     ForEachNotIn(body.items, were.items, [&](const auto& request) {
-      told.emplace_back(RequestOf(request, sampled_ms, false));
+      made.emplace_back(RequestOf(request, sampled_ms, false));
     });
     ForEachNotIn(were.items, body.items, [&](const auto& request) {
-      told.emplace_back(RequestOf(request, sampled_ms, true));
+      made.emplace_back(RequestOf(request, sampled_ms, true));
     });
   }
   template <typename Live>
@@ -158,9 +159,9 @@ struct Telling {
   [[nodiscard]] const Body* Before() const {
     return before == nullptr ? nullptr : std::get_if<Body>(before);
   }
-  void Tell(model::Body body) { told.emplace_back(std::move(body)); }
+  void Make(model::Body body) { made.emplace_back(std::move(body)); }
   void Event(std::string_view kind, std::string detail) {
-    Tell(model::EventTelemetry{
+    Make(model::EventTelemetry{
         .unix_time_ms = sampled_ms,
         .kind = model::NamedEvent{.kind = std::string(kind), .detail_json = std::move(detail)}});
   }
@@ -187,12 +188,12 @@ std::optional<Recalled> Recall(uc::SampleType type, std::string_view memory) {
 std::vector<DurableRecord> Records::Of(const Judgement& judged, const uc::Value* before) {
   const uc::Value* value = judged.value();
   if (value == nullptr) return {};
-  Telling telling{
+  RecordMaker maker{
       .value = *value, .before = before, .sampled_ms = judged.metadata.sampled_at_us / kUsPerMs};
-  std::visit([&](const auto& body) { telling(body); }, *value);
+  std::visit([&](const auto& body) { maker(body); }, *value);
   std::vector<DurableRecord> records;
-  records.reserve(telling.told.size());
-  for (auto& each : telling.told) {
+  records.reserve(maker.made.size());
+  for (auto& each : maker.made) {
     if (auto* body = std::get_if<model::Body>(&each)) {
       records.emplace_back(model::Record(std::move(*body), {}, {}, judged.payload_bytes));
     } else {

@@ -11,7 +11,7 @@
 
 namespace uplink::model::cyberwave {
 
-/// What a message says; whose it is and when stands beside it.
+/// What a message says, without its robot and time.
 using Body = std::variant<Ignored, Position, Rotation, Scale, Joints, Metrics, EdgeHealth, Gps,
                           BatteryStatus, Report, Mark, Event, DriverLog, RunStatus, ScopeUpdate,
                           CommandHead, Commanded, Signalling, Media, Ping>;

@@ -7,7 +7,7 @@
 
 #include "schema/model/enum_text.h"
 
-/// What a drone is about: a change of it is durable. What is absent, or an empty text, is not
+/// The modes of a drone, whose changes are durable. What is absent, or an empty text, is not
 /// known.
 namespace uplink::model::uncrew {
 

@@ -9,7 +9,7 @@
 #include "schema/model/enum_text.h"
 #include "schema/model/operator_request.h"
 
-/// What a drone tells people: durable. An empty text was not said.
+/// What a drone reports to people: durable. An empty text was not said.
 namespace uplink::model::uncrew {
 
 enum class StatusTextLevel : std::int32_t { kNotice = 2, kWarning = 3 };
@@ -90,7 +90,7 @@ struct Alerts {
   friend bool operator==(const Alerts&, const Alerts&) = default;
 };
 
-/// What a drone waits for an operator for. A value.
+/// What a drone waits for an operator to do. A value.
 struct OperatorActionRequest {
   /// Unique in its set, never empty.
   std::string request_id;
