@@ -11,7 +11,7 @@ namespace uplink::pki {
 inline constexpr int kDaysDefault = 365;
 inline constexpr int kAuthorityDaysDefault = 3650;
 inline constexpr int kDaysMax = 36'500;
-/// Names of one server certificate.
+/// Host names in one server certificate.
 inline constexpr std::size_t kHostsMax = 64;
 /// Robots that one gateway certificate may speak for.
 inline constexpr std::size_t kGatewayRobotsMax = 256;

@@ -28,8 +28,8 @@ bool CameBack(storage::RobotRemoval& removal, const std::string& ruri, bool stre
 
 }  // namespace
 
-int TellRemoved(storage::RobotRemoval& removal, const std::string& ruri, bool stream_ended,
-                const Clock& clock) {
+int ReportRemoved(storage::RobotRemoval& removal, const std::string& ruri, bool stream_ended,
+                  const Clock& clock) {
   if (CameBack(removal, ruri, stream_ended, clock)) {
     fmt::print("removed, then came back: it spoke again, and the store has it as a new robot\n");
   } else {

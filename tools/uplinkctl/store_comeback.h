@@ -7,10 +7,10 @@
 
 namespace uplink::ctl {
 
-/// Tells that a robot was removed just now, and whether the store has it again. If its stream was
-/// ended for that, two seconds are waited: an agent comes back after one or sooner. Returns the
+/// Prints that a robot was removed just now, and whether the store has it again. If its stream was
+/// ended for that, waits two seconds first: an agent comes back within one. Returns the
 /// exit code.
-[[nodiscard]] int TellRemoved(storage::RobotRemoval& removal, const std::string& ruri,
-                              bool stream_ended, const Clock& clock);
+[[nodiscard]] int ReportRemoved(storage::RobotRemoval& removal, const std::string& ruri,
+                                bool stream_ended, const Clock& clock);
 
 }  // namespace uplink::ctl

@@ -292,7 +292,7 @@ int StoreForget(const StoreForgetRequest& request) {
     forgotten = Forget(*target, *found, true, clock);
   }
   if (!forgotten.ok()) return ExitOf(forgotten);
-  return TellRemoved(target->store->removal(), request.ruri, request.end_stream, clock);
+  return ReportRemoved(target->store->removal(), request.ruri, request.end_stream, clock);
 }
 
 }  // namespace uplink::ctl

@@ -11,7 +11,7 @@
 
 namespace uplink::synthetic {
 
-/// Tells people how a run goes, as often as the line on standard error takes it.
+/// Shows people how a run goes, as often as the line on standard error takes it.
 ///
 /// Thread: confined to main's thread.
 class Progress final {
@@ -21,7 +21,7 @@ class Progress final {
       : view_(view), clock_(clock), shared_(shared) {}
 
   /// Asks the server and shows what it and the robots do, if a line is due.
-  void TellHowItGoes() {
+  void ShowStatus() {
     const SteadyTime now = clock_.Steady();
     if (!line_.Due(now)) return;
     const auto status = view_.Status();

@@ -33,7 +33,7 @@ bool WaitFor(const RunContext& run, const std::atomic<std::size_t>& counted, std
   const SteadyTime start = run.clock.Steady();
   while (counted.load() < robots) {
     if (run.clock.Steady() - start > run.options.settle_for) return false;
-    run.progress.TellHowItGoes();
+    run.progress.ShowStatus();
     // A signal while settling gives up the rest.
     if (run.signals.Wait(kLook)) return false;
   }
@@ -102,7 +102,7 @@ Readiness AwaitRobots(const RunContext& run) {
 bool Send(const RunContext& run) {
   const SteadyTime start = run.clock.Steady();
   while (run.clock.Steady() - start < run.options.run_for) {
-    run.progress.TellHowItGoes();
+    run.progress.ShowStatus();
     if (run.signals.Wait(kLook)) break;
     if (run.shared.welcomes.load() == 0 && run.clock.Steady() - start > kFirstWelcomeDeadline) {
       return false;

@@ -6,8 +6,8 @@
 
 namespace uplink::synthetic {
 
-/// What the robot can do, and its settings: both are told at the start; a setting changes now and
-/// then, within what the capabilities declare, and all of them are told again.
+/// What the robot can do, and its settings. Both are reported at the start. A setting changes now
+/// and then, within what the capabilities declare, and all of them are reported again.
 class Settings final {
  public:
   explicit Settings(Seeded random);
