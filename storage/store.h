@@ -117,7 +117,9 @@ class Store {
   /// kRetainRowsMax rows of each kind and whole days that hold nothing to keep, and makes room for
   /// the days to come. Mission runs go when they have ended, or were closed, and their last report
   /// is as old. Rejects that a Hello may still ask for are kept in the transaction that deletes
-  /// their row of quarantine. Deletes nothing until `now` is vouched for (StoreRules.clock).
+  /// their row of quarantine.
+  ///
+  /// Deletes nothing until `now` is vouched for (StoreRules.clock).
   [[nodiscard]] virtual absl::StatusOr<Erased> Retain(SystemTime now) = 0;
 
   /// Writes what changed of the live states of robots, in one transaction; `rows` name each robot
