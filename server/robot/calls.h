@@ -18,9 +18,9 @@ class CallsLive {
   virtual std::size_t DropLive() = 0;
 };
 
-/// The calls by which a drone speaks, beside any streams. They keep the robot in memory, and what
-/// waits of them counts for the robot in the journal's bounds. They take the robot from no stream,
-/// and claim no presence: its holder judges that by their signs of life.
+/// The calls by which a drone speaks, beside any streams. They keep the robot in memory, and their
+/// waiting records count for the robot in the journal's bounds. They take the robot from no stream,
+/// and claim no presence: the robot's holder judges that by their signs of life.
 ///
 /// Thread: thread-safe.
 class Calls final {
@@ -36,7 +36,7 @@ class Calls final {
     const std::lock_guard lock(mutex_);
     live_ = live;
   }
-  /// Ends serving its calls; nothing of them waits. One for each Begin, with the same `live`.
+  /// Ends serving its calls; no record of them waits. One for each Begin, with the same `live`.
   void End(const CallsLive* live) {
     open_.fetch_sub(1);
     const std::lock_guard lock(mutex_);

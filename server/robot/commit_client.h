@@ -49,15 +49,15 @@ struct Settled {
 
 /// A robot as the journal sees it. The journal calls it when this process holds the robot, when its
 /// stream was opened, and when its records are settled, on the writer's thread with no lock held.
-/// It lives while anything of it waits in the journal or it is held (ClientRef).
+/// It lives while a record of it waits in the journal or it is held (ClientRef).
 class CommitClient : public std::enable_shared_from_this<CommitClient> {
  public:
   virtual ~CommitClient() = default;
   /// The store says that this process now holds the robot, which is news to the journal. Comes
   /// after OnFenced if both come.
   virtual void OnHeld(const HoldNews& news) = 0;
-  /// A claim found that another process, which wrote this last, holds the robot; the journal knew
-  /// of no hold by this one.
+  /// A claim found that another process holds the robot; the argument is what that one wrote last.
+  /// The journal knew of no hold by this process.
   virtual void OnHeldElsewhere(const std::optional<storage::StoredPresence>& /*presence*/) {}
   /// A stream of the robot is here. Any thread.
   [[nodiscard]] virtual bool HasStream() const = 0;
@@ -120,7 +120,7 @@ class ClaimClient : public CommitClient {
   loop::StreamRef OnWentBack(metrics::Ledger& /*ledger*/) final { return {}; }
 };
 
-/// Keeps a client alive while something of it waits. A client that is not shared must outlive it. A
+/// Keeps a client alive while a record of it waits. A client that is not shared must outlive it. A
 /// value.
 class ClientRef final {
  public:

@@ -19,10 +19,10 @@ struct FleetSaid {
 class FleetWords final {
  public:
   struct Effect {
-    /// What to tell the store: a claim that moves the robot holds until the store was told.
+    /// What to tell the store: a claim that moves the robot holds until the store has answered it.
     storage::FleetWord word = storage::FleetWord::kMoves;
     /// An earlier stream claimed another fleet without moving the robot, and the store will never
-    /// judge that: what waits of that stream is void.
+    /// judge that: the waiting messages of that stream are void.
     bool disowns = false;
   };
   /// A stream makes this claim, and the store is about to be asked.

@@ -31,8 +31,9 @@ class HeldLive final {
   /// Returns the number of evicted keys. A body of a durable kind is our bug.
   std::size_t Put(model::Body&& body, SteadyTime arrived);
   void Put(model::RcanState&& state);
-  /// Takes over older parts that have no newer value and were not dropped. A part that neither side
-  /// has completely afterwards has changed.
+  /// Takes over older parts that have no newer value and were not dropped. A part that both sides
+  /// have values of counts as changed, since the store has only the older ones; so does a dropped
+  /// one.
   void Restore(LiveParts&& before);
   /// The store's parts, if any, are restored. Parts that were dropped until now are no longer older
   /// in the store.

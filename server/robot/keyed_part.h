@@ -76,7 +76,7 @@ class KeyedPart {
     return gone;
   }
 
-  /// Adds older values below these, as far as there is room.
+  /// Adds older values below these, as many as there is room for.
   void PutOnTopOf(KeyedPart older) {
     for (const auto& [key, value] : items()) older.Put(key, value);
     *this = std::move(older);

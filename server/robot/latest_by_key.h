@@ -53,7 +53,7 @@ class LatestByKey {
     items_.erase(item);
   }
 
-  /// Adds older values below these, as far as there is room.
+  /// Adds older values below these, as many as there is room for.
   void PutOnTopOf(LatestByKey older) {
     for (auto& [key, value] : items_) older.Put(key, std::move(value));
     *this = std::move(older);

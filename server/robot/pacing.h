@@ -10,8 +10,8 @@
 
 namespace uplink::robot {
 
-/// How often a robot's mistakes are answered, and kept in full: each kind once per second. Confined
-/// to its owner's lock.
+/// How often a robot's mistakes get a Notice, or a payload in quarantine: each kind once per
+/// second. Confined to its owner's lock.
 ///
 /// Bounds: one time per reason, and one per field of at most kNoticeFieldsMax fields.
 class Pacing final {

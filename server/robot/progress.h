@@ -9,7 +9,7 @@
 #include "server/robot/rejected_seq.h"
 #include "server/robot/session_table.h"
 
-// What the stream of a session is told of it: when it starts, and for each Ack.
+// What a stream learns about its session: when it starts, and for each Ack.
 namespace uplink::robot {
 
 /// How far a session is, for an Ack, with the Rejects to write before it.
@@ -21,7 +21,7 @@ struct Progress {
   /// latency.
   std::vector<SteadyTime> released;
 };
-/// What it returns counts as reported. Confined to the owner's lock of `memory`.
+/// The result counts as reported. Confined to the owner's lock of `memory`.
 [[nodiscard]] Progress TakeProgress(SessionMemory& memory);
 
 /// What a stream learns when it begins a session.
@@ -38,8 +38,8 @@ struct ResumeFor {
   model::Seq settled_seq = 0;
   model::Seq judged_seq = 0;
 };
-/// Computes it from session memory and, if it has come, the store's answer. Confined to the owner's
-/// lock of both.
+/// Computes the contents of Welcome from session memory and, if it has come, the store's answer.
+/// Confined to the owner's lock of both.
 [[nodiscard]] Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello);
 
 }  // namespace uplink::robot

@@ -36,8 +36,8 @@ inline constexpr std::size_t kLimitedIdsMax = 4'096;
 /// All kinds of telemetry share one bucket; past it a message is superseded, not rejected.
 ///
 /// Allocates nothing while nothing is limited. Bounds: kLimitedIdsMax.
-/// Thread: Limit, WouldLimit, BeginStream and the functions of telemetry by the robot's stream, of
-///         which there is one at a time; the rest by any.
+/// Thread: Limit, WouldLimit, BeginStream and the functions of telemetry by the robot's stream; it
+///         has one at a time. The rest by any.
 class Rates final {
  public:
   /// Takes the message's token and returns empty; or returns how long until it may come again.

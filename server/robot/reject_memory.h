@@ -18,7 +18,7 @@ struct UnreadRejects {
 };
 
 /// The Rejects of one session: those that the next Welcome repeats, and those of the store that the
-/// stream was not told yet. It makes no decision. The store holds more: a stream learns them by
+/// stream has not sent yet. It makes no decision. The store holds more: a stream learns them by
 /// pages, or late if a Welcome goes out before the store has answered. Until it knows the last, no
 /// Ack may cover the first that it may lack. Confined to its owner's lock.
 ///
@@ -46,8 +46,8 @@ class RejectMemory final {
   void SetComplete() { complete_ = true; }
   /// After a TellAgain without the store's answer. True if the stream may lack a Reject above
   /// `settled_seq`: memory dropped some, or is new while the agent knows of judged messages up to
-  /// `judged_seq`. Also true if memory may tell the stream that numbers up to `committed` are
-  /// settled which the store may have lost. Then told_through holds until AddLate.
+  /// `judged_seq`. Also true if memory calls numbers up to `committed` settled, and the store may
+  /// have lost them since. Then told_through holds until AddLate.
   bool AwaitLate(model::Seq settled_seq, model::Seq judged_seq, model::Seq committed = 0);
   /// The store's answer came after the Welcome: what memory lacks is untold. No effect unless it is
   /// awaited.
@@ -64,9 +64,9 @@ class RejectMemory final {
   void AddPage(std::vector<RejectedSeq> page, model::Seq through);
   /// The number above which the stream may lack a Reject; empty if it knows all that are known.
   [[nodiscard]] const std::optional<model::Seq>& told_through() const { return told_through_; }
-  /// The number above which no message may be called judged; empty if any may. An agent that knows
-  /// what was judged up to `known_judged` learns nothing from hearing that again; what pages hold
-  /// beyond it, it has yet to forget.
+  /// The highest number that an Ack may call judged; empty: no limit. An agent that hears more
+  /// would forget messages whose Rejects are still in pages. It may hear `known_judged` again,
+  /// which it knows.
   [[nodiscard]] std::optional<model::Seq> judged_through(model::Seq known_judged) const;
 
  private:

@@ -17,15 +17,15 @@ struct SentMessage {
   model::Seq seq = 0;
 };
 
-/// What a stream of a robot looks at. A value.
+/// The part of Resends that a stream looks at without the lock. A value.
 struct ResendView {
-  /// Kinds of which the store has no message, and none is on its way.
+  /// Kinds without a message in the store or on its way there.
   storage::LatestKindSet missing = 0;
   /// Those of them for which the robot was asked.
   storage::LatestKindSet unanswered = 0;
 };
 
-/// The kinds of which the store lacks a robot's latest message, and when the robot was asked for
+/// The kinds whose latest message of a robot the store lacks, and when the robot was asked for
 /// each: at most once in kResendEvery, over all its streams.
 ///
 /// Thread: confined to its owner's lock, except view(), which any thread may call.

@@ -44,14 +44,14 @@ class Robot final : public CommitClient {
   /// As SetFleet, unless it is no longer in fleet `from`.
   void MoveFleet(std::string_view from, std::string_view to);
   /// The store has it in fleet `actual`, and the claim of `claimed` does not move it. Unless this
-  /// process holds it, what was said here meanwhile no longer counts.
+  /// process holds it, its live state here is forgotten.
   void Disown(std::string_view claimed, std::string_view actual);
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
   /// The source of its messages, by its RURI.
   [[nodiscard]] model::MessageSource source() const { return sessions.source(); }
 
-  /// A stream of it begins, by this gateway's certificate, or by its own if empty. What the robot
-  /// holds from now on, also between streams, came by that certificate.
+  /// A stream of it begins, by this gateway's certificate, or by its own if empty. The live state
+  /// from now on, also between streams, came by that certificate.
   void SetSpeaker(std::string_view gateway);
   /// The speaker of its last stream, which may have ended. Empty if none came since the server's
   /// start: who brought restored state is unknown.
@@ -65,14 +65,14 @@ class Robot final : public CommitClient {
   void NoteHeard(SystemTime at);
   /// It has a stream, or its calls are served.
   [[nodiscard]] bool speaks() const { return HasStream() || calls.open(); }
-  /// It does not speak, and nothing of it waits for the store.
+  /// It does not speak, and no record of its streams waits for the store.
   [[nodiscard]] bool idle() const { return !speaks() && sessions.in_flight() == 0; }
   enum class LeaveWhen : std::uint8_t {
     /// Once it is not online any more.
     kNotOnline,
     kAtOnce,
   };
-  /// What waits of it for the store, by its streams and its calls.
+  /// The records that wait for the store, of its streams and its calls.
   [[nodiscard]] JournalUse journal_use() const { return sessions.journal_use() + calls.waiting(); }
   /// Begins to remove it from memory, once the journal has let go of it. False if that has begun
   /// before.

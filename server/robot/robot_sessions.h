@@ -99,15 +99,15 @@ class RobotSessions final {
     std::uint64_t open_id = 0;
     /// Goes with every record of the stream (Journal::Append).
     std::uint64_t generation = 0;
-    /// The claim for OpenStream: one that moves a robot holds until the store was told.
+    /// The claim for OpenStream: one that moves a robot holds until the store has answered it.
     storage::FleetWord fleet_word = storage::FleetWord::kMoves;
-    /// Messages that waited for an earlier stream's claim of another fleet, which the store never
-    /// will judge: they are void, to be counted superseded.
+    /// Messages that waited for an earlier stream's claim of another fleet, which the store will
+    /// never judge. They are void; the caller counts them superseded.
     std::optional<std::size_t> disowned = {};
   };
-  /// Opens the session on the robot's stream, with its claim about the fleet. Creates it if need
-  /// be, and then forgets the least recently used idle one over kSessionsMax. Empty if all sessions
-  /// wait for commits.
+  /// Opens the session on the robot's stream, with its claim about the fleet. Creates it if it is
+  /// not in memory, and then forgets the least recently used idle one over kSessionsMax. Empty if
+  /// all sessions wait for commits.
   [[nodiscard]] std::optional<Begun> Begin(const model::SessionId& session, SteadyTime now,
                                            const FleetSaid& said = {});
   /// Sessions in memory, for OpenRequest.sessions_held.
@@ -171,7 +171,7 @@ class RobotSessions final {
     if (free_through_.load() != kNotKnown && seq <= free_through_.load()) return;
     resends_.AddGood(kind, {session, seq});
   }
-  /// The messages that the store lacks, as far as it has told this stream.
+  /// The messages that the store lacks, by its answer to this stream.
   [[nodiscard]] ResendView resend_view() const { return resends_.view(); }
   /// As Resends::Take.
   [[nodiscard]] Resends::Due TakeResends(SteadyTime now) {
@@ -190,11 +190,11 @@ class RobotSessions final {
     const std::size_t gaps = gaps_in_flight_.load();
     return {in_flight_.load() + gaps, record_bytes_.load() + gaps * kRecordOverheadBytes};
   }
-  /// Messages up to this number were decided before, as far as the store has said: sent again, they
-  /// cost no tokens. kNotKnown until the store has answered, so that nothing costs any.
+  /// The store's cursor at its answer to this stream: messages up to it were decided before, and
+  /// cost no tokens if sent again. kNotKnown before the answer, so that nothing costs any.
   [[nodiscard]] model::Seq free_through() const { return free_through_.load(); }
-  /// Rejects of the stream's session that its agent has not confirmed, as far as this process
-  /// knows: the store reports earlier ones if it answers before Welcome.
+  /// Rejects of the stream's session that its agent has not confirmed, of those that this process
+  /// knows. It learns earlier ones from the store's answer.
   [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_.load(); }
   /// The Rejects of the session that must be read for its stream; empty if there are none.
   [[nodiscard]] std::optional<UnreadRejects> UnreadOf(const model::SessionId& session) const;
@@ -254,7 +254,7 @@ class RobotSessions final {
   }
   /// Makes everything that waits void, and stops the stream. Returns it.
   loop::StreamRef VoidAndStop(Standing standing, metrics::Ledger& ledger);
-  /// Makes everything that waits void. Returns how much that was. Under the lock.
+  /// Makes everything that waits void. Returns how many messages that were. Under the lock.
   std::size_t Void();
   /// Updates the counts of the current session after it got Rejects, and whether some must be read.
   /// Under the lock.

@@ -48,7 +48,7 @@ struct StateView {
   /// Times since the server's start; the epoch if they did not come, or were dropped since.
   SteadyTime status_arrived;
   SteadyTime rcan_arrived;
-  /// Another process holds the robot: nothing but its presence is known here.
+  /// Another process holds the robot: only its presence is known here.
   bool foreign = false;
 };
 
@@ -95,7 +95,7 @@ class RobotState final {
   /// judged at the latest time that any call named.
   void SignOfLife(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   using Reading = PresenceTrack::Reading;
-  /// The server stopped or began again to read the robot's stream.
+  /// The server stopped or resumed reading the robot's stream.
   void SetReading(Reading reading, SteadyTime now);
   /// As PresenceTrack::AddStall.
   void NoteStall(SteadyTime until);
@@ -125,8 +125,8 @@ class RobotState final {
   [[nodiscard]] std::optional<LiveChanges> TakeChanges();
   /// The taken changes could not be stored: they count as changed again.
   void PutBackChanges(const LivePartSet& changed);
-  /// Takes over older values that have no newer ones and were not dropped. Presence stays as it is,
-  /// since the robot was not heard.
+  /// Takes over older values that have no newer ones and were not dropped, unless the hold has
+  /// changed. Presence stays as it is, since the robot was not heard.
   void Restore(LiveBefore before, storage::Epoch held_since);
 
   /// As above; leaves out runs that ended meanwhile.
@@ -134,8 +134,8 @@ class RobotState final {
 
   // --- Who holds the robot ---
 
-  /// A stream of it began here at `now`. From now on this process judges it, whoever held it, and
-  /// counts its silence from `now` at the earliest. The store learns of that by an OpenStream.
+  /// A stream of it began here at `now`. From now on this process judges it, even if another one
+  /// holds it, and counts its silence from `now` at the earliest. An OpenStream tells the store.
   void Claim(SteadyTime now);
   /// No stream of it is here any more. The store's word about its holder counts again.
   void EndClaim();

@@ -11,8 +11,8 @@ namespace uplink::robot {
 /// reconnecting allows no more. Messages past the limit are spread over the seconds, kRejectsAtOnce
 /// at a time, so that no burst delays others.
 ///
-/// Thread: confined to the robot's stream, of which there is one at a time: the next one begins
-///         after the RobotSessions::Detach of the last.
+/// Thread: confined to the robot's stream. The robot has one at a time: the next one begins after
+///         the RobotSessions::Detach of the last.
 class Throttle final {
  public:
   void Add(SteadyTime now);
