@@ -18,7 +18,7 @@ inline constexpr std::size_t kPlaceBytes = 136;
 /// Bytes of one item of a part. A value.
 struct ItemBytes {
   /// Its content: about what a checkpoint writes of it.
-  std::size_t said = 0;
+  std::size_t content = 0;
   /// All of its memory.
   std::size_t held = 0;
 };
@@ -26,8 +26,8 @@ struct ItemBytes {
 /// For a message that contains its key.
 template <typename Message>
 [[nodiscard]] ItemBytes BytesOfItem(const std::string& key, const Message& message) {
-  const std::size_t said = sizeof(message) + model::HeldBytes(message);
-  return {.said = said, .held = said + model::HeldBytes(key) + kPlaceBytes};
+  const std::size_t content = sizeof(message) + model::HeldBytes(message);
+  return {.content = content, .held = content + model::HeldBytes(key) + kPlaceBytes};
 }
 
 /// A part with keys: the latest value of each, at most `kKeysMax` and kLivePartBytesMax bytes. The
@@ -48,11 +48,11 @@ class KeyedPart {
   }
   KeyedPart(KeyedPart&& other) noexcept
       : latest_(std::move(other.latest_)),
-        said_bytes_(std::exchange(other.said_bytes_, 0)),
+        content_bytes_(std::exchange(other.content_bytes_, 0)),
         held_bytes_(std::exchange(other.held_bytes_, 0)) {}
   KeyedPart& operator=(KeyedPart&& other) noexcept {
     latest_ = std::move(other.latest_);
-    said_bytes_ = std::exchange(other.said_bytes_, 0);
+    content_bytes_ = std::exchange(other.content_bytes_, 0);
     held_bytes_ = std::exchange(other.held_bytes_, 0);
     return *this;
   }
@@ -68,7 +68,7 @@ class KeyedPart {
     std::size_t gone = latest_.Put(std::move(key), std::move(value));
     // Counts the item as kept: a short text may lie in the memory of a longer one before it.
     Count(items().back());
-    while (said_bytes_ > kLivePartBytesMax) {
+    while (content_bytes_ > kLivePartBytesMax) {
       Uncount(items().front());
       latest_.Erase(items().front().first);
       ++gone;
@@ -92,22 +92,22 @@ class KeyedPart {
  private:
   void Count(const typename Latest::Items::value_type& item) {
     const ItemBytes bytes = BytesOfItem(item.first, item.second);
-    said_bytes_ += bytes.said;
+    content_bytes_ += bytes.content;
     held_bytes_ += bytes.held;
   }
   void Uncount(const typename Latest::Items::value_type& item) {
     const ItemBytes bytes = BytesOfItem(item.first, item.second);
-    said_bytes_ -= bytes.said;
+    content_bytes_ -= bytes.content;
     held_bytes_ -= bytes.held;
   }
   /// A copied text takes only the memory that it needs.
   void Recount() {
-    said_bytes_ = held_bytes_ = 0;
+    content_bytes_ = held_bytes_ = 0;
     for (const auto& item : items()) Count(item);
   }
 
   Latest latest_;
-  std::size_t said_bytes_ = 0;
+  std::size_t content_bytes_ = 0;
   std::size_t held_bytes_ = 0;
 };
 

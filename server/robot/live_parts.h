@@ -28,8 +28,8 @@ struct Extra {
 
 /// For a reading, which is kept without its key; the checkpoint writes the key too.
 [[nodiscard]] inline ItemBytes BytesOfItem(const std::string& key, const Extra& extra) {
-  const std::size_t said = sizeof(extra) + model::HeldBytes(key) + model::HeldBytes(extra.value);
-  return {.said = said, .held = said + kPlaceBytes};
+  const std::size_t content = sizeof(extra) + model::HeldBytes(key) + model::HeldBytes(extra.value);
+  return {.content = content, .held = content + kPlaceBytes};
 }
 
 /// What is held of one message: the message, or the readings of extras.

@@ -28,7 +28,7 @@ Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello)
   const bool answered = answer.has_value();
   StoredSession stored = StoredOf(std::move(answer));
   std::vector<RejectedSeq> rejects =
-      memory.rejects.TellAgain(hello.settled_seq, std::move(stored.rejects));
+      memory.rejects.RepeatForWelcome(hello.settled_seq, std::move(stored.rejects));
   if (answered) memory.rejects.SetComplete();
   // The store may have gone back since it confirmed commits: the agent keeps its messages until the
   // store has answered.

@@ -29,8 +29,8 @@ void RejectMemory::AddUntold(RejectedSeq rejected) {
   untold_.push_back(std::move(rejected));
 }
 
-std::vector<RejectedSeq> RejectMemory::TellAgain(model::Seq settled_seq,
-                                                 std::vector<RejectedSeq> stored) {
+std::vector<RejectedSeq> RejectMemory::RepeatForWelcome(model::Seq settled_seq,
+                                                        std::vector<RejectedSeq> stored) {
   told_through_.reset();
   pages_through_ = 0;
   settled_ = settled_seq;

@@ -33,21 +33,21 @@ class RejectMemory final {
   void RememberLive(RejectedSeq limited);
   /// The store refused it: the stream must be told, and the next Welcome repeats it.
   void AddUntold(RejectedSeq rejected);
-  /// How many Rejects the agent has not confirmed: those that the last TellAgain repeated, and
-  /// later ones.
+  /// How many Rejects the agent has not confirmed: those that the last RepeatForWelcome repeated,
+  /// and later ones.
   [[nodiscard]] std::size_t unconfirmed() const { return unconfirmed_; }
   /// Rejects that the stream was not told yet, in the order of the commits.
   [[nodiscard]] std::vector<RejectedSeq> TakeUntold() { return std::exchange(untold_, {}); }
   /// The Rejects that a Welcome repeats: all known ones above `settled_seq`, ascending, each number
   /// once. Those of `stored`, from the store, are remembered too. Afterwards none is untold.
-  [[nodiscard]] std::vector<RejectedSeq> TellAgain(model::Seq settled_seq,
-                                                   std::vector<RejectedSeq> stored);
-  /// The last TellAgain had the store's answer: memory has known all since.
+  [[nodiscard]] std::vector<RejectedSeq> RepeatForWelcome(model::Seq settled_seq,
+                                                          std::vector<RejectedSeq> stored);
+  /// The last RepeatForWelcome had the store's answer: memory has known all since.
   void SetComplete() { complete_ = true; }
-  /// After a TellAgain without the store's answer. True if the stream may lack a Reject above
-  /// `settled_seq`: memory dropped some, or is new while the agent knows of judged messages up to
-  /// `judged_seq`. Also true if memory calls numbers up to `committed` settled, and the store may
-  /// have lost them since. Then told_through holds until AddLate.
+  /// After a RepeatForWelcome without the store's answer. True if the stream may lack a Reject
+  /// above `settled_seq`: memory dropped some, or is new while the agent knows of judged messages
+  /// up to `judged_seq`. Also true if memory calls numbers up to `committed` settled, and the store
+  /// may have lost them since. Then told_through holds until AddLate.
   bool AwaitLate(model::Seq settled_seq, model::Seq judged_seq, model::Seq committed = 0);
   /// The store's answer came after the Welcome: what memory lacks is untold. No effect unless it is
   /// awaited.
@@ -85,7 +85,7 @@ class RejectMemory final {
   model::Seq pages_through_ = 0;
   /// The store's answer counted them up to here.
   model::Seq counted_through_ = 0;
-  /// The settled_seq of the last TellAgain.
+  /// The settled_seq of the last RepeatForWelcome.
   model::Seq settled_ = 0;
   std::vector<RejectedSeq> untold_;
   std::size_t unconfirmed_ = 0;

@@ -39,9 +39,9 @@ loop::StreamRef RobotSessions::Detach(loop::StreamRef stream, SteadyTime now) {
 }
 
 std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId& session,
-                                                         SteadyTime now, const FleetSaid& said) {
+                                                         SteadyTime now, const FleetClaim& claim) {
   const std::lock_guard lock(mutex_);
-  const FleetWords::Effect effect = fleet_words_.Say(said, takeover_.current());
+  const FleetClaims::Effect effect = fleet_claims_.Add(claim, takeover_.current());
   std::optional<std::size_t> disowned;
   if (effect.disowns) disowned = Void();
   SessionMemory* memory = sessions_.FindOrCreate(session);
@@ -194,7 +194,7 @@ bool RobotSessions::HasStream() const {
 loop::StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
   if (opening_.Answer(open_id, result)) {
-    fleet_words_.Answered();
+    fleet_claims_.Answered();
     free_through_.store(result.cursor);
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
       memory->committed = std::max(memory->committed, result.cursor);
@@ -254,7 +254,7 @@ loop::StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& l
   {
     const std::lock_guard lock(mutex_);
     waited = Void();
-    fleet_words_.Answered();
+    fleet_claims_.Answered();
     takeover_.Stop(standing);
     wake = takeover_.current();
   }
@@ -262,13 +262,13 @@ loop::StreamRef RobotSessions::VoidAndStop(Standing standing, metrics::Ledger& l
   return wake;
 }
 
-std::optional<FleetWords::Refused> RobotSessions::OnOtherFleet(std::uint64_t open_id,
-                                                               metrics::Ledger& ledger) {
+std::optional<FleetClaims::Refused> RobotSessions::OnOtherFleet(std::uint64_t open_id,
+                                                                metrics::Ledger& ledger) {
   std::size_t waited = 0;
-  std::optional<FleetWords::Refused> refused;
+  std::optional<FleetClaims::Refused> refused;
   {
     const std::lock_guard lock(mutex_);
-    if (opening_.IsLast(open_id)) refused = fleet_words_.Refuse();
+    if (opening_.IsLast(open_id)) refused = fleet_claims_.Refuse();
     if (!refused) return refused;
     waited = Void();
     takeover_.Refuse(refused->stream);

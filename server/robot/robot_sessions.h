@@ -16,7 +16,7 @@
 #include "schema/model/rejection.h"
 #include "server/loop/wake.h"
 #include "server/robot/commit_client.h"
-#include "server/robot/fleet_words.h"
+#include "server/robot/fleet_claims.h"
 #include "server/robot/held_back.h"
 #include "server/robot/limits.h"
 #include "server/robot/numbering.h"
@@ -109,7 +109,7 @@ class RobotSessions final {
   /// not in memory, and then forgets the least recently used idle one over kSessionsMax. Empty if
   /// all sessions wait for commits.
   [[nodiscard]] std::optional<Begun> Begin(const model::SessionId& session, SteadyTime now,
-                                           const FleetSaid& said = {});
+                                           const FleetClaim& claim = {});
   /// Sessions in memory, for OpenRequest.sessions_held.
   [[nodiscard]] std::vector<model::SessionId> Held() const {
     const std::lock_guard lock(mutex_);
@@ -228,7 +228,7 @@ class RobotSessions final {
   [[nodiscard]] bool HasStream() const;
   loop::StreamRef OnOpened(std::uint64_t open_id, const storage::OpenResult& result);
   /// Empty if another stream was opened since. Otherwise wake the stream.
-  std::optional<FleetWords::Refused> OnOtherFleet(std::uint64_t open_id, metrics::Ledger& ledger);
+  std::optional<FleetClaims::Refused> OnOtherFleet(std::uint64_t open_id, metrics::Ledger& ledger);
   loop::StreamRef OnSettled(std::span<const Settled> settled, metrics::Ledger& ledger);
   loop::StreamRef OnGapsWritten(std::size_t count);
   loop::StreamRef OnFenced(metrics::Ledger& ledger) {
@@ -272,7 +272,7 @@ class RobotSessions final {
   std::optional<model::SessionId> current_session_;
   std::optional<storage::SettledSession> settled_taken_;
   HeldBackTrack held_back_;
-  FleetWords fleet_words_;
+  FleetClaims fleet_claims_;
   /// For View alone, while the current session is not in memory.
   std::optional<storage::SettledSession> last_session_;
   std::atomic<std::size_t> in_flight_{0};

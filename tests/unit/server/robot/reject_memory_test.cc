@@ -27,7 +27,7 @@ std::vector<model::Seq> Seqs(const std::vector<RejectedSeq>& rejects) {
 TEST(RejectMemoryTest, RepeatsWhatIsAboveTheSettledNumberInOrder) {
   RejectMemory memory;
   for (const model::Seq seq : {7U, 2U, 5U}) memory.Remember(Rejected(seq));
-  EXPECT_THAT(Seqs(memory.TellAgain(2, {})), ElementsAre(5, 7));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(2, {})), ElementsAre(5, 7));
 }
 
 TEST(RejectMemoryTest, WhatTheStoreRefusedIsToldOnceAndRepeated) {
@@ -35,20 +35,21 @@ TEST(RejectMemoryTest, WhatTheStoreRefusedIsToldOnceAndRepeated) {
   memory.AddUntold(Rejected(3));
   EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(3));
   EXPECT_THAT(memory.TakeUntold(), IsEmpty());
-  EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(3));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(0, {})), ElementsAre(3));
 }
 
 TEST(RejectMemoryTest, ARepetitionTellsTheUntoldToo) {
   RejectMemory memory;
   memory.AddUntold(Rejected(3));
-  EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(3));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(0, {})), ElementsAre(3));
   EXPECT_THAT(memory.TakeUntold(), IsEmpty());
 }
 
 TEST(RejectMemoryTest, WhatIsRememberedWinsOverTheStoresAndDoublesAreLeftOut) {
   RejectMemory memory;
   memory.Remember(Rejected(3, "ours"));
-  const auto again = memory.TellAgain(0, {Rejected(2, "the store's"), Rejected(3, "the store's")});
+  const auto again =
+      memory.RepeatForWelcome(0, {Rejected(2, "the store's"), Rejected(3, "the store's")});
   ASSERT_THAT(again, SizeIs(2));
   EXPECT_EQ(again[0].rejection.detail, "the store's");
   EXPECT_EQ(again[1].rejection.detail, "ours");
@@ -56,8 +57,8 @@ TEST(RejectMemoryTest, WhatIsRememberedWinsOverTheStoresAndDoublesAreLeftOut) {
 
 TEST(RejectMemoryTest, TheStoresAreRememberedForTheNextWelcome) {
   RejectMemory memory;
-  static_cast<void>(memory.TellAgain(9, {Rejected(4)}));
-  EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(4));
+  static_cast<void>(memory.RepeatForWelcome(9, {Rejected(4)}));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(0, {})), ElementsAre(4));
 }
 
 TEST(RejectMemoryTest, CountsWhatWasToldAndIsNotConfirmed) {
@@ -69,11 +70,11 @@ TEST(RejectMemoryTest, CountsWhatWasToldAndIsNotConfirmed) {
   EXPECT_EQ(memory.unconfirmed(), 2U);
   static_cast<void>(memory.TakeUntold());
   EXPECT_EQ(memory.unconfirmed(), 2U) << "told is not confirmed";
-  static_cast<void>(memory.TellAgain(3, {Rejected(2), Rejected(4), Rejected(5)}));
+  static_cast<void>(memory.RepeatForWelcome(3, {Rejected(2), Rejected(4), Rejected(5)}));
   EXPECT_EQ(memory.unconfirmed(), 2U) << "4 and 5";
   memory.Remember(Rejected(9));
   EXPECT_EQ(memory.unconfirmed(), 3U);
-  static_cast<void>(memory.TellAgain(9, {}));
+  static_cast<void>(memory.RepeatForWelcome(9, {}));
   EXPECT_EQ(memory.unconfirmed(), 0U);
 }
 
@@ -89,9 +90,9 @@ TEST(RejectMemoryTest, CountsOnWhereItForgets) {
 TEST(RejectMemoryTest, PastTheBoundTheLowestNumberIsForgotten) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax; ++seq) memory.Remember(Rejected(seq));
-  EXPECT_THAT(memory.TellAgain(0, {}), SizeIs(kRejectsRememberedMax));
+  EXPECT_THAT(memory.RepeatForWelcome(0, {}), SizeIs(kRejectsRememberedMax));
   memory.Remember(Rejected(kRejectsRememberedMax + 1));
-  const auto again = memory.TellAgain(0, {});
+  const auto again = memory.RepeatForWelcome(0, {});
   EXPECT_THAT(again, SizeIs(kRejectsRememberedMax));
   EXPECT_EQ(again.front().seq, 2U);
 }
@@ -110,7 +111,7 @@ TEST(RejectMemoryTest, WhatItLetGoIsAwaitedAboveWhatTheAgentConfirmed) {
 TEST(RejectMemoryTest, WhatComesLateIsUntoldUnlessItIsRemembered) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 2; ++seq) memory.Remember(Rejected(seq));
-  static_cast<void>(memory.TellAgain(0, {}));
+  static_cast<void>(memory.RepeatForWelcome(0, {}));
   ASSERT_TRUE(memory.AwaitLate(0, 0));
   memory.AddLate({Rejected(1), Rejected(2), Rejected(3)});
   EXPECT_FALSE(memory.told_through().has_value());
@@ -124,7 +125,7 @@ TEST(RejectMemoryTest, ARepetitionAwaitsNothing) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 1; ++seq) memory.Remember(Rejected(seq));
   ASSERT_TRUE(memory.AwaitLate(0, 0));
-  EXPECT_THAT(memory.TellAgain(0, {Rejected(1)}), SizeIs(kRejectsRememberedMax + 1));
+  EXPECT_THAT(memory.RepeatForWelcome(0, {Rejected(1)}), SizeIs(kRejectsRememberedMax + 1));
   EXPECT_FALSE(memory.told_through().has_value());
 }
 
@@ -132,7 +133,7 @@ TEST(RejectMemoryTest, PagesAreToldOnceAndMergedWithWhatItHas) {
   RejectMemory memory;
   memory.Remember(Rejected(6));
   memory.Remember(Rejected(12));
-  EXPECT_THAT(Seqs(memory.TellAgain(0, {Rejected(2)})), ElementsAre(2, 6, 12));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(0, {Rejected(2)})), ElementsAre(2, 6, 12));
   memory.BeginPages({.after = 2, .through = 9}, 4);
   EXPECT_EQ(memory.unconfirmed(), 6U) << "6 is one of the four";
   EXPECT_EQ(memory.told_through(), 2U);
@@ -148,11 +149,11 @@ TEST(RejectMemoryTest, PagesAreToldOnceAndMergedWithWhatItHas) {
 
 TEST(RejectMemoryTest, WhatItIsToldOnlyByPagesIsAwaitedTheNextTime) {
   RejectMemory memory;
-  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  static_cast<void>(memory.RepeatForWelcome(0, {Rejected(2)}));
   memory.BeginPages({.after = 2, .through = 9}, 1);
   memory.AddPage({Rejected(7)}, 9);
   EXPECT_THAT(Seqs(memory.TakeUntold()), ElementsAre(7));
-  EXPECT_THAT(Seqs(memory.TellAgain(0, {})), ElementsAre(2));
+  EXPECT_THAT(Seqs(memory.RepeatForWelcome(0, {})), ElementsAre(2));
   EXPECT_TRUE(memory.AwaitLate(0, 0));
   EXPECT_FALSE(memory.AwaitLate(9, 9));
 }
@@ -161,7 +162,7 @@ TEST(RejectMemoryTest, WhatItLetGoOfIsReadOnceItIsCommitted) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 10; ++seq) memory.Remember(Rejected(seq));
   // The memory let go of 1 to 10. The store's cursor is 4, so 5 to 10 wait for their commit.
-  static_cast<void>(memory.TellAgain(2, {Rejected(3), Rejected(4)}));
+  static_cast<void>(memory.RepeatForWelcome(2, {Rejected(3), Rejected(4)}));
   memory.BeginPages({.after = 4, .through = 4}, 0);
   EXPECT_EQ(memory.told_through(), 4U);
   EXPECT_TRUE(memory.has_unread());
@@ -181,7 +182,7 @@ TEST(RejectMemoryTest, WhatItLetGoOfIsReadOnceItIsCommitted) {
 TEST(RejectMemoryTest, WhatItLetGoOfAndAHelloConfirmedIsNotRead) {
   RejectMemory memory;
   for (model::Seq seq = 1; seq <= kRejectsRememberedMax + 10; ++seq) memory.Remember(Rejected(seq));
-  static_cast<void>(memory.TellAgain(10, {}));
+  static_cast<void>(memory.RepeatForWelcome(10, {}));
   memory.BeginPages({.after = 4, .through = 4}, 0);
   EXPECT_FALSE(memory.told_through().has_value());
 }
@@ -189,27 +190,27 @@ TEST(RejectMemoryTest, WhatItLetGoOfAndAHelloConfirmedIsNotRead) {
 TEST(RejectMemoryTest, LiveNumbersThatWereLimitedAreInNoPage) {
   RejectMemory memory;
   memory.RememberLive({.seq = 5, .rejection = {.reason = model::RejectReason::kRateLimited}});
-  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  static_cast<void>(memory.RepeatForWelcome(0, {Rejected(2)}));
   memory.BeginPages({.after = 2, .through = 9}, 1);
   EXPECT_EQ(memory.unconfirmed(), 2U) << "it need not be confirmed, nor does it stand for one";
 }
 
 TEST(RejectMemoryTest, ANewOneAwaitsTheStoreIfTheAgentKnowsOfMore) {
   RejectMemory memory;
-  static_cast<void>(memory.TellAgain(4, {}));
+  static_cast<void>(memory.RepeatForWelcome(4, {}));
   EXPECT_FALSE(memory.AwaitLate(4, 4)) << "what comes is judged on this stream";
   EXPECT_TRUE(memory.AwaitLate(4, 9)) << "another process may have rejected 5 to 9";
   EXPECT_EQ(memory.told_through(), 4U);
   memory.AddLate({Rejected(6)});
   EXPECT_FALSE(memory.told_through());
   EXPECT_THAT(memory.TakeUntold(), SizeIs(1));
-  static_cast<void>(memory.TellAgain(4, {}));
+  static_cast<void>(memory.RepeatForWelcome(4, {}));
   EXPECT_FALSE(memory.AwaitLate(4, 9)) << "it knows all since";
 }
 
 TEST(RejectMemoryTest, NothingThatPagesHoldIsCalledJudgedUntilItIsTold) {
   RejectMemory memory;
-  static_cast<void>(memory.TellAgain(0, {Rejected(2)}));
+  static_cast<void>(memory.RepeatForWelcome(0, {Rejected(2)}));
   EXPECT_FALSE(memory.judged_through(0));
   memory.BeginPages({.after = 2, .through = 9}, 3);
   EXPECT_EQ(memory.judged_through(0), 2U);

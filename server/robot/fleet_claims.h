@@ -9,14 +9,14 @@
 namespace uplink::robot {
 
 /// A stream's claim about its robot's fleet. A value.
-struct FleetSaid {
+struct FleetClaim {
   std::string fleet = {};
   storage::FleetWord word = storage::FleetWord::kMoves;
 };
 
 /// The last stream's claim about the robot's fleet, until the store has answered it. Confined to
 /// its owner's lock.
-class FleetWords final {
+class FleetClaims final {
  public:
   struct Effect {
     /// What to tell the store: a claim that moves the robot holds until the store has answered it.
@@ -26,9 +26,9 @@ class FleetWords final {
     bool disowns = false;
   };
   /// A stream makes this claim, and the store is about to be asked.
-  [[nodiscard]] Effect Say(const FleetSaid& said, loop::StreamRef stream);
+  [[nodiscard]] Effect Add(const FleetClaim& claim, loop::StreamRef stream);
   /// The store confirmed that fleet, or all that waited is void.
-  void Answered() { untold_.reset(); }
+  void Answered() { unanswered_.reset(); }
 
   struct Refused {
     loop::StreamRef stream;
@@ -40,7 +40,7 @@ class FleetWords final {
   [[nodiscard]] std::optional<Refused> Refuse();
 
  private:
-  std::optional<FleetSaid> untold_;
+  std::optional<FleetClaim> unanswered_;
   loop::StreamRef stream_;
 };
 
