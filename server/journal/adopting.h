@@ -14,7 +14,7 @@ namespace uplink::journal {
 /// are over.
 ///
 /// Errors:  any error is the store's. The same robots are tried again, fewer at once after
-///          kFailuresToHalve failures. A lost answer is given again.
+///          kFailuresToHalve failures. If an answer was lost, the store gives it again.
 /// Thread:  confined to the writer.
 class Adopting final {
  public:

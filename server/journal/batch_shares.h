@@ -38,7 +38,7 @@ class BatchShares final {
     std::size_t bytes = 0;
     bool full = false;
 
-    /// Notes that the batch is full if there is none.
+    /// Whether the share has room. If not, it counts as full from now on.
     bool HasRoomFor(std::size_t more, const BatchShare& share);
     void Add(std::size_t more);
   };

@@ -36,7 +36,7 @@ class Committing final {
 
   /// Gathers a batch from the inbox, unless there is one. True if there is one now.
   [[nodiscard]] bool Gather();
-  /// Puts the batch back to the front.
+  /// Puts its records, gaps and changes of presence back to the front.
   void PutBack();
   /// Commits the batch, without entries that became void.
   [[nodiscard]] Step Commit();

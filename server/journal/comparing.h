@@ -14,18 +14,18 @@ namespace uplink::journal {
 
 /// The step after the store was connected to anew. It may be another one that lacks the last
 /// commits (a failover to a standby that lagged). Before any other call, everything that this
-/// journal holds is compared with it. Records that the store confirmed and does not have are void,
-/// and the robots' streams begin anew from what it has.
+/// journal holds is compared with it. If the store lacks commits of a robot that it confirmed, the
+/// robot's waiting records are void, and its stream begins anew from what the store has.
 ///
-/// Errors:  of the store; the comparison then begins anew, also if the connection breaks between
-///          two pages: the next page's call fails then.
+/// Errors:  of the store; the comparison then begins anew. That is also so if the connection breaks
+///          between two pages, since the next page's call fails.
 /// Thread:  confined to the writer.
 class Comparing final {
  public:
   /// All outlive it.
   Comparing(const WriterContext& context, Holds& holds) : context_(context), holds_(holds) {}
 
-  /// Whether there is something to compare. Put taken entries back to the inbox before.
+  /// Whether the store was connected to anew. Then put taken entries back to the inbox before Do.
   [[nodiscard]] bool Due();
   /// Compares everything. kFailed if the store failed; empty once done.
   [[nodiscard]] std::optional<Step> Do();

@@ -44,7 +44,7 @@ struct Entry {
   std::variant<storage::CommitRecord, storage::GapItem> item;
 };
 
-/// What one stream appends with. A value.
+/// The mark of everything that one stream appends. A value.
 struct AppendedBy {
   AppendedBy(std::uint64_t its_generation,  // NOLINT(google-explicit-constructor): without gateway
              GatewayRef its_gateway = nullptr)

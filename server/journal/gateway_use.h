@@ -7,7 +7,7 @@
 
 namespace uplink::journal {
 
-/// What waits in one journal of all robots of one gateway.
+/// The entries of all robots of one gateway that wait in one journal.
 ///
 /// Thread: thread-safe.
 class GatewayUse final {

@@ -16,8 +16,8 @@
 
 namespace uplink::journal {
 
-/// Follows the store's word on who holds a robot: keeps the account, releases or drops its changes
-/// of presence, and tells the robot.
+/// Tracks which robots this process holds, by the store's answers: lets changes of presence of held
+/// robots be written, drops those of others, and tells the robots.
 ///
 /// Thread: confined to the writer.
 class Holds final {
@@ -49,7 +49,7 @@ class Holds final {
   /// this process last judged is then written again.
   bool FollowPresence(const std::string& ruri, const std::optional<storage::StoredPresence>& stored,
                       Reconnected to);
-  /// What the store has confirmed of the held robots, by RURI.
+  /// What the store has confirmed of the held robots, sorted by RURI.
   [[nodiscard]] std::vector<storage::ToldRobot> ToldOfAll() const;
 
   [[nodiscard]] const HeldRobots& robots() const { return robots_; }

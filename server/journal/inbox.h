@@ -112,7 +112,7 @@ class Inbox final {
   ClaimQueue claims_;
   AdoptQueue adopts_;
   PresenceLog presence_;
-  /// One item per lease, of which the last kDeliveriesWaitingMax rows are kept.
+  /// At most one item: the last kDeliveriesWaitingMax rows of the latest lease.
   std::vector<storage::Deliveries> deliveries_;
   std::vector<Waiter> waiting_for_room_;
   /// By subject. Gateways without a stream or a waiting entry are removed at the next lookup.

@@ -66,24 +66,24 @@ class Journal final {
   /// Queues the claim of a drone; it replaces a queued one of the same client. `client` is the
   /// drone's, the only one of its robot. It must be shared, or it does not learn of new connections
   /// to the store. `robot` is its robot's, and learns who holds the robot: as by an OpenStream if
-  /// the claim took it. If another process has it, only a stream of a lost hold ends. AppendMessage
-  /// takes the drone's records, each with its mark; records that were judged under an earlier claim
-  /// are fenced.
+  /// the claim took it. If another process has it, only a stream of a lost hold ends. Append the
+  /// drone's records by AppendMessage, each with its mark; records that were judged under an
+  /// earlier claim are fenced.
   void Claim(robot::CommitClient& client, robot::CommitClient& robot, storage::ClaimRequest request,
              std::string gateway = {});
   /// The counter of what waits here for all robots of the gateway with this subject: the same
   /// object for the same subject while a stream or an entry has it. Null for an empty subject.
   [[nodiscard]] GatewayRef GatewayOf(const std::string& name) { return inbox_.GatewayOf(name); }
   /// Appends all records of one durable message, in the order of the numbers, for one commit.
-  /// Always takes them: callers ask RoomFor first, except for entries of which each robot has at
-  /// most one. `by` has the client's generation at the begin of the stream. A record of an older
+  /// Always takes them: callers ask RoomFor first, except for a kind of entry that each robot has
+  /// at most once. `by` has the client's generation when the stream began. A record of an older
   /// generation was overtaken by a fence and is not written: the cursor would pass the numbers that
   /// the fence dropped.
   void AppendMessage(robot::CommitClient& client, const AppendedBy& by,
                      std::vector<storage::CommitRecord> records, SteadyTime arrived);
   void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
-  /// Deliveries without records for the store to remember, with the next commit and other ones of
-  /// the same lease.
+  /// Deliveries without records, which the store remembers with the next commit. They join waiting
+  /// ones of the same lease, and replace those of another.
   void Remember(storage::Deliveries deliveries);
   /// Wakes the stream after the next commit that begins after this, even of an empty batch. The
   /// commit shows that the store is there and has what it confirmed: after a new connection the
@@ -102,8 +102,8 @@ class Journal final {
   /// Another process holds the robot since an epoch: lets go of it, unless this process holds it
   /// since a later one.
   void Lose(LossEntry entry);
-  /// The robot should leave memory: the journal forgets and informs it, unless something of it
-  /// waits. If it is not done now, ask again.
+  /// The robot should leave memory: the journal forgets it and tells it so, unless something of it
+  /// waits. Then ask again later.
   void Leave(LeaveEntry entry);
 
   /// Sets the live states that this journal checkpoints each `every`, in turn with other work.
@@ -126,7 +126,7 @@ class Journal final {
   /// While the store is away it is tried again.
   void RequestCheckpoint();
 
-  /// Whether a robot may append a record of `bytes` (CostOf). `robot` is what of it waits already;
+  /// Whether a robot may append a record of `bytes` (CostOf). `robot` is its waiting records;
   /// `gateway` is that of its stream, null without.
   [[nodiscard]] Room RoomFor(const robot::JournalUse& robot, std::size_t bytes,
                              const GatewayUse* gateway = nullptr) const {
@@ -142,7 +142,7 @@ class Journal final {
   [[nodiscard]] std::size_t bytes() const { return inbox_.bytes(); }
   /// Age of the oldest waiting record; zero if none waits.
   [[nodiscard]] milliseconds oldest(SteadyTime now) const { return inbox_.oldest(now); }
-  /// Nothing waits, not even the report of an outcome.
+  /// No record, OpenStream, claim, change of presence or checkpoint is unfinished or unreported.
   [[nodiscard]] bool idle() const { return inbox_.idle(); }
 
   /// The writer's side.
@@ -150,7 +150,8 @@ class Journal final {
 
   /// The store's last error; OK after a success.
   [[nodiscard]] absl::Status last_error() const { return errors_.last(); }
-  /// Why histories could not be kept to their age although the store is there; OK after a success.
+  /// Why old rows of histories could not be deleted although the store is there; OK after a
+  /// success.
   [[nodiscard]] absl::Status retain_error() const { return retain_error_.last(); }
   /// The same for checkpoints.
   [[nodiscard]] absl::Status checkpoint_error() const { return checkpoint_error_.last(); }

@@ -71,8 +71,8 @@ inline constexpr std::chrono::milliseconds kSweepAgain{100};
 inline constexpr std::chrono::seconds kTrimInterval{10};
 inline constexpr std::size_t kTrimRobotsPerCall = 4;
 
-/// How often histories are kept to their age; how soon again while the store is away, and after
-/// errors of its own.
+/// How often old rows of histories are deleted; how soon again while the store is away, and after
+/// other errors.
 inline constexpr std::chrono::hours kRetainInterval{1};
 inline constexpr std::chrono::seconds kRetainAgain{10};
 inline constexpr std::chrono::minutes kRetainLater{5};

@@ -19,13 +19,13 @@ namespace uplink::journal {
 /// The changes of presence that are not committed. At most one per robot waits, the latest. A
 /// change back to what was last handed over does not wait.
 ///
-/// Limits: as many entries as robots (limits.robots_max), which the fleet bounds; and what halved
-///         batches left.
+/// Limits: one entry per robot, which the fleet bounds (limits.robots_max), and what halved batches
+///         put back.
 /// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class PresenceLog final {
  public:
-  /// This process holds the robot since `since`, and the store has `stored` of it. The judge of the
-  /// robot then notes its presence if that differs.
+  /// This process holds the robot since `since`, and the store has `stored` as its presence. The
+  /// caller notes another presence if it judges so.
   void Hold(const std::string& ruri, storage::Epoch since,
             const std::optional<storage::StoredPresence>& stored);
   /// Another process holds and judges the robot: drops its waiting change, and one that was put

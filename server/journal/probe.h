@@ -20,7 +20,7 @@ struct JournalProbe {
   std::array<metrics::Cell, 3> presence_changes;
   /// Changes of presence that the store refused because another process held the robot.
   metrics::Cell presence_refused;
-  /// Robots of which the store, after a new connection, had less than it had confirmed.
+  /// Robots for which the store, after a new connection, had less than it had confirmed.
   metrics::Cell went_back;
   /// When that was last found; the epoch if it never was. Any thread.
   std::atomic<SteadyTime> went_back_at{SteadyTime()};

@@ -13,7 +13,7 @@ namespace uplink::journal {
 /// Rows of a robot that go to quarantine between two looks: at most so many may exceed its bound
 /// unnoticed.
 inline constexpr std::size_t kQuarantineRowsPerLook = storage::kQuarantineRowsPerRobotMax / 10;
-/// Robots of which rows are counted; past it they are counted anew, and looked at once more each.
+/// Robots whose rows are counted. Past it, counting begins anew, and each is checked once more.
 inline constexpr std::size_t kQuarantineRobotsMax = 32'768;
 
 /// Robots whose rows went to quarantine, and whose number of rows must be checked: after the first

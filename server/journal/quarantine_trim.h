@@ -6,8 +6,8 @@
 namespace uplink::journal {
 
 /// The duty that keeps the quarantine of robots to its bound: each kTrimInterval for noted robots,
-/// kTrimRobotsPerCall per call, and again after kSweepAgain if more is left. It uses no clock, and
-/// does nothing if no robot is noted.
+/// kTrimRobotsPerCall per call, and again after kSweepAgain if more is left. It needs no civil
+/// time, and does nothing if no robot is noted.
 ///
 /// Errors:  any error is the store's; the robots stay noted.
 /// Thread:  confined to the writer.

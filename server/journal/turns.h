@@ -42,8 +42,8 @@ class Turns final {
   void WaitForWork(const std::stop_token& stop);
 
  private:
-  /// Opens streams, moves robots between hands, claims drones, or commits, which alternates with
-  /// the others. Empty if nothing waits.
+  /// Opens streams, adopts or lets go of robots, or claims drones; commits alternate with these.
+  /// Empty if nothing waits.
   std::optional<Step> AdvanceWork();
   /// Empty if no robot changes hands and no drone waits to be claimed.
   std::optional<Step> AdvanceHands();

@@ -14,7 +14,7 @@ namespace uplink::journal {
 /// Robots that one line of the log names (`store_went_back`).
 inline constexpr std::size_t kWentBackNamed = 8;
 
-/// The robots of one shard of which the store had less than it had confirmed. A value.
+/// The robots of one shard for which the store had less than it had confirmed. A value.
 struct WentBack {
   std::size_t shard = 0;
   std::size_t robots = 0;
@@ -22,7 +22,7 @@ struct WentBack {
   std::vector<std::string> named;
 };
 
-/// Counts robots of which a journal's store has less than it confirmed, and keeps the first names
+/// Counts robots for which a journal's store has less than it confirmed, and keeps the first names
 /// for the log. Thread-safe.
 class WentBackNotes final {
  public:
