@@ -54,15 +54,15 @@ Step Adopting::Adopt() {
   for (std::size_t i = 0; i < asked.size(); ++i) {
     const storage::AdoptResult& result = (*results)[i];
     if (!result.held_since) continue;
-    const Holds::Told told = holds_.Begin(*asked[i].client, asked[i].request.robot,
-                                          {.how = robot::HoldBegan::kAdopted,
-                                           .since = *result.held_since,
-                                           .presence = result.presence,
-                                           .was_known = true,
-                                           .end = result.end,
-                                           .grace = asked[i].grace.Of(result.end)});
-    if (told.begun) context_.probe.adopted.Add();
-    if (told.interrupted) told.stream.Wake();
+    const Holds::BeginResult begun = holds_.Begin(*asked[i].client, asked[i].request.robot,
+                                                  {.how = robot::HoldBegan::kAdopted,
+                                                   .since = *result.held_since,
+                                                   .presence = result.presence,
+                                                   .was_known = true,
+                                                   .end = result.end,
+                                                   .grace = asked[i].grace.Of(result.end)});
+    if (begun.begun) context_.probe.adopted.Add();
+    if (begun.interrupted) begun.stream.Wake();
   }
   return Step::kWorked;
 }

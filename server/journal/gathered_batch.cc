@@ -108,7 +108,7 @@ void GatheredBatch::ClearEntries() {
   batch_.deliveries.clear();
   origins_.clear();
   gap_origins_.clear();
-  asking_.clear();
+  commit_waiters_.clear();
 }
 
 }  // namespace uplink::journal

@@ -32,13 +32,17 @@ class GatheredBatch final {
   }
 
   /// Streams that wait for its commit, even of an empty batch (Journal::WhenCommitted).
-  void SetAsking(std::vector<loop::StreamRef> streams) { asking_ = std::move(streams); }
+  void SetCommitWaiters(std::vector<loop::StreamRef> streams) {
+    commit_waiters_ = std::move(streams);
+  }
 
   [[nodiscard]] bool empty() const {
     return origins_.empty() && gap_origins_.empty() && batch_.presence.empty() &&
-           batch_.deliveries.empty() && asking_.empty();
+           batch_.deliveries.empty() && commit_waiters_.empty();
   }
-  [[nodiscard]] const std::vector<loop::StreamRef>& asking() const { return asking_; }
+  [[nodiscard]] const std::vector<loop::StreamRef>& commit_waiters() const {
+    return commit_waiters_;
+  }
   /// Records and gaps.
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
   /// Bytes of records and gaps.
@@ -80,7 +84,7 @@ class GatheredBatch final {
   storage::Batch batch_;
   std::vector<Origin> origins_;
   std::vector<Origin> gap_origins_;
-  std::vector<loop::StreamRef> asking_;
+  std::vector<loop::StreamRef> commit_waiters_;
 };
 
 }  // namespace uplink::journal

@@ -4,28 +4,28 @@
 
 namespace uplink::journal {
 
-Holds::Told Holds::Begin(robot::CommitClient& client, const storage::RobotRef& robot,
-                         const robot::HoldNews& news) {
-  Told told;
+Holds::BeginResult Holds::Begin(robot::CommitClient& client, const storage::RobotRef& robot,
+                                const robot::HoldNews& news) {
+  BeginResult result;
   Held& held = held_[robot->ruri];
   // Another robot of the same name, whose owner let go of it, is no longer held.
   if (held.client.get() != nullptr && held.client.get() != &client) robots_.Lose(*held.client);
   held = {&client, robot};
   switch (robots_.Begin(client, news.since)) {
     case HeldRobots::Hold::kSame:
-      return told;
+      return result;
     case HeldRobots::Hold::kInterrupted:
-      told = {.begun = true, .interrupted = true, .stream = client.OnFenced(context_.ledger)};
+      result = {.begun = true, .interrupted = true, .stream = client.OnFenced(context_.ledger)};
       context_.inbox.LosePresence(robot->ruri);
       break;
     case HeldRobots::Hold::kNew:
-      told.begun = true;
+      result.begun = true;
       break;
   }
   // First: later notes of the robot are compared with what the store has.
   context_.inbox.HoldPresence(robot->ruri, news.since, news.presence);
   client.OnHeld(news);
-  return told;
+  return result;
 }
 
 loop::StreamRef Holds::Lose(robot::CommitClient& client, const storage::RobotRef& robot) {

@@ -25,7 +25,7 @@ class Holds final {
   explicit Holds(const WriterContext& context) : context_(context) {}
 
   /// The result of Begin for the client.
-  struct Told {
+  struct BeginResult {
     /// It was not already held since then.
     bool begun = false;
     /// Another process held it in between: its sessions are forgotten.
@@ -34,8 +34,8 @@ class Holds final {
     loop::StreamRef stream;
   };
   /// The store answered that the robot is ours.
-  Told Begin(robot::CommitClient& client, const storage::RobotRef& robot,
-             const robot::HoldNews& news);
+  BeginResult Begin(robot::CommitClient& client, const storage::RobotRef& robot,
+                    const robot::HoldNews& news);
   /// This process does not hold the robot: another one does, or the store lost it. Returns the
   /// stream to wake.
   loop::StreamRef Lose(robot::CommitClient& client, const storage::RobotRef& robot);

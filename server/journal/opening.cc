@@ -69,12 +69,12 @@ void Opening::Tell(const OpenEntry& open, const storage::OpenResult& result) {
   }
   TellMove(context_, *open.request.robot, result.moved_from, open.gateway);
   if (!result.taken) return holds_.Lose(*open.client, open.request.robot).Wake();
-  const Holds::Told told = holds_.Begin(*open.client, open.request.robot,
-                                        {.how = robot::HoldBegan::kOpened,
-                                         .since = result.held_since,
-                                         .presence = result.presence,
-                                         .was_known = result.was_known});
-  if (told.interrupted) return told.stream.Wake();
+  const Holds::BeginResult begun = holds_.Begin(*open.client, open.request.robot,
+                                                {.how = robot::HoldBegan::kOpened,
+                                                 .since = result.held_since,
+                                                 .presence = result.presence,
+                                                 .was_known = result.was_known});
+  if (begun.interrupted) return begun.stream.Wake();
   if (HasLess(*open.client, open.request.session, result.cursor)) {
     context_.went_back.Note(open.request.robot->ruri, context_.clock.Steady());
     return holds_.WentBack(open.request.robot->ruri).Wake();

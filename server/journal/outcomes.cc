@@ -85,7 +85,7 @@ std::vector<loop::StreamRef> TellOutcomes(const GatheredBatch& batch,
     wake.push_back(robot == nullptr ? client->OnFenced(ledger) : holds.Lose(*client, robot));
   }
   for (const Origin& origin : batch.gap_origins()) wake.push_back(origin.client->OnGapsWritten(1));
-  std::ranges::copy(batch.asking(), std::back_inserter(wake));
+  std::ranges::copy(batch.commit_waiters(), std::back_inserter(wake));
   return wake;
 }
 

@@ -25,7 +25,7 @@ namespace uplink::journal {
 class PresenceLog final {
  public:
   /// This process holds the robot since `since`, and the store has `stored` as its presence. The
-  /// caller notes another presence if it judges so.
+  /// robot's state then notes its presence if that differs.
   void Hold(const std::string& ruri, storage::Epoch since,
             const std::optional<storage::StoredPresence>& stored);
   /// Another process holds and judges the robot: drops its waiting change, and one that was put

@@ -74,7 +74,7 @@ GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
   const std::lock_guard lock(inbox_.mutex_);
   batch.SetPresence(inbox_.presence_.Take(bounds.records_max));
   batch.SetDeliveries(std::exchange(inbox_.deliveries_, {}));
-  batch.SetAsking(std::exchange(inbox_.waiting_for_commit_, {}));
+  batch.SetCommitWaiters(std::exchange(inbox_.waiting_for_commit_, {}));
   const auto oldest = inbox_.queue_.MoveTo(batch, bounds, held);
   if (!inbox_.batch_oldest_) inbox_.batch_oldest_ = oldest;
   return batch;
