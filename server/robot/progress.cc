@@ -22,9 +22,9 @@ Progress TakeProgress(SessionMemory& memory) {
           .released = std::exchange(memory.released, {})};
 }
 
-Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello) {
+Resume ResumeOf(SessionMemory& memory, OpenAnswer& open_answer, const ResumeFor& hello) {
   memory.known_judged = hello.judged_seq;
-  std::optional<storage::OpenResult> answer = opening.Take(hello.open_id);
+  std::optional<storage::OpenResult> answer = open_answer.Take(hello.open_id);
   const bool answered = answer.has_value();
   StoredSession stored = StoredOf(std::move(answer));
   std::vector<RejectedSeq> rejects =
@@ -35,7 +35,7 @@ Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello)
   const model::Seq told = Planted(Mutation::kReconnectTrusted) ? 0 : memory.committed;
   const bool awaits =
       !answered && memory.rejects.AwaitLate(hello.settled_seq, hello.judged_seq, told);
-  if (awaits) opening.WantLate();
+  if (awaits) open_answer.WantLate();
   if (answered) memory.rejects.BeginPages(stored.unread, stored.more);
   Resume resume{
       .committed = memory.numbers.Resume(hello.settled_seq, hello.judged_seq, stored.through),

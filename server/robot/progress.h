@@ -5,7 +5,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
-#include "server/robot/opening.h"
+#include "server/robot/open_answer.h"
 #include "server/robot/rejected_seq.h"
 #include "server/robot/session_table.h"
 
@@ -40,6 +40,7 @@ struct ResumeFor {
 };
 /// Computes the contents of Welcome from session memory and, if it has come, the store's answer.
 /// Confined to the owner's lock of both.
-[[nodiscard]] Resume ResumeOf(SessionMemory& memory, Opening& opening, const ResumeFor& hello);
+[[nodiscard]] Resume ResumeOf(SessionMemory& memory, OpenAnswer& open_answer,
+                              const ResumeFor& hello);
 
 }  // namespace uplink::robot

@@ -53,7 +53,7 @@ std::optional<RobotSessions::Begun> RobotSessions::Begin(const model::SessionId&
   free_through_.store(kNotKnown);
   last_session_.reset();
   resends_.Begin();
-  return Begun{.open_id = opening_.Ask(),
+  return Begun{.open_id = open_answer_.Ask(),
                .generation = generation_.load(),
                .fleet_word = effect.word,
                .disowned = disowned};
@@ -64,7 +64,7 @@ Resume RobotSessions::ResumeFrom(const model::SessionId& session, std::uint64_t 
   const std::lock_guard lock(mutex_);
   SessionMemory* memory = sessions_.Find(session);
   if (memory == nullptr) return {.committed = settled_seq, .rejects = {}};
-  Resume resume = ResumeOf(*memory, opening_, {open_id, settled_seq, judged_seq});
+  Resume resume = ResumeOf(*memory, open_answer_, {open_id, settled_seq, judged_seq});
   CountUnconfirmed();
   return resume;
 }
@@ -193,7 +193,7 @@ bool RobotSessions::HasStream() const {
 
 loop::StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::OpenResult& result) {
   const std::lock_guard lock(mutex_);
-  if (opening_.Answer(open_id, result)) {
+  if (open_answer_.Answer(open_id, result)) {
     fleet_claims_.Answered();
     free_through_.store(result.cursor);
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
@@ -206,8 +206,8 @@ loop::StreamRef RobotSessions::OnOpened(std::uint64_t open_id, const storage::Op
       return memory != nullptr && memory->numbers.Waits(sent.seq) && !known;
     });
   }
-  if (opening_.came_late()) {
-    StoredSession stored = StoredOf(opening_.Take(open_id));
+  if (open_answer_.came_late()) {
+    StoredSession stored = StoredOf(open_answer_.Take(open_id));
     if (SessionMemory* memory = sessions_.Find(*current_session_)) {
       memory->rejects.AddLate(std::move(stored.rejects));
       memory->rejects.BeginPages(stored.unread, stored.more);
@@ -268,7 +268,7 @@ std::optional<FleetClaims::Refused> RobotSessions::OnOtherFleet(std::uint64_t op
   std::optional<FleetClaims::Refused> refused;
   {
     const std::lock_guard lock(mutex_);
-    if (opening_.IsLast(open_id)) refused = fleet_claims_.Refuse();
+    if (open_answer_.IsLast(open_id)) refused = fleet_claims_.Refuse();
     if (!refused) return refused;
     waited = Void();
     takeover_.Refuse(refused->stream);
@@ -284,7 +284,7 @@ std::size_t RobotSessions::Void() {
   sessions_.Clear();
   last_session_.reset();
   settled_taken_.reset();
-  opening_.Forget();
+  open_answer_.Forget();
   resends_.Begin();
   generation_.fetch_add(1);
   return waiting;

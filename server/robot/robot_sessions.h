@@ -20,7 +20,7 @@
 #include "server/robot/held_back.h"
 #include "server/robot/limits.h"
 #include "server/robot/numbering.h"
-#include "server/robot/opening.h"
+#include "server/robot/open_answer.h"
 #include "server/robot/pacing.h"
 #include "server/robot/progress.h"
 #include "server/robot/reconnects.h"
@@ -44,8 +44,8 @@ struct Newcomer {
 
 /// The sessions of one robot in memory, behind one mutex: the SessionTable (numbers and Rejects of
 /// each session), the Reconnects (how often streams come), the Takeover (which stream is the
-/// robot's), the store's Opening and the Pacing. It outlives streams, and learns of commits through
-/// its Robot.
+/// robot's), the store's OpenAnswer and the Pacing. It outlives streams, and learns of commits
+/// through its Robot.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out. Functions for the robot's stream
 ///         alone say so.
@@ -118,7 +118,7 @@ class RobotSessions final {
   /// True once the store has answered OpenStream `open_id`.
   [[nodiscard]] bool Opened(std::uint64_t open_id) const {
     const std::lock_guard lock(mutex_);
-    return opening_.answered(open_id);
+    return open_answer_.answered(open_id);
   }
   /// The contents of Welcome, from session memory and, if it has come, the store's answer.
   [[nodiscard]] Resume ResumeFrom(const model::SessionId& session, std::uint64_t open_id,
@@ -265,7 +265,7 @@ class RobotSessions final {
   SessionTable sessions_;
   Reconnects reconnects_;
   Takeover takeover_;
-  Opening opening_;
+  OpenAnswer open_answer_;
   Pacing pacing_;
   Resends resends_;
   /// The session of the robot's stream, or of its last one.

@@ -1,4 +1,4 @@
-#include "server/robot/opening.h"
+#include "server/robot/open_answer.h"
 
 #include <algorithm>
 #include <utility>
@@ -24,24 +24,24 @@ StoredSession StoredOf(std::optional<storage::OpenResult> answer) {
   return stored;
 }
 
-std::uint64_t Opening::Ask() {
+std::uint64_t OpenAnswer::Ask() {
   answer_.reset();
   wanted_ = true;
   late_ = false;
   return ++open_id_;
 }
 
-bool Opening::Answer(std::uint64_t open_id, const storage::OpenResult& result) {
+bool OpenAnswer::Answer(std::uint64_t open_id, const storage::OpenResult& result) {
   if (open_id != open_id_) return false;
   if (wanted_) answer_ = result;
   return true;
 }
 
-bool Opening::answered(std::uint64_t open_id) const {
+bool OpenAnswer::answered(std::uint64_t open_id) const {
   return open_id == open_id_ && answer_.has_value();
 }
 
-std::optional<storage::OpenResult> Opening::Take(std::uint64_t open_id) {
+std::optional<storage::OpenResult> OpenAnswer::Take(std::uint64_t open_id) {
   wanted_ = late_ = false;
   if (open_id != open_id_) return std::nullopt;
   return std::exchange(answer_, std::nullopt);

@@ -28,7 +28,7 @@ struct StoredSession {
 
 /// The store's answer to the last OpenStream of a robot, until Welcome has used it. Confined to its
 /// owner's lock.
-class Opening final {
+class OpenAnswer final {
  public:
   /// A stream asks anew; answers to older questions are ignored. Returns the question's id.
   [[nodiscard]] std::uint64_t Ask();
