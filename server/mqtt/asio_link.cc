@@ -120,7 +120,7 @@ void AsioLink::Connect(const tcp::resolver::results_type& found) {
         if (self->events_ == nullptr) return;
         if (error) {
           return self->events_->OnDown(
-              {EndReason::kConnect, "nobody takes the connection: " + error.message()});
+              {EndReason::kConnect, "no one accepts the connection: " + error.message()});
         }
         Error ignored;
         self->socket_.set_option(tcp::no_delay(true), ignored);

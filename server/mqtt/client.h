@@ -26,7 +26,7 @@
 namespace uplink::mqtt {
 
 /// A subscriber: one connection to a broker, made anew whenever it ends. It passes messages to its
-/// listener and acks those at QoS 1 once they are released, in the order in which they came.
+/// listener, and acks those at QoS 1 once the listener releases them, in the order of arrival.
 ///
 /// Errors:  faults of the broker and the network end a connection, for a named reason (EndReason),
 ///          never the client.
@@ -91,8 +91,8 @@ class Client final : private LinkEvents, private ConversationEvents {
 
   /// Unread bytes from the broker (Link::unread). Its own thread.
   [[nodiscard]] std::size_t unread() const { return link_ == nullptr ? 0 : link_->unread(); }
-  /// How long the oldest ping has had no answer, even if other bytes come: what comes is so far
-  /// behind. Its own thread.
+  /// How long the oldest ping has had no answer, even if other bytes come: so far behind are the
+  /// messages that we read. Its own thread.
   [[nodiscard]] SteadyTime::duration ping_waited() const {
     return conversation_ == nullptr ? SteadyTime::duration::zero() : conversation_->ping_waited();
   }

@@ -35,7 +35,7 @@ struct HeadExtent {
   /// that must be kept.
   bool too_large = false;
 };
-/// `begin`: the packet's bytes after the opening, as far as they have arrived.
+/// `begin`: those bytes of the packet after the opening that have arrived.
 ///
 /// Errors: kMalformed if it would end past the packet.
 [[nodiscard]] Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening,

@@ -14,7 +14,7 @@ enum class EndReason : std::uint8_t {
   kStopped,           // we were told to stop
   kSettings,          // a file of ours cannot be used
   kResolve,           // the name has no address
-  kConnect,           // nobody took the connection
+  kConnect,           // no one accepted the connection
   kTls,               // the handshake failed
   kTimeout,           // no answer to a step of connecting or subscribing
   kRefused,           // CONNACK with a reason
@@ -31,7 +31,7 @@ enum class EndReason : std::uint8_t {
   kQos2,              // a PUBLISH at QoS 2, for which we never ask
   kUnexpectedPacket,  // a packet that no broker sends to a subscriber
   kUnexpectedAnswer,  // an answer to nothing that we asked
-  kBehind,            // we ended it: what comes is too old by the time that we read it
+  kBehind,            // we ended it: its messages are too old by the time that we read them
 };
 
 /// In the order of EndReason.

@@ -9,12 +9,12 @@ namespace uplink::mqtt {
 
 /// When a PINGREQ is due, and when its PINGRESP is late. Pure.
 ///
-/// A PINGREQ is due each interval, whatever else is sent or comes. The broker counts on something
-/// being sent; a connection that only writes would never notice that its peer is gone; and the
-/// PINGRESP, which queues behind what waits in the broker, shows how far behind the connection is.
-/// It is late if since the request, and for `wait`, nothing came at all: other bytes are a sign of
-/// life, and the PINGRESP may be behind many of them. While we do not read, nothing is late; the
-/// wait starts again when we read again.
+/// A PINGREQ is due each interval, even if other packets are sent or come. The broker needs
+/// something to be sent; a connection that only writes would not notice that its peer is gone; and
+/// the PINGRESP, which queues behind messages in the broker, shows how far behind we are. It is
+/// late if nothing at all came since the request and for `wait`: other bytes are a sign of life,
+/// and the PINGRESP may be behind many of them. While we do not read, nothing is late; the wait
+/// starts again when we read again.
 ///
 /// Thread: confined to its connection's.
 class Keepalive final {

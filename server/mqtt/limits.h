@@ -6,7 +6,7 @@
 
 namespace uplink::mqtt {
 
-// What MQTT's own numbers can say.
+// Limits of MQTT's own encoding.
 
 /// The largest remaining length: four digits of seven bits.
 inline constexpr std::uint32_t kRemainingLengthMax = 268'435'455;
@@ -16,8 +16,8 @@ inline constexpr std::size_t kFieldBytesMax = 65'535;
 // What we take.
 
 /// Bytes of a PUBLISH before its payload: topic, packet id and properties. The topic alone may have
-/// 64 KiB; as much is left for properties, of which we use at most kCorrelationBytesMax. A larger
-/// head is skipped.
+/// 64 KiB; as much is left for properties, and we use at most kCorrelationBytesMax of those. A
+/// larger head is skipped.
 inline constexpr std::size_t kHeadBytesMax = std::size_t{128} * 1024;
 /// Bytes of any other packet. A SUBACK has a byte for each of kFiltersPerAsk; a longer packet
 /// consists of texts that we would not show.

@@ -45,7 +45,7 @@ class Link {
   virtual void Read() = 0;
   /// The bytes of the last Read, until the next one begins.
   [[nodiscard]] virtual std::string_view input() const = 0;
-  /// Unread bytes, as far as the system knows; 0 without a connection.
+  /// Bytes that the kernel holds unread; 0 without a connection.
   [[nodiscard]] virtual std::size_t unread() const = 0;
   /// One at a time; OnWritten follows. If it fails, OnDown comes from the pending read, since the
   /// broker's last bytes may still be there, or at once without one.

@@ -35,7 +35,7 @@ struct Connected {
   bool session_lost = false;
 };
 
-/// Something that a broker does not do as it was asked.
+/// Something that a broker does otherwise than we asked.
 struct Trouble {
   enum class Kind : std::uint8_t {
     kFilterRefused,

@@ -28,7 +28,7 @@ struct Properties {
 /// are skipped by their lengths and not checked, and the last of a repeated one counts. Properties
 /// that we do not use are not kept.
 ///
-/// Errors:  kUnknownProperty, kTopicAlias (we announced that there are none), else kMalformed.
+/// Errors:  kUnknownProperty, kTopicAlias (we announced that there are none), otherwise kMalformed.
 /// Limits:  those of the packet, which is whole.
 /// Thread:  pure; any thread.
 /// Source:  MQTT 5.0, table 2-4.

@@ -26,8 +26,8 @@ struct Secrets {
 /// Reads the files, for one connection: they may have changed since the last one.
 ///
 /// Errors:  kFailedPrecondition names the key of the configuration and the file: it cannot be read,
-///          is too large (kPasswordBytesMax, identity::kPemBytesMax), is empty, everybody may write
-///          it, or it is what a start refuses, too (CheckAuthorities, CheckClientPair).
+///          is too large (kPasswordBytesMax, identity::kPemBytesMax), is empty, every user may
+///          write it, or a start would refuse it too (CheckAuthorities, CheckClientPair).
 /// Thread:  any; blocks on the files.
 [[nodiscard]] absl::StatusOr<Secrets> ReadSecrets(const ClientSettings& settings);
 

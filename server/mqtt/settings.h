@@ -31,7 +31,7 @@ struct Waits {
   Waits();
 };
 
-/// A smaller one could only be 0, with which a broker never considers us gone.
+/// The next smaller one is 0, with which a broker never considers us gone.
 inline constexpr std::chrono::seconds kKeepaliveMin{1};
 
 /// How one connection to a broker is made. A value.

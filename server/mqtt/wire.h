@@ -51,8 +51,8 @@ class Wire final {
     kFirst,   // its first byte
     kLength,  // the digits of its remaining length
     kHead,    // a PUBLISH up to its payload, not whole in the bytes that were given
-    kBody,    // up to its end, to be kept until then
-    kPast,    // what is not wanted, behind the head or what is kept of it
+    kBody,    // up to its end; kept until then
+    kPast,    // unwanted bytes behind the part of the head that is kept
     kBroken,
   };
 

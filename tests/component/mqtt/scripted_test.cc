@@ -198,7 +198,7 @@ TEST_F(MqttScripted, AnAddressWhereNobodyListensIsToldAndTriedAgain) {
   ASSERT_TRUE(client.UntilEnds(3));
   for (const End& end : client.ends) EXPECT_EQ(end.reason, EndReason::kConnect) << end.text;
   EXPECT_EQ(client->status().state, ClientState::kWaiting);
-  EXPECT_THAT(client->status().last_error, HasSubstr("nobody takes the connection"));
+  EXPECT_THAT(client->status().last_error, HasSubstr("no one accepts the connection"));
 }
 
 TEST_F(MqttScripted, ANameIsResolvedAndStopSaysFarewell) {

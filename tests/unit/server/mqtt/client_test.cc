@@ -280,7 +280,7 @@ TEST(MqttClient, AnIdIsNoLongerTakenOnceNobodyTakesTheConnection) {
   ASSERT_EQ(bench.probe.id_taken.value(), 1);
   bench.Advance(60s);
   ASSERT_TRUE(bench.link->opened);
-  bench.link->events()->OnDown({EndReason::kConnect, "nobody takes the connection"});
+  bench.link->events()->OnDown({EndReason::kConnect, "no one accepts the connection"});
   EXPECT_EQ(bench.client->status().state, ClientState::kWaiting);
   EXPECT_EQ(bench.probe.id_taken.value(), 0) << "as the state says, and so /readyz";
 }
