@@ -67,7 +67,8 @@ void Client::Stop() {
   if (settling_) return conversation_->Leave();  // Settle ends it
   const bool accepted = conversation_ != nullptr && conversation_->accepted_at().has_value();
   if (link_ != nullptr) parts_.probe.CountEnd(EndReason::kStopped);
-  Part(accepted ? conversation_->TakeRest() + EncodeDisconnect(settings_.version, 0) : "");
+  CloseConnection(accepted ? conversation_->TakeRest() + EncodeDisconnect(settings_.version, 0)
+                           : "");
   parts_.probe.id_taken.Set(0);
   parts_.probe.stopped_by_core.Set(0);
   Show(ClientState::kStopped);
@@ -207,7 +208,7 @@ void Client::Settle() {
   Arm();
 }
 
-void Client::Part(std::string farewell) {
+void Client::CloseConnection(std::string farewell) {
   if (conversation_ != nullptr) {
     had_session_ |= settings_.kept_session && conversation_->accepted_at().has_value();
     subscriptions_.End();
@@ -229,7 +230,7 @@ void Client::Ended(const End& end) {
   }
   // MQTT 5 tells the broker what was wrong with it; 3.1.1 has no way to.
   const std::uint8_t code = settings_.version == Version::k5 ? FarewellCode(end.reason) : 0;
-  Part(lived && code != 0 ? EncodeDisconnect(settings_.version, code) : "");
+  CloseConnection(lived && code != 0 ? EncodeDisconnect(settings_.version, code) : "");
   const Reconnect::Pause pause = reconnect_.After(end.reason, lived, parts_.random());
   phase_ = Phase::kPausing;
   due_ = now + pause.wait;

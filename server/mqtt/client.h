@@ -122,7 +122,7 @@ class Client final : private LinkEvents, private ConversationEvents {
   void Settle();
   void Ended(const End& end);
   /// Ends the link and its conversation.
-  void Part(std::string farewell);
+  void CloseConnection(std::string farewell);
   void Arm();
   void Show(ClientState state);
   void NoteError(const std::string& text);

@@ -118,9 +118,9 @@ Decoded<Packet> DecodeDisconnect(std::string_view body) {
 
 }  // namespace
 
-std::optional<Fault> CheckOpening(Version version, const Opening& opening) {
-  if (opening.is_publish()) return CheckPublishFlags(opening.first);
-  switch (static_cast<PacketType>(opening.first >> 4U)) {
+std::optional<Fault> CheckFixedHeader(Version version, const FixedHeader& fixed) {
+  if (fixed.is_publish()) return CheckPublishFlags(fixed.first);
+  switch (static_cast<PacketType>(fixed.first >> 4U)) {
     case PacketType::kDisconnect:
       if (version == Version::k5) break;
       return Fault{EndReason::kUnexpectedPacket, "DISCONNECT, which 3.1.1 has from clients alone"};
@@ -138,25 +138,26 @@ std::optional<Fault> CheckOpening(Version version, const Opening& opening) {
     default:  // a byte of a peer may name any type
       return Fault{EndReason::kUnexpectedPacket, "a packet that no broker sends to a subscriber"};
   }
-  if ((opening.first & 0x0FU) != 0) {
+  if ((fixed.first & 0x0FU) != 0) {
     return Fault{EndReason::kMalformed, "an answer with flags that it cannot have"};
   }
-  if (opening.remaining > kAnswerBytesMax) {
+  if (fixed.remaining > kAnswerBytesMax) {
     return Fault{EndReason::kTooLarge, "an answer over 128 KiB"};
   }
   return std::nullopt;
 }
 
-Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening, std::string_view begin) {
+Decoded<HeadExtent> ExtentOfHead(Version version, const FixedHeader& fixed,
+                                 std::string_view begin) {
   constexpr Fault kPast{EndReason::kMalformed, "a PUBLISH's head ends past its packet"};
   constexpr std::size_t kLengthBytes = 2;
   constexpr std::size_t kDigitsMax = 4;
-  const std::size_t remaining = opening.remaining;
+  const std::size_t remaining = fixed.remaining;
   ByteReader from(begin);
   const auto topic = from.Number<kLengthBytes>();
   if (!topic)
     return remaining < kLengthBytes ? Decoded<HeadExtent>(kPast) : HeadExtent{kLengthBytes};
-  const std::size_t id_bytes = opening.qos() == Qos::kAtMostOnce ? 0 : sizeof(PacketId);
+  const std::size_t id_bytes = fixed.qos() == Qos::kAtMostOnce ? 0 : sizeof(PacketId);
   const std::size_t before = kLengthBytes + *topic + id_bytes;
   if (before > remaining) return kPast;
   if (version == Version::k311) return HeadExtent{before, true};
@@ -179,11 +180,11 @@ Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening, std::s
   return HeadExtent{bytes, true};
 }
 
-Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
+Decoded<Publish> DecodePublishHead(Version version, const FixedHeader& fixed,
                                    const HeadExtent& extent, std::string_view head) {
-  Publish message{.qos = opening.qos(),
-                  .dup = (opening.first & kDupFlag) != 0,
-                  .retained = (opening.first & kRetainFlag) != 0,
+  Publish message{.qos = fixed.qos(),
+                  .dup = (fixed.first & kDupFlag) != 0,
+                  .retained = (fixed.first & kRetainFlag) != 0,
                   .head_unread = extent.too_large};
   ByteReader from(head);
   const auto topic = from.Field();
@@ -208,8 +209,8 @@ Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
   return message;
 }
 
-Decoded<Packet> DecodeAnswer(Version version, const Opening& opening, std::string_view body) {
-  switch (static_cast<PacketType>(opening.first >> 4U)) {
+Decoded<Packet> DecodeAnswer(Version version, const FixedHeader& fixed, std::string_view body) {
+  switch (static_cast<PacketType>(fixed.first >> 4U)) {
     case PacketType::kConnack:
       return DecodeConnack(version, body);
     case PacketType::kSuback:

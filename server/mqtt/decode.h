@@ -10,7 +10,7 @@
 namespace uplink::mqtt {
 
 /// A packet's first byte and remaining length.
-struct Opening {
+struct FixedHeader {
   std::uint8_t first = 0;
   std::uint32_t remaining = 0;
 
@@ -22,9 +22,9 @@ struct Opening {
   }
 };
 
-/// What is wrong with a packet by its opening alone: a type that no broker sends to a subscriber,
-/// invalid flags, QoS 2, or an answer over kAnswerBytesMax. Empty if it may be read on.
-[[nodiscard]] std::optional<Fault> CheckOpening(Version version, const Opening& opening);
+/// What is wrong with a packet by its fixed header alone: a type that no broker sends to a
+/// subscriber, invalid flags, QoS 2, or an answer over kAnswerBytesMax. Empty if it may be read on.
+[[nodiscard]] std::optional<Fault> CheckFixedHeader(Version version, const FixedHeader& fixed);
 
 /// The extent of a PUBLISH's head (everything before its payload), by its first bytes.
 struct HeadExtent {
@@ -35,21 +35,21 @@ struct HeadExtent {
   /// that must be kept.
   bool too_large = false;
 };
-/// `begin`: those bytes of the packet after the opening that have arrived.
+/// `begin`: those bytes of the packet after the fixed header that have arrived.
 ///
 /// Errors: kMalformed if it would end past the packet.
-[[nodiscard]] Decoded<HeadExtent> ExtentOfHead(Version version, const Opening& opening,
+[[nodiscard]] Decoded<HeadExtent> ExtentOfHead(Version version, const FixedHeader& fixed,
                                                std::string_view begin);
 
 /// Decodes a PUBLISH from its head, whose `extent` is known. The caller sets the payload.
 ///
 /// Its publisher's choices are no errors: the topic may be invalid (Publish::bad_topic), and the
 /// head too large (Publish::head_unread).
-[[nodiscard]] Decoded<Publish> DecodePublishHead(Version version, const Opening& opening,
+[[nodiscard]] Decoded<Publish> DecodePublishHead(Version version, const FixedHeader& fixed,
                                                  const HeadExtent& extent, std::string_view head);
 
-/// Decodes any other packet, whose opening passed CheckOpening, from everything after it.
-[[nodiscard]] Decoded<Packet> DecodeAnswer(Version version, const Opening& opening,
+/// Decodes any other packet, whose fixed header passed CheckFixedHeader, from everything after it.
+[[nodiscard]] Decoded<Packet> DecodeAnswer(Version version, const FixedHeader& fixed,
                                            std::string_view body);
 
 // Thread:  pure; any thread. No input makes these abort.

@@ -97,7 +97,7 @@ struct Publish {
   bool has_response_topic = false;
   /// Empty if it was over the bound and skipped, or `head_unread`.
   std::optional<std::string_view> payload;
-  /// If `head_unread`, the bytes of everything after the packet's opening.
+  /// If `head_unread`, the bytes of everything after the packet's fixed header.
   std::size_t payload_bytes = 0;
   /// Its head was over kHeadBytesMax: everything after the topic and the id was skipped.
   bool head_unread = false;

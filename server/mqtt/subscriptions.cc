@@ -28,7 +28,7 @@ void Subscriptions::Want(const std::vector<Filter>& wanted, const std::vector<st
 void Subscriptions::Begin(bool session_present) {
   for (auto& [topic, entry] : wanted_) {
     const bool held = entry.state == State::kHeld || entry.state == State::kLower;
-    if (!session_present || !held) entry.state = State::kUnsaid;
+    if (!session_present || !held) entry.state = State::kNotAsked;
   }
   if (!session_present) gone_.clear();
   asked_.clear();
@@ -37,7 +37,7 @@ void Subscriptions::Begin(bool session_present) {
 void Subscriptions::End() {
   for (const Filter& filter : asked_) {
     const auto found = wanted_.find(filter.topic);
-    if (found != wanted_.end()) found->second.state = State::kUnsaid;
+    if (found != wanted_.end()) found->second.state = State::kNotAsked;
     // The broker may or may not have received it.
     if (!subscribing_ && found == wanted_.end()) GiveUp(filter.topic);
   }
@@ -54,7 +54,7 @@ std::optional<Subscriptions::Ask> Subscriptions::Next() {
   if (!subscribing_) return Ask{false, asked_};
   for (auto& [topic, entry] : wanted_) {
     if (asked_.size() == kFiltersPerAsk) break;
-    if (entry.state != State::kUnsaid) continue;
+    if (entry.state != State::kNotAsked) continue;
     entry.state = State::kAsked;
     asked_.push_back({topic, entry.qos});
   }
@@ -87,12 +87,12 @@ void Subscriptions::Unsubscribed() { asked_.clear(); }
 
 void Subscriptions::RetryRefused() {
   for (auto& [topic, entry] : wanted_) {
-    if (entry.state == State::kRefused) entry.state = State::kUnsaid;
+    if (entry.state == State::kRefused) entry.state = State::kNotAsked;
   }
 }
 
 bool Subscriptions::settled() const {
-  return asked_.empty() && gone_.empty() && Count(State::kUnsaid) == 0;
+  return asked_.empty() && gone_.empty() && Count(State::kNotAsked) == 0;
 }
 
 void Subscriptions::GiveUp(const std::string& topic) {

@@ -69,10 +69,10 @@ class Subscriptions final {
   [[nodiscard]] std::size_t lower() const { return Count(State::kLower); }
 
  private:
-  enum class State : std::uint8_t { kUnsaid, kAsked, kHeld, kLower, kRefused };
+  enum class State : std::uint8_t { kNotAsked, kAsked, kHeld, kLower, kRefused };
   struct Entry {
     Qos qos = Qos::kAtMostOnce;
-    State state = State::kUnsaid;
+    State state = State::kNotAsked;
   };
 
   [[nodiscard]] std::size_t Count(State state) const;

@@ -15,7 +15,7 @@ Wire::Step Wire::Take(std::string_view bytes) {
   switch (part_) {
     case Part::kFirst:
     case Part::kLength:
-      return TakeOpening(bytes);
+      return TakeFixedHeader(bytes);
     case Part::kHead:
       return TakeRest(bytes);
     case Part::kBody:
@@ -28,35 +28,35 @@ Wire::Step Wire::Take(std::string_view bytes) {
   return {0, fault_};
 }
 
-Wire::Step Wire::TakeOpening(std::string_view bytes) {
+Wire::Step Wire::TakeFixedHeader(std::string_view bytes) {
   std::size_t taken = 0;
   for (const char each : bytes) {
     const auto byte = static_cast<std::uint8_t>(each);
     ++taken;
     if (part_ == Part::kFirst) {
-      opening_ = {.first = byte};
+      fixed_ = {.first = byte};
       digits_ = 0;
       part_ = Part::kLength;
       continue;
     }
-    opening_.remaining |= (byte & 0x7FU) << (7U * digits_++);
+    fixed_.remaining |= (byte & 0x7FU) << (7U * digits_++);
     if ((byte & 0x80U) != 0) {
       if (digits_ < kDigitsMax) continue;
       return Break({EndReason::kMalformed, "a remaining length with five digits"}, taken);
     }
-    if (const auto fault = CheckOpening(version_, opening_)) return Break(*fault, taken);
+    if (const auto fault = CheckFixedHeader(version_, fixed_)) return Break(*fault, taken);
     part_ = Part::kHead;
-    const bool is_qos1 = opening_.is_publish() && opening_.qos() == Qos::kAtLeastOnce;
+    const bool is_qos1 = fixed_.is_publish() && fixed_.qos() == Qos::kAtLeastOnce;
     return {taken, Opened{is_qos1}};
   }
   return {taken, More{}};
 }
 
 Wire::Step Wire::TakeRest(std::string_view bytes) {
-  if (kept_.empty() && bytes.size() >= opening_.remaining) {
-    return Whole(bytes.substr(0, opening_.remaining), opening_.remaining);
+  if (kept_.empty() && bytes.size() >= fixed_.remaining) {
+    return Whole(bytes.substr(0, fixed_.remaining), fixed_.remaining);
   }
-  if (opening_.is_publish()) return TakeHead(bytes, 0);
+  if (fixed_.is_publish()) return TakeHead(bytes, 0);
   part_ = Part::kBody;
   return TakeBody(bytes, 0);
 }
@@ -64,7 +64,7 @@ Wire::Step Wire::TakeRest(std::string_view bytes) {
 Wire::Step Wire::TakeHead(std::string_view bytes, std::size_t before) {
   // While more of the head has arrived than its known extent, that shows a longer one.
   while (true) {
-    const auto found = ExtentOfHead(version_, opening_, kept_);
+    const auto found = ExtentOfHead(version_, fixed_, kept_);
     if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, before);
     const auto& extent = std::get<HeadExtent>(found);
     const std::size_t missing = extent.bytes - std::min(extent.bytes, kept_.size());
@@ -78,15 +78,15 @@ Wire::Step Wire::TakeHead(std::string_view bytes, std::size_t before) {
     before += next.size();
     if (next.size() < missing) return {before, More{}};
   }
-  past_bytes_ = opening_.remaining - kept_.size();
+  past_bytes_ = fixed_.remaining - kept_.size();
   part_ = IsWanted(head_) ? Part::kBody : Part::kPast;
   return part_ == Part::kPast ? TakePast(bytes, before) : TakeBody(bytes, before);
 }
 
 Wire::Step Wire::TakeBody(std::string_view bytes, std::size_t before) {
-  const std::string_view next = bytes.substr(0, opening_.remaining - kept_.size());
+  const std::string_view next = bytes.substr(0, fixed_.remaining - kept_.size());
   kept_.append(next);
-  if (kept_.size() < opening_.remaining) return {before + next.size(), More{}};
+  if (kept_.size() < fixed_.remaining) return {before + next.size(), More{}};
   return Whole(kept_, before + next.size());
 }
 
@@ -98,12 +98,12 @@ Wire::Step Wire::TakePast(std::string_view bytes, std::size_t before) {
 }
 
 Wire::Step Wire::Whole(std::string_view rest, std::size_t taken) {
-  if (opening_.is_publish()) {
-    const auto found = ExtentOfHead(version_, opening_, rest);
+  if (fixed_.is_publish()) {
+    const auto found = ExtentOfHead(version_, fixed_, rest);
     if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, taken);
     return WholePublish(rest, std::get<HeadExtent>(found), taken);
   }
-  auto packet = DecodeAnswer(version_, opening_, rest);
+  auto packet = DecodeAnswer(version_, fixed_, rest);
   if (const auto* fault = std::get_if<Fault>(&packet)) return Break(*fault, taken);
   part_ = Part::kFirst;
   given_ = true;
@@ -111,14 +111,14 @@ Wire::Step Wire::Whole(std::string_view rest, std::size_t taken) {
 }
 
 bool Wire::IsWanted(const HeadExtent& head) const {
-  return !head.too_large && opening_.remaining - head.bytes <= payload_bytes_max_;
+  return !head.too_large && fixed_.remaining - head.bytes <= payload_bytes_max_;
 }
 
 Wire::Step Wire::WholePublish(std::string_view rest, const HeadExtent& head, std::size_t taken) {
-  auto found = DecodePublishHead(version_, opening_, head, rest.substr(0, head.bytes));
+  auto found = DecodePublishHead(version_, fixed_, head, rest.substr(0, head.bytes));
   if (const auto* fault = std::get_if<Fault>(&found)) return Break(*fault, taken);
   auto& message = std::get<Publish>(found);
-  message.payload_bytes = opening_.remaining - (head.too_large ? 0 : head.bytes);
+  message.payload_bytes = fixed_.remaining - (head.too_large ? 0 : head.bytes);
   if (IsWanted(head)) message.payload = rest.substr(head.bytes);
   part_ = Part::kFirst;
   given_ = true;

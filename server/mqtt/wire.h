@@ -29,7 +29,7 @@ class Wire final {
 
   /// All bytes were taken, and more are needed.
   struct More {};
-  /// A packet begins, and its opening is complete: a caller without room for it takes no more.
+  /// A packet begins, and its fixed header is complete: a caller without room for it takes no more.
   struct Opened {
     bool is_qos1 = false;
   };
@@ -56,12 +56,12 @@ class Wire final {
     kBroken,
   };
 
-  Step TakeOpening(std::string_view bytes);
+  Step TakeFixedHeader(std::string_view bytes);
   Step TakeRest(std::string_view bytes);
   Step TakeHead(std::string_view bytes, std::size_t before);
   Step TakeBody(std::string_view bytes, std::size_t before);
   Step TakePast(std::string_view bytes, std::size_t before);
-  /// The packet is complete; `rest` is everything after its opening.
+  /// The packet is complete; `rest` is everything after its fixed header.
   Step Whole(std::string_view rest, std::size_t taken);
   /// `rest` has the complete head, and the payload after it if that is wanted.
   Step WholePublish(std::string_view rest, const HeadExtent& head, std::size_t taken);
@@ -71,7 +71,7 @@ class Wire final {
   const Version version_;
   const std::size_t payload_bytes_max_;
   Part part_ = Part::kFirst;
-  Opening opening_;
+  FixedHeader fixed_;
   std::size_t digits_ = 0;
   /// The previous packet was given out, so `kept_` is free.
   bool given_ = false;

@@ -12,8 +12,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr ReconnectLimits kLimits{.backoff = {.first = 500ms, .longest = 8s},
-                                  .soon = 30s,
-                                  .soon_ends_max = 3,
+                                  .early_within = 30s,
+                                  .early_ends_max = 3,
                                   .taken_pause = 60s};
 
 TEST(MqttReconnect, PausesGrowToTheLongestAndJitterInTheirUpperHalf) {
