@@ -6,14 +6,14 @@
 
 namespace uplink::loop {
 
-/// A TLS ClientHello as OpenSSL's client would open with, for HTTP/2; empty if OpenSSL cannot make
+/// The ClientHello with which OpenSSL's client begins, for HTTP/2; empty if OpenSSL cannot make
 /// one.
 [[nodiscard]] std::string MakeClientHello();
 
-/// Bytes of an answer that IsServerHello looks at: a record's header and the message's type.
+/// Bytes of an answer that IsServerHello needs: a record's header and the message's type.
 inline constexpr std::size_t kServerHelloPrefix = 6;
 
-/// True if a server's answer begins with a ServerHello; an alert is none.
+/// True if a server's answer begins with a ServerHello, not with an alert.
 [[nodiscard]] bool IsServerHello(std::string_view answer);
 
 }  // namespace uplink::loop

@@ -49,8 +49,8 @@ void Await(Signals& signals) {
 }  // namespace
 
 struct EventLoop::Context {
-  /// Not told that one thread runs it: it would then keep what that thread posts apart until the
-  /// job under way has ended, and jobs of other threads would pass it.
+  /// Asio must not know that one thread runs it. Otherwise it would keep jobs that this thread
+  /// posts apart until the job under way has ended, and jobs of other threads would overtake them.
   asio::io_context io;
   asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   std::vector<std::unique_ptr<Repeated>> repeated;

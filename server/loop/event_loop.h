@@ -13,8 +13,8 @@ class io_context;
 
 namespace uplink::loop {
 
-/// The one thread of the server that waits for sockets, signals and timers: those of HTTP, of the
-/// presence sweep, of the background handshake.
+/// The thread `io`, which waits for sockets, signals and timers: those of HTTP, of the presence
+/// sweep, of the handshake probe.
 ///
 /// Jobs run on the loop's thread, must be short, and must not throw.
 /// Thread: Every and OnSignals before Start, or on the loop's; Stop by the owner. The rest: any
@@ -27,19 +27,19 @@ class EventLoop final {
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
 
-  /// Runs `job` at once, or at Start, and then after each `interval`; a late run does not shorten
-  /// the next.
+  /// Runs `job` at once, or at Start, and then after each `interval`. The next interval counts from
+  /// the run, even a late one.
   void Every(milliseconds interval, std::function<void()> job);
-  /// Runs `job` with the number of each of these signals from now on.
+  /// From now on, runs `job` with the number of each of these signals that comes.
   void OnSignals(const std::vector<int>& signals, std::function<void(int)> job);
-  /// Runs `job` after all jobs that were posted before it, by whatever thread.
+  /// Runs `job` after all jobs that any thread posted before it.
   void Post(std::function<void()> job);
 
   void Start();
   /// Ends the thread. Idempotent.
   void Stop();
 
-  /// For those who wait for sockets on this thread: the handshake probe and HTTP.
+  /// For parts that wait for sockets on this thread: the handshake probe and HTTP.
   [[nodiscard]] boost::asio::io_context& io();
 
  private:

@@ -28,8 +28,8 @@ using boost::system::error_code;
 /// Where to ask, one after the other.
 using Targets = std::vector<tcp::endpoint>;
 
-/// True if there is nobody to ask: the machine lacks the address or its whole family, or nothing
-/// listens there. Whoever took the connection, or keeps us waiting for it, was asked.
+/// True if nothing can be asked at this address: the machine lacks the address or its whole family,
+/// or nothing listens there. After a connection, or a wait for one, something was asked.
 bool IsNobodyThere(const error_code& error) {
   using std::errc;
   constexpr std::array kNobody = {

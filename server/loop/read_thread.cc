@@ -46,7 +46,7 @@ bool ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()>
 }
 
 void ReadThread::Run(const std::stop_token& stop) {
-  // Linux keeps it by thread. Where it is not allowed, the thread is as the others are.
+  // Linux keeps niceness per thread. If it may not be set, the thread runs like the others.
   if (nice_ > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice_);
   while (true) {
     std::function<void()> job;

@@ -12,20 +12,20 @@
 
 namespace uplink::loop {
 
-/// Jobs that wait for a thread at most, if nothing else is said.
+/// Jobs that may wait for a thread, by default.
 inline constexpr std::size_t kReadsWaitingMax = 64;
 
-/// Jobs that go ahead of those and wait, at most.
+/// Jobs that may wait ahead of those (TryPostAhead).
 inline constexpr std::size_t kReadsAheadMax = 1024;
 
-/// How such a thread is called (at most 15 bytes), and how far it gives way to others (0 to 19).
+/// The name of a thread (at most 15 bytes), and its niceness (0 to 19).
 struct ThreadKind {
   const char* name;
   int nice;
 };
 
-/// One thread that runs what may wait for the store or takes long, so that the event loop never
-/// does. Jobs must not throw. Thread-safe. The destructor drops what waits and joins.
+/// One thread for jobs that may wait for the store or take long, so that the event loop never does.
+/// Jobs must not throw. Thread-safe. The destructor drops waiting jobs and joins.
 class ReadThread final {
  public:
   /// `waiting` and `refused` count jobs and outlive the thread. `waiting_max`: jobs that wait.
@@ -35,9 +35,9 @@ class ReadThread final {
   ReadThread(const ReadThread&) = delete;
   ReadThread& operator=(const ReadThread&) = delete;
 
-  /// False, and the job is not taken, when `waiting_max` wait.
+  /// False if `waiting_max` jobs wait: then the job is dropped.
   [[nodiscard]] bool TryPost(std::function<void()> job);
-  /// The same ahead of all that TryPost was given, with a bound of its own (kReadsAheadMax).
+  /// The same, ahead of all jobs of TryPost, with a bound of its own (kReadsAheadMax).
   [[nodiscard]] bool TryPostAhead(std::function<void()> job);
 
  private:

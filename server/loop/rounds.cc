@@ -33,7 +33,7 @@ void Rounds::Run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     const SteadyTime::duration first =
         std::max(std::min(next.not_before, next.within), SteadyTime::duration::zero());
-    // Even a wait for no time lets go of the processor.
+    // Even a wait of zero length yields the processor.
     if (first > SteadyTime::duration::zero()) {
       wake_.wait_for(lock, stop, first, [] { return false; });
     }

@@ -12,24 +12,24 @@
 namespace uplink::loop {
 
 /// When the next round begins, counted from the end of the last one: at once, unless set. A
-/// negative time is none. A value.
+/// negative time counts as zero. A value.
 struct Next {
-  /// At the latest after so long.
+  /// The next round begins after this time at the latest.
   SteadyTime::duration within{0};
-  /// A wake makes it come sooner than that, but not before so long.
+  /// A wake makes it begin sooner, but not before this time.
   SteadyTime::duration not_before{0};
 };
 
-/// A thread of its own that does one thing again and again, a round at a time.
+/// A thread that repeats one job, round by round.
 ///
-/// Its owner declares it last, so that the thread ends before what the rounds use.
+/// Its owner declares it last, so that the thread ends before the members that the rounds use.
 /// Thread: Wake from any; the rest by its owner.
 class Rounds final {
  public:
-  /// `stop` ends what a round waits for by itself. It does not throw.
+  /// A round that waits for something itself must end that wait at `stop`. It does not throw.
   using Round = std::function<Next(const std::stop_token& stop)>;
 
-  /// `name` is that of the thread, of at most 15 bytes.
+  /// `name`: the thread's, at most 15 bytes.
   Rounds(std::string name, Round round);
   ~Rounds() { Stop(); }
   Rounds(const Rounds&) = delete;
@@ -37,12 +37,11 @@ class Rounds final {
 
   /// Begins the first round at once.
   void Start();
-  /// Asks the thread to end after the round under way, without waiting for it.
+  /// Asks the thread to end after the round under way, and does not wait for that.
   void RequestStop() { thread_.request_stop(); }
   /// The same, and waits for it. Idempotent.
   void Stop();
-  /// Makes a round begin after this call, also where one is under way or the thread has not
-  /// started.
+  /// Makes a round begin after this call, even if one is under way or the thread has not started.
   void Wake();
 
  private:

@@ -4,8 +4,8 @@
 
 namespace uplink::loop {
 
-/// Where a stream's own thread learns that something waits for it. Thread-safe. An inbox outlives
-/// every thread that may wake through it; waking a stream that is gone does nothing.
+/// Wakes streams on their own thread. Thread-safe. An inbox outlives every thread that may wake
+/// through it; waking a stream that is gone does nothing.
 class WakeInbox {
  public:
   virtual ~WakeInbox() = default;
