@@ -7,9 +7,9 @@
 
 namespace uplink::transport {
 
-/// Streams of one thread that a drain tells per millisecond.
+/// The time between two streams of one thread that a drain tells.
 inline constexpr milliseconds kDrainSpacing{1};
-/// The part of the grace over which streams are told, at most.
+/// Streams are told within at most 1 / kDrainPart of the grace.
 inline constexpr int kDrainPart = 4;
 
 /// When each stream of a thread is told that the server drains: one after the other, so that their

@@ -6,15 +6,15 @@
 
 namespace uplink::transport {
 
-/// The time at the event that a queue handles: read once, whatever asks for it while the event
-/// lasts. A system call's worth for each message otherwise.
+/// The time of the event that a queue handles. It is read once per event, which saves about a
+/// system call for each message.
 ///
 /// Thread: confined to the queue's thread, as are the sessions that it is given to.
 class EventClock final : public Clock {
  public:
   explicit EventClock(const Clock& clock) : clock_(clock), steady_(clock.Steady()) {}
 
-  /// Another event begins now.
+  /// The next event begins now.
   void Advance() {
     steady_ = clock_.Steady();
     system_.reset();
@@ -29,7 +29,7 @@ class EventClock final : public Clock {
  private:
   const Clock& clock_;
   SteadyTime steady_;
-  /// Asked for by few events.
+  /// Read when it is first needed: few events do.
   mutable std::optional<SystemTime> system_;
 };
 

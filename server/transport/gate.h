@@ -17,58 +17,56 @@
 
 namespace uplink::transport {
 
-/// Streams of one robot's certificate: one, two at takeover, four that wait since they come too
-/// often, and one more to be told so.
+/// Streams of one robot's certificate: one, two at takeover, four that wait because they come too
+/// often, and one more that is refused with a reason.
 inline constexpr std::size_t kStreamsPerCertificateMax = 8;
-/// Calls of one robot's certificate: those of one drone in flight, those that are told that these
-/// are too many, and as many again of a connection that broke and was not missed yet.
+/// Calls of one robot's certificate: those of one drone in flight, those that are refused as too
+/// many, and as many again on a connection that broke without our notice.
 inline constexpr std::size_t kCallsPerCertificateMax = 256;
-/// Calls of all together, at least: where few robots are expected, a drone still has its own.
+/// The least bound for all calls together: where few robots are expected, a drone still has room.
 inline constexpr std::size_t kCallsMaxAtLeast = 1024;
-/// Streams of one gateway, and calls besides: as many as so many of its connections hold when they
-/// are full.
+/// One gateway may have as many streams, and as many calls besides, as so many full connections.
 inline constexpr std::size_t kGatewayFullConnections = 4;
-/// And no more than this share of all of them: the rest is for all others.
+/// But at most this share of all streams, and of all calls: the rest is for all others.
 inline constexpr std::size_t kGatewayStreamsPercent = 75;
 
-/// In which bounds a call counts: those of streams, which stay, or those of calls, which are
-/// answered soon.
+/// Whether a call counts among streams, which stay, or among calls, which are answered soon.
 enum class Admission : std::uint8_t { kStream, kCall };
 
-/// Whose certificate a stream came by. A value.
+/// The certificate by which a stream came. A value.
 struct Entrant {
-  /// The robot of the certificate; empty of a gateway.
+  /// The robot of the certificate; empty for a gateway.
   std::string robot = {};
-  /// The subject of a gateway's certificate; empty of a robot.
+  /// The subject of a gateway's certificate; empty for a robot.
   std::string gateway = {};
 };
 
 [[nodiscard]] Entrant EntrantOf(const identity::PeerIdentity& peer);
 
-/// Admits streams up to a bound, and up to others of each robot's certificate and of each gateway,
-/// until the server drains, and knows how many there are. Calls count beside streams, so that
-/// neither takes the others' places. Thread-safe.
+/// Admits streams until the server drains, and counts them: up to a bound for all, for each robot's
+/// certificate and for each gateway. Calls have bounds of their own, so that neither takes the
+/// other's places. Thread-safe.
 class Gate final {
  public:
   struct Limits {
-    /// Of streams, and of calls besides, which have kCallsMaxAtLeast if this is less.
+    /// The bound of streams, and that of calls, which is at least kCallsMaxAtLeast.
     std::size_t streams_max = 0;
-    /// limits.gateway_streams_max, of one connection.
+    /// limits.gateway_streams_max, for one connection.
     std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   };
 
   Gate(const Limits& limits, RelayProbe& probe);
 
-  /// A stream wants in. OK means it must Leave. kResourceExhausted at a bound, kUnavailable once
-  /// closed; counted by cause.
+  /// Admits a stream or call; after OK it must Leave. Otherwise kResourceExhausted at a bound, or
+  /// kUnavailable once closed; counted by cause.
   [[nodiscard]] absl::Status Enter(const Entrant& entrant,
                                    Admission admission = Admission::kStream);
   void Leave(const Entrant& entrant, Admission admission = Admission::kStream);
-  /// Admits nobody from now on.
+  /// Admits no stream and no call from now on.
   void Close();
 
   [[nodiscard]] bool closed() const;
-  /// With calls.
+  /// Streams and calls.
   [[nodiscard]] std::size_t streams() const;
   /// Streams that one gateway may have.
   [[nodiscard]] std::size_t per_gateway_max() const { return here_[0].per_gateway_max; }
@@ -76,12 +74,12 @@ class Gate final {
   [[nodiscard]] bool WaitEmpty(milliseconds wait) const;
 
  private:
-  /// What is here of one kind of admission.
+  /// The bounds and counts of one kind of admission.
   struct Here {
     const std::size_t max;
     const std::size_t per_gateway_max;
     std::size_t all = 0;
-    /// Of each robot's certificate, and of each gateway, that has one.
+    /// The counts of each robot's certificate, and of each gateway, that has any.
     limits::KeyCounts<std::string> by_robot{};
     limits::KeyCounts<std::string> by_gateway{};
   };

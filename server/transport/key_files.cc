@@ -32,8 +32,8 @@ absl::StatusOr<bool> KeyFiles::Refresh() {
   if (!key.ok()) return key.status();
   auto client_ca = identity::ReadPem(files_.client_ca);
   if (!client_ca.ok()) return client_ca.status();
-  // Whoever may write them chooses which robots are let in. After they were read: what is
-  // checked before may be written in between.
+  // A user who may write them chooses which robots are admitted. Checked after the files were read,
+  // since they could change between an earlier check and the read.
   for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
     if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
   }

@@ -18,30 +18,30 @@ struct FilesLook {
   identity::ServedPems served;
 };
 
-/// Whether texts are good together: the certificate is a server's, the key its own, the authority
-/// readable.
+/// Whether texts fit together: the certificate is a server's, the key belongs to it, the authority
+/// is readable.
 ///
 /// Errors: kFailedPrecondition with a sentence that names the one that is invalid.
 [[nodiscard]] absl::Status CheckTexts(const PemTexts& texts);
 
-/// The PEM files of a listener, and the last texts of them that were good together: whoever copies
-/// a new certificate in place leaves halves behind for a moment.
+/// The PEM files of a listener, and their last texts that fitted together: copying a new
+/// certificate in place leaves mismatched files for a moment.
 ///
 /// Thread: confined to one.
 class KeyFiles final {
  public:
   explicit KeyFiles(PemFiles files) : files_(std::move(files)) {}
 
-  /// Reads the files again. True if the texts are new and good together, and were taken over; false
-  /// if they are the same.
+  /// Reads the files again. True if the texts are new and fit together, and are served from now on;
+  /// false if they are the same.
   ///
   /// Errors: kFailedPrecondition names the file that cannot be read, that does not fit, or that
-  ///         everybody may write; the last good ones stay.
+  ///         every user may write; the last good ones stay.
   [[nodiscard]] absl::StatusOr<bool> Refresh();
 
   /// The last good ones; empty before the first.
   [[nodiscard]] const PemTexts& texts() const { return texts_; }
-  /// What they are, for the log; nothing before the first.
+  /// Facts about them, for the log; empty before the first.
   [[nodiscard]] const identity::ServedPems& served() const { return served_; }
 
  private:

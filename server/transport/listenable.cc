@@ -15,8 +15,8 @@ namespace {
 
 std::string SystemReason() { return std::error_code(errno, std::generic_category()).message(); }
 
-/// Binds as the acceptor does, and lets go; empty if that works. It does not listen: nobody would
-/// answer.
+/// Binds as the acceptor does, and closes; empty if that works. It does not listen, since no one
+/// would answer.
 std::string TryBind(const addrinfo& info) {
   const int descriptor = ::socket(info.ai_family, info.ai_socktype | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return SystemReason();

@@ -8,12 +8,11 @@
 
 namespace uplink::transport {
 
-/// OK if the system lets us bind `address`, asked so that the
-/// error names address and reason. On a machine without IPv6 `::` stands for all of IPv4.
-/// kUnavailable names the address and the system's reason.
+/// OK if the system lets us bind `address`. Otherwise kUnavailable, which names the address and the
+/// system's reason. On a machine without IPv6, `::` stands for all of IPv4.
 [[nodiscard]] absl::Status CheckListenable(const config::ListenAddress& address);
 
-/// The host to bind: that of the address, but `0.0.0.0` for `::` on a machine without IPv6.
+/// The host to bind: that of the address; `0.0.0.0` for `::` on a machine without IPv6.
 [[nodiscard]] std::string ListenHost(const config::ListenAddress& address);
 
 }  // namespace uplink::transport

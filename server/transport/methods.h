@@ -21,31 +21,31 @@ namespace uplink::transport {
 /// How many messages each side of a method sends.
 enum class MethodKind : std::uint8_t { kUnary, kServerStream, kBidirectional };
 
-/// One method of a service: how it is called, and what serves a call of it.
+/// One method of a service: who may call it, and what serves a call.
 struct Method {
   MethodKind kind = MethodKind::kUnary;
-  /// Whose certificates may call it, and the same in words for those that may not.
+  /// The roles that may call it, and the same in words for those that may not.
   std::vector<identity::Role> roles;
   std::string_view audience;
-  /// In which bounds of the gate a call of it counts.
+  /// The gate's bounds in which a call of it counts.
   Admission admission = Admission::kStream;
-  /// How a call ends whose grpc-timeout is over.
+  /// The status of a call at its deadline (grpc-timeout).
   absl::Status at_deadline = absl::DeadlineExceededError("the time that grpc-timeout gave is over");
-  /// Of a call that was admitted. Errors: the call ends with them, before it has begun.
+  /// Makes the handler of an admitted call. Errors: the call ends with them before it has begun.
   std::function<absl::StatusOr<std::unique_ptr<CallHandler>>(ServedCall&)> serve;
 };
 
 /// The methods that are served, by path. Immutable once the first connection comes.
 using Methods = std::map<std::string, Method, std::less<>>;
 
-/// Makes the methods of one thread, once, before it serves: what they hold is confined to it.
-/// `clock` is the thread's, and outlives them.
+/// Makes the methods of one thread, once, before it serves: what they hold is confined to the
+/// thread. `clock` is the thread's, and outlives them.
 using MethodsMaker = std::function<Methods(const Clock& clock)>;
 
 /// Whether this peer may call the method of this path.
 ///
-/// Errors: kUnauthenticated with one sentence: what the certificate lacks, or that it is of a role
-///         that may not call this; of a path that is no method's, of one that may call nothing.
+/// Errors: kUnauthenticated with one sentence: what the certificate lacks, or that its role may not
+///         call this; for an unknown path, that its role may call no method at all.
 [[nodiscard]] absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity,
                                    const Methods& methods, std::string_view path);
 

@@ -14,7 +14,7 @@
 
 namespace uplink::transport {
 
-/// PEM files; new handshakes use what replaced them (swap by rename) within kFilesRefresh.
+/// PEM files. New handshakes use replaced files within kFilesRefresh; replace them by rename.
 struct PemFiles {
   std::string certificate;
   std::string key;
@@ -28,7 +28,7 @@ struct PemTexts {
   std::string client_ca;
 };
 
-/// What is agreed on in handshakes.
+/// The rules for what a handshake may agree on.
 struct TlsRules {
   /// tls.min_version.
   config::TlsVersion minimum = config::TlsConfig().min_version;
@@ -38,14 +38,14 @@ struct TlsRules {
 
 using KeyMaterial = std::variant<PemFiles, PemTexts>;
 
-/// How often the files are looked at.
+/// How often the files are checked.
 inline constexpr std::chrono::seconds kFilesRefresh{5};
 
 /// Streams that are admitted per robot: every robot can reconnect before its old stream has ended.
 inline constexpr std::size_t kStreamsPerRobot = 2;
 
-/// Descriptors that are no peer's: those of HTTP's connections, and 128 for the store, files, pipes
-/// and what the libraries open (measured: under 60 with PostgreSQL and two writers).
+/// Descriptors that are not for peers: those of HTTP's connections, and 128 for the store, files,
+/// pipes and what the libraries open (measured: under 60 with PostgreSQL and two writers).
 [[nodiscard]] constexpr std::size_t DescriptorsReserved(std::size_t http_connections_max) {
   return 128 + http_connections_max;
 }
@@ -66,7 +66,7 @@ struct RelayOptions {
   std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   /// limits.connection_age_max; zero: never.
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
-  /// Memory that the transport may use; 0: no bound. A quarter is for frames that are not whole.
+  /// Memory that the transport may use; 0: no bound. A quarter is for incomplete frames.
   std::size_t memory_bytes_max = 0;
 };
 

@@ -21,11 +21,11 @@ struct RelayProbe {
   metrics::Cell gateway_streams;
   metrics::Cell refused_draining_total;
   metrics::Cell refused_identity_total;
-  /// What was asked for is not the relay's call.
+  /// Requests for something other than the relay's call.
   metrics::Cell refused_request_total;
   /// TLS handshakes that failed.
   metrics::Cell handshakes_failed_total;
-  /// Connections that were ended before they had a stream or for what they did, by TurnedAway.
+  /// Connections that we ended before they had a stream, or for their behaviour, by TurnedAway.
   std::array<metrics::Cell, kTurnedAwayTexts.size()> turned_away_total;
   /// Connections that have shown a trusted certificate, and how many may.
   metrics::Cell connections;
@@ -33,12 +33,12 @@ struct RelayProbe {
   metrics::Cell handshakes_under_way;
   /// Connections that wait for their handshake to begin.
   metrics::Cell handshakes_waiting;
-  /// Connections of load balancers whose PROXY header is not whole.
+  /// Connections of load balancers whose PROXY header is incomplete.
   metrics::Cell proxy_headers_waiting;
-  /// Memory of frames that have begun and are not whole, and calls that ended since it was used up.
+  /// Memory of incomplete frames, and calls that were ended because it was used up.
   metrics::Cell unfinished_bytes;
   metrics::Cell unfinished_ends_total;
-  /// Times that nobody was accepted for a moment, since the system had no descriptor or no memory.
+  /// Times that accepting paused for a moment, since the system had no descriptor or no memory.
   metrics::Cell accept_pauses_total;
   /// Calls that were cancelled because the peer did not take their end.
   metrics::Cell finish_timeouts_total;

@@ -13,9 +13,8 @@ namespace uplink::transport {
 /// queue at most a hundred times per second.
 inline constexpr milliseconds kTimerTick{10};
 
-/// When the streams of a queue want to be called: one entry per stream, so bounded by them. An
-/// entry that turns out too early is harmless: the stream is asked again. Confined to the queue's
-/// thread.
+/// When the streams of a queue want to be called: at most one entry per stream. An entry that turns
+/// out too early is harmless, since the stream is asked again. Confined to the queue's thread.
 class Timers final {
  public:
   /// A stream's own entry; the stream keeps it, so that the usual case looks nothing up.

@@ -7,7 +7,7 @@
 
 namespace uplink::transport {
 
-/// Why a connection was ended before it had a stream, or for what its peer did to us. Closed.
+/// Why we ended a connection before it had a stream, or for its peer's behaviour. A closed list.
 enum class TurnedAway : std::uint8_t {
   /// No place for one more connection that has shown its certificate.
   kFull,
@@ -17,9 +17,9 @@ enum class TurnedAway : std::uint8_t {
   kGaveWay,
   /// The peer did not go on with the handshake.
   kHandshakeTimeout,
-  /// It speaks no TLS.
+  /// It does not speak TLS.
   kNoTls,
-  /// It offers no version, no suite or no protocol that we take.
+  /// It offers no version, suite or protocol that we accept.
   kNothingShared,
   kNoCertificate,
   /// No authority of ours signed its certificate.
@@ -29,7 +29,7 @@ enum class TurnedAway : std::uint8_t {
   kKey,
   /// It opened no stream in time, or left without one.
   kNoStream,
-  /// Bytes that are no HTTP/2, or break its rules.
+  /// It sent bytes that are not HTTP/2, or break its rules.
   kProtocol,
   kPings,
   kPongs,
@@ -42,14 +42,14 @@ enum class TurnedAway : std::uint8_t {
   kHeaders,
   kContinuations,
   kKeyUpdates,
-  /// It did not read what we had for it.
+  /// It did not read what we sent.
   kNotRead,
-  /// It was not heard for long, and did not answer when it was asked.
+  /// It was silent for long, and did not answer our ping.
   kSilent,
-  /// It came through a load balancer, without the header that says from where.
+  /// It came through a load balancer, without a valid PROXY header in time.
   kProxyHeader,
-  /// It shows certificates that are not looked into: too many or too large ones, a kind of key that
-  /// is not taken.
+  /// Its certificates are not examined: too many, too large, or with a kind of key that we do not
+  /// accept.
   kCertificate,
 };
 
