@@ -23,7 +23,7 @@ namespace uplink::ingest {
 /// counts. The source numbers the message and answers its sender.
 ///
 /// The outcome of waiting records comes back to the source by their numbers
-/// (robot::RobotSessions::Take); the rest is in its ledger page.
+/// (robot::RobotSessions::Take); its ledger page has the rest.
 ///
 /// Thread: confined to its source's.
 class Port final {

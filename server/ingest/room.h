@@ -25,7 +25,7 @@ struct Line {
   journal::Journal& journal;
   model::SessionId session;
   journal::AppendedBy by;
-  /// Who is told of commits, if not the robot.
+  /// The client that learns of commits, if it is not the robot.
   robot::CommitClient* client = nullptr;
 
   [[nodiscard]] robot::CommitClient& appends_for() const {
