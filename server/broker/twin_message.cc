@@ -105,7 +105,7 @@ TwinMessage::TwinMessage(const TwinSources& sources, const Known& known)
                .system = known.arrived.system,
                .payload = known.publish.payload.value_or(std::string_view()),
                .payload_bytes = known.publish.payload_bytes,
-               .waits = known.publish.id != 0 ? ingest::Waits::kBroker : ingest::Waits::kNobody,
+               .waits = known.publish.id != 0 ? ingest::Waits::kBroker : ingest::Waits::kNoOne,
                .is_counted = known.is_counted},
       topic_(known.judgement.topic) {}
 

@@ -34,7 +34,7 @@ Port::Offered Port::HandleNoRoom(Message& message, const Block& block) {
                   {.reason = model::RejectReason::kRateLimited, .field = {}, .detail = {}});
     return {.answer = Answer::kLimited, .block = block};
   }
-  if (message.arrival().waits != Waits::kNobody) return {.answer = Answer::kWaits, .block = block};
+  if (message.arrival().waits != Waits::kNoOne) return {.answer = Answer::kWaits, .block = block};
   Count(message.arrival(), metrics::Became::kRefused);
   message.Settle(metrics::Became::kRefused);
   return {.answer = Answer::kRefused, .block = block};

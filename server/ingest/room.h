@@ -44,7 +44,7 @@ enum class Waits : std::uint8_t {
   kBroker,
   /// No sender waits (QoS 0): a message without room is refused, and rejected past its robot's
   /// flow.
-  kNobody,
+  kNoOne,
 };
 
 /// What the records of a message cost.

@@ -194,15 +194,15 @@ constexpr Case kCases[] = {
     {"a broker's on a full disk", kBroker, kDurable, kDiskFull, false, false, Answer::kWaits, {}},
     {"a broker's whose robot is lost", kBroker, kDurable, kFree, false, true, Answer::kTaken,
      Became::kRefused},
-    {"of no robot", kNobody, kDurable, kFree, false, false, Answer::kTaken, {}},
-    {"of no robot in a full journal", kNobody, kDurable, kJournalFull, false, false,
+    {"without a waiting sender", kNoOne, kDurable, kFree, false, false, Answer::kTaken, {}},
+    {"without a waiting sender in a full journal", kNoOne, kDurable, kJournalFull, false, false,
      Answer::kRefused, Became::kRefused},
-    {"of no robot past the flow", kNobody, kDurable, kFlowPast, false, false, Answer::kLimited,
-     Became::kRejected},
-    {"of no robot on a full disk", kNobody, kDurable, kDiskFull, false, false, Answer::kRefused,
-     Became::kRefused},
-    {"rejected of no robot in a full journal", kNobody, kRejected, kJournalFull, false, false,
+    {"without a waiting sender past the flow", kNoOne, kDurable, kFlowPast, false, false,
+     Answer::kLimited, Became::kRejected},
+    {"without a waiting sender on a full disk", kNoOne, kDurable, kDiskFull, false, false,
      Answer::kRefused, Became::kRefused},
+    {"rejected without a waiting sender in a full journal", kNoOne, kRejected, kJournalFull, false,
+     false, Answer::kRefused, Became::kRefused},
 };
 
 class PortTable : public PortTest, public ::testing::WithParamInterface<Case> {
@@ -304,7 +304,7 @@ TEST_F(PortTest, WhatABrokerDeliversPastTheFlowLeavesNoDebt) {
   Offer(message);
   EXPECT_EQ(robot_.flow.bytes_total(), before + 5'000) << "it is stored";
   clock_.Advance(std::chrono::seconds(1));
-  SaidMessage next(robot_, Arrived(kNobody), seq_);
+  SaidMessage next(robot_, Arrived(kNoOne), seq_);
   EXPECT_EQ(Offer(next).answer, Answer::kTaken);
 }
 

@@ -97,19 +97,19 @@ TEST_F(HoldTest, ARecordOverTheFlowWaitsForItsTime) {
 TEST_F(HoldTest, PastItsFlowAMessageThatNobodyWaitsForIsExcess) {
   const RecordCost cost{.journal_bytes = 1, .flow_bytes = 1};
   for (int i = 0; i < 2; ++i) robot_.flow.Take(1, flow_, clock_.Steady());
-  const Block block = Of(Waits::kNobody, cost);
+  const Block block = Of(Waits::kNoOne, cost);
   EXPECT_EQ(block.by, HeldBack::kFlow);
   EXPECT_TRUE(block.is_excess);
   EXPECT_TRUE(Of(Waits::kBroker, cost).none()) << "a backlog is honest";
   over_half_ = true;
   EXPECT_TRUE(Of(Waits::kBroker, cost).is_excess) << "it would hold back all others";
   EXPECT_FALSE(Of(Waits::kStream, cost).is_excess) << "its stream waits";
-  EXPECT_TRUE(Of(Waits::kNobody, {.journal_bytes = 1}).none()) << "the flow does not count it";
+  EXPECT_TRUE(Of(Waits::kNoOne, {.journal_bytes = 1}).none()) << "the flow does not count it";
 }
 
 TEST_F(HoldTest, WhereNothingMayBeStoredEveryMessageWaits) {
   robot_.flow.LimitForDisk(0);
-  for (const Waits waits : {Waits::kStream, Waits::kBroker, Waits::kNobody}) {
+  for (const Waits waits : {Waits::kStream, Waits::kBroker, Waits::kNoOne}) {
     const Block block = Of(waits, {.journal_bytes = 1, .flow_bytes = 1});
     EXPECT_EQ(block.by, HeldBack::kDisk);
     EXPECT_FALSE(block.is_excess) << "it is no matter of this robot";
@@ -120,7 +120,7 @@ TEST_F(HoldTest, TheShareOfARobotHoldsNoBrokerBack) {
   AddWaiting(2'000);
   const RecordCost cost{.journal_bytes = 1'000};
   EXPECT_EQ(Of(Waits::kStream, cost).by, HeldBack::kJournalShare);
-  EXPECT_EQ(Of(Waits::kNobody, cost).by, HeldBack::kJournalShare);
+  EXPECT_EQ(Of(Waits::kNoOne, cost).by, HeldBack::kJournalShare);
   EXPECT_TRUE(Of(Waits::kBroker, cost).none());
 }
 
