@@ -37,9 +37,9 @@ std::vector<storage::LiveRow> Checkpoint::TakeChanged(std::size_t rows_max) {
     left_.pop_back();
     ++looked_at_;
     if (!sources_.writes(robot->ruri())) continue;
-    // Before what is taken: what another hold brought is not written under this one.
+    // Read before the changes are taken: changes under another hold are not written under this one.
     const storage::Epoch held_since = robot->state.held_since();
-    // Nobody would take it before the store says whose the robot is.
+    // The store refuses the row before it has said who holds the robot.
     if (held_since == 0) continue;
     const std::optional<robot::LiveChanges> changes = robot->state.TakeChanges();
     const std::optional<storage::SettledSession> settled = robot->sessions.TakeSettled();
@@ -61,7 +61,7 @@ void Checkpoint::PutBack(std::span<const storage::LiveRow> rows) {
 
 void Checkpoint::PassedOver(const storage::LiveRow& row) {
   const RobotPtr robot = sources_.fleet.Find(row.ruri);
-  // With a stream here it is ours as soon as the store has opened that; else it went elsewhere.
+  // With a stream here, it is ours once the store has opened that. Otherwise it went elsewhere.
   if (robot != nullptr && robot->sessions.View().connected) CountAsChanged(*robot, row);
 }
 

@@ -12,18 +12,17 @@
 
 namespace uplink::fleet {
 
-/// Bytes of parts that one round writes; what is left goes first in the next.
+/// Bytes of parts that one round writes; the rest goes first in the next round.
 inline constexpr std::size_t kCheckpointRoundBytesMax = std::size_t{64} * 1024 * 1024;
 
-/// The live states of a fleet's robots, and how far their sessions are settled, of those that one
-/// journal is to write.
+/// The live states of the robots of one journal, and how far their sessions are settled.
 ///
 /// Thread: as LiveSource.
 class Checkpoint final : public LiveSource {
  public:
   struct Sources {
     const Fleet& fleet;
-    /// Whether a robot, by its RURI, is this journal's.
+    /// Whether this journal writes the robot with this RURI.
     std::function<bool(std::string_view ruri)> writes;
   };
   /// The fleet outlives it.
@@ -36,7 +35,7 @@ class Checkpoint final : public LiveSource {
 
  private:
   const Sources sources_;
-  /// The robots of the round that were not looked at yet, the next one last.
+  /// The robots that the round has not looked at yet, the next one last.
   std::vector<RobotPtr> left_;
   std::size_t round_bytes_ = 0;
   /// How many robots earlier rounds looked at: each begins where the last one ended.

@@ -7,17 +7,17 @@
 
 namespace uplink::fleet {
 
-/// By whose word a stream speaks for a robot. Closed.
+/// By which certificate a stream speaks for a robot. A closed list.
 enum class Grant : std::uint8_t {
   /// The certificate is the robot's own.
   kOwn,
   /// A gateway's certificate names the robot.
   kNamed,
-  /// A gateway's certificate names no robot: it may speak for those of its fleet.
+  /// A gateway's certificate names no robot: it may speak for all robots of its fleet.
   kFleet,
 };
 
-/// As whom a stream wants to speak. A value.
+/// The robot that a stream claims to speak for. A value.
 struct Claim {
   /// With the fleet of the certificate.
   model::RobotId robot;
@@ -26,7 +26,7 @@ struct Claim {
   std::string gateway = {};
 };
 
-/// Why a claim is refused. Closed.
+/// Why a claim is refused. A closed list.
 enum class Refusal : std::uint8_t {
   kNone,
   /// limits.robots_max.
@@ -35,7 +35,7 @@ enum class Refusal : std::uint8_t {
   kGatewayFull,
   /// The robot is of another fleet than the gateway, whose certificate does not name it.
   kOtherFleet,
-  /// The fleet's name holds a character that is not seen, and the store has no robot of that fleet
+  /// The fleet's name holds an invisible character, and the store has no robot of that fleet
   /// (OddFleets).
   kOddFleet,
   /// The same, but the store was not read yet: it may have such a robot.

@@ -44,7 +44,8 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   } else if (found->second->id()->fleet != id.fleet) {
     return {.robot = nullptr, .refusal = Refusal::kOtherFleet};
   }
-  // It was there when somebody took its place: so many more there are, and kLeavingMax bounds them.
+  // If another robot got its place meanwhile, there is one more than robots_max; kLeavingMax bounds
+  // these.
   Keep(*found->second);
   found->second->SetFleet(id.fleet);
   return {.robot = found->second};
@@ -156,7 +157,7 @@ bool Fleet::Remove(const RobotPtr& robot) {
   Shard& shard = ShardOf(robot->ruri());
   const std::lock_guard lock(shard.mutex);
   const std::lock_guard admitted_lock(admitted_mutex_);
-  // Nobody can get at it while both locks are held; who has it already may go on with it.
+  // No one can find it while both locks are held. A holder of the pointer may go on using it.
   if (!robot->left() || robot.use_count() != kKeptByUs) return false;
   std::erase(admitted_, robot);
   shard.robots.erase(robot->ruri());

@@ -35,19 +35,19 @@ struct PresenceTally {
 
 /// The counts of robots that this process judges.
 struct PresenceCounts : PresenceTally {
-  /// The counts of robots that another process holds, as that one wrote them.
+  /// The counts of robots that other processes hold, by the presence that those wrote.
   PresenceTally elsewhere;
 };
 
-/// A robot of the fleet. It leaves memory only while no one keeps this pointer: keep it for one
-/// look, and its RURI, or a weak pointer, beyond that.
+/// A robot of the fleet. It leaves memory only if no one keeps this pointer: keep it for one look,
+/// and its RURI, or a weak pointer, beyond that.
 using RobotPtr = std::shared_ptr<robot::Robot>;
 
-/// Robots beyond `robots_max` that may be leaving memory: so many robots may come into a full fleet
+/// Robots beyond `robots_max` that may be leaving memory: so many new robots may enter a full fleet
 /// at once.
 inline constexpr std::size_t kLeavingMax = 1'024;
 
-/// All robots by RURI, at most `robots_max`, beside those that are leaving memory. Thread-safe.
+/// All robots by RURI: at most `robots_max`, and those that are leaving memory. Thread-safe.
 class Fleet final {
  public:
   /// `twins`: the presence limits of robots behind a broker, if they differ. `boot` shows that the
@@ -60,7 +60,7 @@ class Fleet final {
   /// Call it before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
 
-  /// The robot, which speaks. It is admitted if it is new, and stays if it was leaving. At
+  /// Finds a robot that speaks. It is admitted if it is new, and stays if it was leaving. At
   /// robots_max another one leaves for it (SetRoom); kResourceExhausted if none can.
   [[nodiscard]] absl::StatusOr<RobotPtr> FindOrAdmit(const model::RobotId& id);
   struct Admission {
@@ -80,19 +80,19 @@ class Fleet final {
   [[nodiscard]] std::vector<RobotPtr> All() const;
   /// All robots by RURI.
   [[nodiscard]] std::vector<RobotPtr> Sorted() const;
-  /// Leaving robots are not counted.
+  /// Without leaving robots.
   [[nodiscard]] std::size_t size() const { return all_.load() - leaving_.load(); }
   [[nodiscard]] std::size_t robots_max() const { return robots_max_; }
   /// Robots that are leaving memory.
   [[nodiscard]] std::size_t leaving() const { return leaving_.load(); }
-  /// Robots that left memory, for whatever reason, since the start.
+  /// Robots that left memory, for any reason, since the start.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_.load(); }
-  /// The memory of all live state: each robot's counts in it, and LiveBudget bounds it.
+  /// The memory of all live state, robot by robot. LiveBudget bounds it.
   [[nodiscard]] const std::shared_ptr<robot::LiveTotal>& live_total() const { return live_total_; }
-  /// Grows whenever a robot comes or goes.
+  /// Grows whenever a robot enters or leaves memory.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
 
-  /// The refused names of fleets. It learns the fleets in the store from store::Seed and AdmitNew.
+  /// The refused names of fleets. store::RobotLoader and AdmitNew tell it the fleets in the store.
   [[nodiscard]] OddFleets& odd_fleets() { return odd_fleets_; }
 
   /// Robots in memory that the gateway brought in (GatewayRobots).
@@ -103,11 +103,11 @@ class Fleet final {
 
   // --- Leaving memory ---
 
-  /// Sets the robots that may leave for one that speaks at robots_max; the first leaves last.
-  /// Robots that are not idle by then stay.
+  /// Sets the robots that may leave for a new one at robots_max; the first leaves last. Those that
+  /// are not idle by then stay.
   void SetRoom(std::vector<std::weak_ptr<robot::Robot>> room);
   /// The robot begins to leave, unless kLeavingMax already do. False if it is leaving already, or
-  /// may not.
+  /// may not leave.
   bool BeginLeaving(robot::Robot& robot,
                     robot::Robot::LeaveWhen when = robot::Robot::LeaveWhen::kNotOnline);
   /// The robot has a stream, so it stays after all.
@@ -127,8 +127,8 @@ class Fleet final {
   /// robots counts. Call it before the first sweep.
   void BeginListening();
 
-  /// A sweep is due each second. One that comes later than this after the last shows that the
-  /// server stood still, and judges no robot.
+  /// A sweep is due each second. A sweep later than this after the last one shows that the server
+  /// stood still, and judges no robot.
   static constexpr std::chrono::seconds kSweepLate{3};
   /// A standstill of this length breaks connections: agents ping from every 10 s on and wait some
   /// seconds for the answer (docs/integrate/protocol.md). Its robots must come back first, so
@@ -136,8 +136,8 @@ class Fleet final {
   static constexpr std::chrono::seconds kStandstillBreaks{15};
   static_assert(kStandstillBreaks > kSweepLate);
 
-  /// Whether this process learns what robots send. While it does not, and for the timeout of their
-  /// presence after, robots that are silent for too long become unknown, not offline.
+  /// Whether this process learns what robots send. While it does not, and for a presence timeout
+  /// after that, robots that are silent for too long become unknown, not offline.
   enum class HearingState : std::uint8_t {
     kUpToDate,
     /// Robots that left may stream to another process that cannot reach the store, and so cannot
@@ -145,7 +145,7 @@ class Fleet final {
     /// silently: its silence counts once the stream's peer has answered
     /// (RobotState::AskBeforeOffline). Twins have no stream: for them it means kBehind.
     kHereAlone,
-    /// What robots sent has not been read. For twins also: their broker is not heard.
+    /// Messages of robots lie unread. For twins also: their broker is not heard.
     kBehind,
   };
 
@@ -157,9 +157,9 @@ class Fleet final {
   /// The broker was not heard until now, perhaps for less than a sweep: no twin's silence until now
   /// counts.
   void NoteTwinsUnheard();
-  /// How long after the store was replaced every other process that reaches the new one knows that,
-  /// and has ended the streams of lost holds. A process that does not reach it is late by then
-  /// (store::kLateAfter).
+  /// By this time after the store was replaced, every other process that reaches the new one knows
+  /// that, and has ended the streams of lost holds. A process that does not reach it is late by
+  /// then (store::kLateAfter).
   static constexpr std::chrono::seconds kReplacedKnown{10};
   /// Notes a look at the store, which began then and showed the robots that other processes hold.
   void NoteStoreLooked(SteadyTime began) { store_looked_.store(began); }
@@ -185,7 +185,7 @@ class Fleet final {
   [[nodiscard]] static bool IsTwin(const robot::Robot& robot) {
     return robot.source() == model::MessageSource::kCyberwave;
   }
-  /// Called with the shard's lock held, and a place taken.
+  /// Call it with the shard's lock held, and a place taken.
   [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
   /// As Admit; at robots_max another one leaves for it.
   [[nodiscard]] Admission AdmitBy(Shard& shard, const Claim& claim);
@@ -196,7 +196,7 @@ class Fleet final {
   bool MakeRoom();
   /// False if the robot is kept elsewhere, or stays.
   bool Remove(const RobotPtr& robot);
-  /// Applies what the robot's silence until now proves.
+  /// Notes for the robot's presence what its silence until now can prove.
   void ApplyHearing(robot::Robot& robot, HearingState hearing, SteadyTime now);
   /// How long the server stood still before this sweep; zero if it did not.
   [[nodiscard]] SteadyTime::duration StoodStill(SteadyTime now);

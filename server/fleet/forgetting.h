@@ -12,20 +12,19 @@
 
 namespace uplink::fleet {
 
-/// How often robots are looked for that were not heard for too long.
+/// How often to look for robots that were silent for too long.
 inline constexpr std::chrono::seconds kForgetEvery{10};
-/// From this share of robots_max on, robots are named that may leave for others.
+/// From this share of robots_max on, we name robots that may leave for others.
 inline constexpr std::size_t kRoomPercent = 90;
-/// So many, for each second: as many new robots a second find room in a full fleet.
+/// How many of them each second: as many new robots per second find room in a full fleet.
 inline constexpr std::size_t kRoomMax = 256;
 
-/// Lets robots leave memory that were not heard for long, and names those that may leave for a
-/// robot that speaks when the fleet is full. The store keeps what it has of them, and they are
-/// there again when they speak.
+/// Lets robots leave memory that were silent for long, and names those that may leave for a new
+/// robot when the fleet is full. The store keeps its rows of them, and they come back when they
+/// speak.
 ///
-/// A robot that leaves is let go of by its journal first, which may have something of it to write.
-///
-/// Thread: confined to one, but for IsForgotten.
+/// The journal lets go of a robot before it leaves, since it may still have to write for it.
+/// Thread: confined to one, except IsForgotten.
 class Forgetting final {
  public:
   /// The references outlive it.
@@ -35,16 +34,16 @@ class Forgetting final {
     const log::Logger& logger;
     /// fleet.forget_after; zero: robots leave only for others.
     milliseconds forget_after{0};
-    /// Whether civil time can be believed: else nobody was silent for long.
+    /// Whether civil time is vouched for. While it is not, no robot counts as silent for long.
     std::function<bool()> clock_vouched;
     /// Asks the robot's journal to let go of it (Journal::Leave).
     std::function<void(robot::Robot& robot)> release;
   };
   explicit Forgetting(Context context) : context_(std::move(context)) {}
 
-  /// What is due; each second.
+  /// Does what is due. Call it each second.
   void Round();
-  /// Whether a robot that was heard last then is to be in memory no more. Any thread.
+  /// Whether a robot that was last heard then must leave memory. Any thread.
   [[nodiscard]] bool IsForgotten(SystemTime heard_at) const;
 
  private:

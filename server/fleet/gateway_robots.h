@@ -14,7 +14,7 @@ namespace uplink::fleet {
 /// as many as it may have streams (transport::kGatewayFullConnections) at the default of
 /// limits.gateway_streams_max.
 inline constexpr std::size_t kGatewayRobotsMax = 4'096;
-/// At most this share of limits.robots_max, so that the rest is left for all others.
+/// And at most this share of limits.robots_max: the rest is for all others.
 inline constexpr std::size_t kGatewayRobotsPercent = 75;
 
 [[nodiscard]] constexpr std::size_t GatewayRobotsMax(std::size_t robots_max) {
@@ -25,7 +25,7 @@ inline constexpr std::size_t kGatewayRobotsPercent = 75;
 /// bound keeps a stolen key from filling the fleet with invented robots. Robots that came by a
 /// certificate that names them, and robots that the store knew before, are not counted.
 ///
-/// Bounds: one entry per robot in memory; `per_gateway_max` entries of one gateway.
+/// Bounds: one entry per robot in memory; `per_gateway_max` entries for one gateway.
 /// Thread: thread-safe; the lock is held for one lookup.
 class GatewayRobots final {
  public:

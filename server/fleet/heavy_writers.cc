@@ -10,7 +10,7 @@ namespace {
 constexpr std::chrono::hours kHour{1};
 constexpr std::uint64_t kHourSeconds = std::chrono::seconds(kHour).count();
 
-/// What counts still of what was stored so long ago.
+/// The weight of bytes that were stored so long ago.
 double LeftAfter(milliseconds passed) {
   return std::exp(-std::chrono::duration<double>(passed) / std::chrono::duration<double>(kHour));
 }

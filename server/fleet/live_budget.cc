@@ -6,7 +6,7 @@
 namespace uplink::fleet {
 namespace {
 
-/// The part that is all that a robot's calls say.
+/// The index of the part that holds all live data of a robot's calls.
 constexpr std::size_t kOfCalls = storage::kLivePartKinds;
 
 }  // namespace
@@ -40,8 +40,8 @@ void LiveBudget::Relieve() {
     holders.push_back(std::move(most));
     std::ranges::push_heap(holders, {}, &Holder::bytes);
   }
-  // What is no part cannot be dropped. Where that alone is over the budget, the next look comes
-  // once a further 1 / kLiveRoomShare was added, and not at each message.
+  // Memory outside parts cannot be dropped. If that alone is over the budget, the next look comes
+  // once a further 1 / kLiveRoomShare was added, not at each message.
   context_.fleet.live_total()->SetTrigger(
       std::max(context_.bytes_max, bytes() + context_.bytes_max / kLiveRoomShare));
   relieving_.store(false);

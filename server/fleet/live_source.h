@@ -13,15 +13,15 @@ namespace uplink::fleet {
 class LiveSource {
  public:
   virtual ~LiveSource() = default;
-  /// From now on all robots are looked at again.
+  /// Begins a round, which looks at all robots again.
   virtual void BeginRound() = 0;
-  /// What changed of some robots since it was taken last, each robot once: at most `rows_max` rows,
-  /// and about storage::kCheckpointBytesMax. Nothing: the round is through.
+  /// Takes what changed since it was last taken, of some robots, each once per round: at most
+  /// `rows_max` rows, and about storage::kCheckpointBytesMax. Empty: the round is over.
   [[nodiscard]] virtual std::vector<storage::LiveRow> TakeChanged(std::size_t rows_max) = 0;
-  /// The rows were not written: what they hold counts as changed again.
+  /// The rows were not written: their content counts as changed again.
   virtual void PutBack(std::span<const storage::LiveRow> rows) = 0;
-  /// The store does not know yet that the robot is ours, or it is another's: if it may become ours,
-  /// what the row holds counts as changed again.
+  /// The store skipped the row: it does not know yet that the robot is ours, or it is another's. If
+  /// it may become ours, the row's content counts as changed again.
   virtual void PassedOver(const storage::LiveRow& row) = 0;
 };
 

@@ -10,22 +10,23 @@
 
 namespace uplink::fleet {
 
-/// How often the background handshake asks the relay listener, one at a time, and how long one may
+/// How often the handshake probe asks the relay's listener, once at a time, and how long it may
 /// take.
 inline constexpr std::chrono::seconds kHandshakeEvery{2};
 inline constexpr std::chrono::seconds kHandshakeWait{20};
-/// A handshake goes the way of the robots' messages: one that takes longer than this shows that
-/// they lie unread.
+/// A handshake waits where the robots' messages wait: if it takes longer than this, they lie
+/// unread.
+///
 inline constexpr std::chrono::seconds kBehindAfter{3};
 /// A handshake that takes at most this long shows that messages are read in time again.
 inline constexpr std::chrono::seconds kCaughtUpWithin{1};
-static_assert(kCaughtUpWithin < kBehindAfter, "whoever has caught up is not behind");
-/// Without any sign of the listener for so long the process counts as dead.
+static_assert(kCaughtUpWithin < kBehindAfter, "a relay that has caught up is not behind");
+/// After so long without a sign of the listener, the process counts as dead.
 inline constexpr std::chrono::seconds kAliveMax{60};
 static_assert(kHandshakeEvery + kHandshakeWait < kAliveMax, "one lost answer must not kill");
 
-/// Whether the relay listener still answers: the background handshake says so, and so does a stream
-/// that opens, since a robot's handshake came before it. Counts from its making. Thread-safe.
+/// Whether the relay listener still answers. The handshake probe shows that, and so does a stream
+/// that opens, since a robot's handshake came before it. Counts from its construction. Thread-safe.
 class Liveness final {
  public:
   /// `streams_total`: streams that were opened; it outlives this.
@@ -33,19 +34,19 @@ class Liveness final {
 
   /// The listener is there from now on: its silence counts from here.
   void BeginListening();
-  /// The background handshake begins. While none is answered it counts from the first.
+  /// A probe begins. While none is answered, the wait counts from the first.
   void NoteAsked();
   /// The listener answered a ClientHello.
   void NoteHandshake();
-  /// The process stood still until now. A handshake that is under way began before, so its answer
-  /// tells nothing of what is unread.
+  /// The process stood still until now. A probe under way began before, so its answer says nothing
+  /// about messages that lie unread.
   void NoteStandstill();
   /// Time since the last sign.
   [[nodiscard]] milliseconds age() const;
   [[nodiscard]] bool alive() const { return age() <= kAliveMax; }
-  /// The relay is behind with reading, so a robot's silence proves nothing: from kBehindAfter
-  /// without an answer, or from a standstill, until a handshake that began afterwards is answered
-  /// within kCaughtUpWithin.
+  /// Whether the relay is behind with reading, so that a robot's silence proves nothing: from
+  /// kBehindAfter without an answer, or from a standstill, until a probe that began afterwards is
+  /// answered within kCaughtUpWithin.
   [[nodiscard]] bool behind() const;
   /// How often the process stood still.
   [[nodiscard]] std::int64_t standstills() const;
@@ -58,7 +59,7 @@ class Liveness final {
   mutable std::int64_t streams_seen_;
   /// The first handshake that has no answer yet, of those since the last standstill.
   std::optional<SteadyTime> asked_;
-  /// The last answer came late or we stood still, and no answer came in time since.
+  /// The last answer was late, or we stood still, and no answer came in time since.
   bool late_ = false;
   std::int64_t standstills_ = 0;
 };

@@ -21,8 +21,8 @@ Fleet::HearingState PresenceWatch::TwinsHear() const {
 void PresenceWatch::Sweep() {
   const SteadyTime began = sources_.clock.Steady();
   sources_.fleet.Sweep(sources_.session_idle, Hears(), TwinsHear());
-  // The fleet says so, by the reading of the clock at which it would have judged: the process may
-  // be stopped between any two readings.
+  // The fleet decides this by its own reading of the clock: the process may be stopped between any
+  // two readings.
   if (sources_.fleet.stood_still()) {
     sources_.liveness.NoteStandstill();
     const auto time = std::chrono::duration_cast<milliseconds>(sources_.fleet.stood_still_for());

@@ -10,8 +10,8 @@
 
 namespace uplink::fleet {
 
-/// The two rounds on which presence stands: the sweep that judges each robot's silence, and the
-/// handshake that tells whether the server itself hears. Confined to one thread.
+/// The two rounds on which presence rests: the sweep that judges each robot's silence, and the
+/// handshake that shows whether the server itself hears robots. Confined to one thread.
 class PresenceWatch final {
  public:
   /// All of it outlives the watch.
@@ -24,7 +24,7 @@ class PresenceWatch final {
     milliseconds session_idle;
     /// Whether other processes on the store may hear robots without our knowledge.
     std::function<bool()> others_unseen;
-    /// Whether twins are heard through their broker; empty: they are not.
+    /// Whether twins are heard through their broker; empty: no broker is read.
     std::function<Fleet::HearingState()> twins_hear{};
   };
   explicit PresenceWatch(const Sources& sources) : sources_(sources) {}

@@ -8,7 +8,7 @@ namespace uplink::fleet {
 
 /// How many robots there are, for a page of metrics. Any thread.
 void AddSamples(const Fleet& fleet, metrics::Exposition& page);
-/// Memory of live state, and what was dropped for want of it. Any thread.
+/// Memory of live state, and parts that were dropped for lack of it. Any thread.
 void AddSamples(const LiveBudget& budget, metrics::Exposition& page);
 
 }  // namespace uplink::fleet
