@@ -14,14 +14,14 @@ struct Arrival {
   SystemTime system;
 };
 
-/// When something was said, and when that arrived. A value.
+/// When a value was said, and when that arrived. A value.
 struct Stamp {
-  /// Microseconds since the Unix epoch, by the publisher's clock; 0: not known.
+  /// Microseconds since the Unix epoch, by the publisher's clock; 0: unknown.
   std::int64_t timestamp_us = 0;
   Arrival arrived;
 };
 
-/// The latest of a value, who said it, and when. A value.
+/// The latest of a value, its source, and when it was said. A value.
 template <typename T>
 struct Held {
   T value;

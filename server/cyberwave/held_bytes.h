@@ -8,10 +8,10 @@
 
 namespace uplink::cyberwave {
 
-/// What the allocator adds to each allocation, as in schema/model/held_bytes.
+/// The allocator's overhead per allocation, as in schema/model/held_bytes.
 inline constexpr std::size_t kAllocationBytes = 16;
 
-/// What a value holds in memory besides itself, in bytes.
+/// Bytes that a value holds in memory besides its own size.
 [[nodiscard]] std::size_t HeldBytes(const std::string& text);
 [[nodiscard]] std::size_t HeldBytes(const model::cyberwave::Metric& metric);
 [[nodiscard]] std::size_t HeldBytes(const model::cyberwave::EdgeHealth& health);

@@ -85,7 +85,7 @@ JointTable::Taken JointTable::Take(const std::vector<Joint>& joints, const SaidJ
   // Most messages name joints in the order of the table.
   ByName::iterator next = held.begin();
   for (const Joint& joint : joints) {
-    // A joint that was named and has no value is there all the same, and nothing is known of it.
+    // A joint that is named without a value gets an entry without values.
     if (SaysNothing(joint)) {
       ++taken.applied;
       continue;

@@ -17,29 +17,29 @@
 
 namespace uplink::cyberwave {
 
-/// Whose joints: a leader and its follower use the same names.
+/// Which part of a robot has the joints: a leader and its follower use the same names.
 enum class JointGroup : std::uint8_t { kEdge, kLeader, kFollower, kSim };
 inline constexpr std::size_t kJointGroups = 4;
 
-/// The vendor's word of the source type: `edge_leader`.
+/// The vendor's word for the source type: `edge_leader`.
 [[nodiscard]] std::string_view ToText(JointGroup group);
-/// The group of what a source says of joints; a word that we do not know is the edge's. Nothing for
+/// The group of joints that such a source reports; kEdge for a word that we do not know. Empty for
 /// a source of commands.
 [[nodiscard]] std::optional<JointGroup> JointGroupOf(model::cyberwave::SourceType type);
 
-/// What is known of one joint; units as the model's. A value.
+/// The known values of one joint; units as the model's. A value.
 struct HeldJoint {
   std::optional<double> position;
   std::optional<double> velocity;
   std::optional<double> effort;
   bool prismatic = false;
-  /// What the source called itself, if it is none of the words that we know.
+  /// The source's own word, if we do not know it.
   std::string other_source;
   Stamp stamp;
   SessionTimes times;
 };
 
-/// What one message said, for all of its joints. A value.
+/// The facts that hold for all joints of one message. A value.
 struct SaidJoints {
   JointGroup group = JointGroup::kEdge;
   model::cyberwave::Source source;
@@ -49,17 +49,17 @@ struct SaidJoints {
 
 /// The joints of one robot by source type and name. A value.
 ///
-/// Limits:  kJointNamesMax names of each source type; a name stays for ever.
+/// Limits:  kJointNamesMax names of each source type; a name stays until the table is dropped.
 class JointTable final {
  public:
   using ByName = std::map<std::string, HeldJoint, std::less<>>;
 
-  /// What became of the joints of one message. A value.
+  /// What became of one message's joints. A value.
   struct Taken {
     std::size_t applied = 0;
-    /// Older than what was said last.
+    /// Older than the value before.
     std::size_t superseded = 0;
-    /// Those that have no room: the first ones (schema::kToldFieldsMax), and how many there are.
+    /// Joints without room: the first ones (schema::kToldFieldsMax), and how many there are.
     std::vector<model::DroppedField> dropped;
     std::size_t without_room = 0;
   };
@@ -70,8 +70,8 @@ class JointTable final {
   }
 
  private:
-  /// What `held` has of the joint; null if it is new and has no room. `next` is looked at first,
-  /// and is the one behind it from then on.
+  /// The joint's entry in `held`; null if it is new and has no room. `next` is tried first, and
+  /// becomes the entry behind.
   [[nodiscard]] static HeldJoint* Find(const std::string& name, ByName& held,
                                        ByName::iterator& next);
 

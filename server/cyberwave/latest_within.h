@@ -8,8 +8,8 @@
 
 namespace uplink::cyberwave {
 
-/// The latest value of each key, at most `kKeysMax` of them and `kBytesMax` bytes: the least
-/// recently updated goes first. A value.
+/// The latest value of each key: at most `kKeysMax` keys and `kBytesMax` bytes. The least recently
+/// updated is evicted first. A value.
 template <typename Value, std::size_t kKeysMax, std::size_t kBytesMax>
 class LatestWithin {
  public:
@@ -18,8 +18,8 @@ class LatestWithin {
     std::size_t bytes = 0;
   };
 
-  /// `bytes` is what key and value hold, themselves included. Returns the number of keys that had
-  /// to go, this one too if it alone has no room.
+  /// `bytes`: the memory of key and value, their own size included. Returns the number of evicted
+  /// keys, which include this one if it alone has no room.
   std::size_t Put(std::string key, Value value, std::size_t bytes) {
     std::size_t gone = latest_.Put(std::move(key), {.value = std::move(value), .bytes = bytes});
     while (this->bytes() > kBytesMax) {

@@ -6,30 +6,30 @@
 #include "schema/cyberwave/limits.h"
 #include "server/limits/policies.h"
 
-/// The bounds of what is held of one twin, and of what it may send.
+/// The bounds of one twin's state, and of what it may send.
 namespace uplink::cyberwave {
 
-/// Names of joints of one source type, over all messages. Further ones are dropped.
+/// Joint names of one source type, over all messages. Further ones are dropped.
 inline constexpr std::size_t kJointNamesMax = 256;
 static_assert(kJointsMax <= kJointNamesMax, "the joints of one message have room");
-/// Sessions of which one value remembers the last time; the one heard least recently goes.
+/// Sessions whose last time one value remembers; the one heard least recently is forgotten.
 inline constexpr std::size_t kSessionsOfValueMax = 4;
-/// Sessions of which marks are remembered; the one heard least recently goes.
+/// Sessions whose marks are remembered; the one heard least recently is forgotten.
 inline constexpr std::size_t kMarkedSessionsMax = 32;
-/// Streams that ended, of one session; the one that ended first goes.
+/// Ended streams of one session; the one that ended first is forgotten.
 inline constexpr std::size_t kEndedStreamsMax = 16;
 
-// Of these the key that was updated least recently goes.
+// In these tables the least recently updated key is evicted.
 inline constexpr std::size_t kMetricCategoriesMax = 64;
 inline constexpr std::size_t kEdgesMax = 16;
 inline constexpr std::size_t kReportsMax = 32;
-/// Memory of one such table. Whatever one message says has room.
+/// Memory of one such table. The content of any one message has room.
 inline constexpr std::size_t kTableBytesMax = std::size_t{512} * 1024;
 static_assert(kTableBytesMax >= 8 * kMessageBytesMax);
 
-/// Faults from metrics that are active at a time: what the last metrics named.
+/// Faults from metrics that are active at a time: those that the last metrics named.
 inline constexpr std::size_t kMetricFaultsMax = kErrorsMax;
-/// What one message may have stored: faults that are raised, and faults that are cleared.
+/// Records that one message may bring: faults that it raises, and faults that it clears.
 inline constexpr std::size_t kRecordsOfMessageMax = 2 * kMetricFaultsMax;
 
 /// What one twin may send.
@@ -40,11 +40,11 @@ inline constexpr limits::BucketSize kLogLinesOfTwin =
 inline constexpr limits::BucketSize kFaultChangesOfTwin =
     limits::PolicyOf(limits::PolicyId::kFaultChangesOfTwin).bucket();
 
-/// Pongs in any second, to one name and to all.
+/// Pongs in any second, to one name and to all names.
 inline constexpr std::size_t kPongsOfNameMax =
     limits::PolicyOf(limits::PolicyId::kPongsOfName).most;
 inline constexpr std::size_t kPongsMax = limits::PolicyOf(limits::PolicyId::kPongs).most;
-/// Names that are remembered. Those that got a pong within the last second always have room.
+/// Remembered names. Those that got a pong within the last second always have room.
 inline constexpr std::size_t kPongNamesMax =
     limits::PolicyOf(limits::PolicyId::kPongsOfName).keys_max;
 static_assert(kPongNamesMax >= 2 * kPongsMax);

@@ -15,8 +15,8 @@ constexpr std::string_view kCategory = "metrics";
 /// Of a set, with its text.
 constexpr std::size_t kSetNodeBytes = 32 + sizeof(std::string) + kAllocationBytes;
 
-/// FNV-1a: the same wherever it is computed. Who could make two texts share it could as well send
-/// the same text twice.
+/// FNV-1a: the same on every machine. Collisions do not matter: a sender of two texts that collide
+/// could as well send one text twice.
 std::uint64_t NumberOf(std::string_view text) {
   constexpr std::uint64_t kBasis = 0xcbf29ce484222325U;
   constexpr std::uint64_t kPrime = 0x100000001b3U;

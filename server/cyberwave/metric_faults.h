@@ -16,25 +16,24 @@ namespace uplink::cyberwave {
 /// The source of every fault that comes from the errors of metrics.
 inline constexpr std::string_view kMetricFaultSource = "cyberwave/metrics";
 
-/// The id of the fault that an error's text is: the text, or of a long one its beginning and a
-/// number that depends on all of it, at most schema::kIdBytesMax bytes. The same in every process.
+/// The fault id of an error's text: the text itself, or the beginning of a long one with a hash of
+/// the whole, at most schema::kIdBytesMax bytes. The same in every process.
 [[nodiscard]] std::string FaultIdOf(std::string_view error);
 
-/// Which errors the last metrics of a robot named. A value.
+/// The errors that the last metrics of a robot named. A value.
 ///
-/// Limits:  kMetricFaultsMax active faults, of which one message makes at most kRecordsOfMessageMax
-///          changes.
+/// Limits:  kMetricFaultsMax active faults, and at most kRecordsOfMessageMax changes by one
+/// message.
 class MetricFaults final {
  public:
-  /// Raises what is named now and was not, and clears what was named and is not. The caller must
-  /// have all of it stored: it is not made again.
+  /// Raises faults that are newly named, and clears those that are named no more. The caller must
+  /// store all of them: they are not made again.
   [[nodiscard]] std::vector<model::Fault> Take(const std::vector<std::string>& errors,
                                                std::int64_t unix_time_ms);
-  /// How many faults Take would give.
+  /// How many faults Take would return.
   [[nodiscard]] std::size_t CountChanges(const std::vector<std::string>& errors) const;
-  /// The ids of the active faults of this source that the store has, instead of those known here:
-  /// what an earlier life of the server left, before the first metrics, would stay without it.
-  /// Those past the limit are passed over.
+  /// Replaces the active faults by those of this source in the store, up to the limit. Without it,
+  /// faults that an earlier run of the server left there would never be cleared.
   void Restore(const std::vector<std::string>& fault_ids);
 
   [[nodiscard]] const std::set<std::string, std::less<>>& active() const { return active_; }
@@ -43,7 +42,7 @@ class MetricFaults final {
   std::set<std::string, std::less<>> active_;
 };
 
-/// What it holds in memory besides itself, in bytes.
+/// Bytes that it holds in memory besides its own size.
 [[nodiscard]] std::size_t HeldBytes(const MetricFaults& faults);
 
 }  // namespace uplink::cyberwave

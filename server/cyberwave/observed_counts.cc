@@ -16,7 +16,7 @@ MediaCount ObservedCounts::media(TopicKind kind) const {
 void ObservedCounts::Take(TopicKind kind, const model::cyberwave::CommandHead& head,
                           const model::cyberwave::Source& source, const Stamp& stamp) {
   Count(kind);
-  // Only answers have a status; some name what they are about as commands do.
+  // Only answers have a status; some name their subject as commands do.
   if (head.status.empty()) {
     last_command_ = {.topic = kind, .head = head, .source = source, .stamp = stamp};
   } else if (last_command_ && last_command_->topic == kind) {

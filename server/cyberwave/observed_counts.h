@@ -14,8 +14,8 @@ namespace uplink::cyberwave {
 
 inline constexpr std::size_t kTopicKinds = static_cast<std::size_t>(TopicKind::kOther) + 1;
 
-/// The head of the last command, and what its receiver answered. What the command carries is not
-/// kept. A value.
+/// The head of the last command, and its receiver's answer. The command's content is not kept. A
+/// value.
 struct LastCommand {
   TopicKind topic = TopicKind::kCommand;
   model::cyberwave::CommandHead head;
@@ -23,25 +23,25 @@ struct LastCommand {
   Stamp stamp;
 };
 
-/// Frames that nobody looks into. A value.
+/// Frames that are counted, not read. A value.
 struct MediaCount {
   std::uint64_t messages = 0;
   std::uint64_t bytes = 0;
 };
 
-/// What of a twin's robot is counted and not kept. A value.
+/// Messages of a twin's robot that are counted, not kept. A value.
 class ObservedCounts final {
  public:
   void Count(TopicKind kind) { ++observed_[Index(kind)]; }
   void CountSetpoints(std::size_t setpoints) { setpoints_ += setpoints; }
   void CountMedia(TopicKind kind, std::size_t bytes);
-  /// A command becomes the last one; an answer goes to the last one if that is of its topic.
+  /// A command becomes the last one; an answer is noted with the last one if their topics agree.
   void Take(TopicKind kind, const model::cyberwave::CommandHead& head,
             const model::cyberwave::Source& source, const Stamp& stamp);
 
   [[nodiscard]] std::uint64_t observed(TopicKind kind) const { return observed_[Index(kind)]; }
   [[nodiscard]] MediaCount media(TopicKind kind) const;
-  /// Wanted values of joints, in messages of any source.
+  /// Setpoints of joints, in messages of any source.
   [[nodiscard]] std::uint64_t setpoints() const { return setpoints_; }
   [[nodiscard]] const std::optional<LastCommand>& last_command() const { return last_command_; }
 

@@ -11,9 +11,9 @@
 
 namespace uplink::cyberwave {
 
-/// How many pings are answered: kPongsOfNameMax per second under one name, kPongsMax in all.
+/// Limits the pings that are answered: kPongsOfNameMax per second under one name, kPongsMax in all.
 /// Further ones get no answer. Unlike limits::KeyedBuckets this is exact, and has room for each new
-/// name: those that got a pong within a second are fewer than kPongNamesMax.
+/// name: fewer than kPongNamesMax got a pong within a second.
 ///
 /// Limits:  kPongNamesMax names.
 /// Thread:  confined to its owner.

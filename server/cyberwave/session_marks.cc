@@ -10,7 +10,7 @@ using model::cyberwave::Mark;
 using model::cyberwave::MarkKind;
 
 void StartTelemetry(MarkedSession& session, const std::string& stream) {
-  // Who starts to send is there, also where no mark said so anew after a reconnect.
+  // A session that starts to send is connected, even if no mark said so after a reconnect.
   session.connected = true;
   session.telemetry = true;
   if (stream.empty()) {

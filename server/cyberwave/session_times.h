@@ -9,18 +9,18 @@
 
 namespace uplink::cyberwave {
 
-/// Stands for a publisher's session. Two that share a number count as one: they could only make
-/// each other's messages late, and both are the same twin's.
+/// Stands for a publisher's session. Two sessions with the same number count as one: at worst, a
+/// twin's messages make each other late.
 using SessionNumber = std::uint64_t;
 
 [[nodiscard]] SessionNumber SessionNumberOf(std::string_view session_id);
 
-/// The last time that each session gave for one value: clocks of two publishers are never compared.
-/// A value of fixed size.
+/// The last time that each session stated for one value: clocks of two publishers are never
+/// compared. A value of fixed size.
 class SessionTimes final {
  public:
-  /// False for a message of that session whose time is before the last one; else its time is the
-  /// last one from now on. A time that is not known (0) is never before, and changes nothing.
+  /// False for a message whose time is before the last one of its session. Otherwise its time is
+  /// the last one from now on. An unknown time (0) is never before, and changes nothing.
   [[nodiscard]] bool Take(SessionNumber session, std::int64_t timestamp_us);
 
   [[nodiscard]] std::size_t size() const { return size_; }

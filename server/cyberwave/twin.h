@@ -15,8 +15,8 @@
 
 namespace uplink::cyberwave {
 
-/// One robot of a twin as this process has heard it: its live state, shared by who hears it and who
-/// shows it.
+/// One robot of a twin, real or simulated: its live state as this process heard it. The broker's
+/// thread writes it, views read it.
 ///
 /// Thread: thread-safe by one mutex, never held across a call out; one thread applies.
 class Twin final {
@@ -25,27 +25,27 @@ class Twin final {
       : ruri_(std::move(ruri)), id_(id), state_(id) {}
 
   [[nodiscard]] const std::string& ruri() const { return ruri_; }
-  /// The twin's, whose other robot has the same.
+  /// The twin's id, which its two robots share.
   [[nodiscard]] const model::cyberwave::Uuid& id() const { return id_; }
-  /// What it holds counts there from now on; null: nowhere.
+  /// Its memory counts in `total` from now on; null: in none.
   void CountIn(std::shared_ptr<robot::LiveTotal> total);
 
   /// As TwinState::RecordsAtMost.
   [[nodiscard]] std::size_t RecordsAtMost(const Judgement& judgement) const;
   /// As TwinState::Apply.
   [[nodiscard]] Applied Apply(Judgement&& judgement, const Arrival& arrival);
-  /// As MetricFaults::Restore. They count as memory from the next message on.
+  /// As MetricFaults::Restore. Their memory counts from the next message on.
   void RestoreFaults(const std::vector<std::string>& fault_ids);
-  /// As TwinState::DropTable. Returns how many bytes that was.
+  /// As TwinState::DropTable. Returns the freed bytes.
   std::size_t DropTable(TwinTable table);
 
   /// The faults that its last metrics named.
   [[nodiscard]] std::vector<std::string> ActiveFaults() const;
 
-  /// What it holds in memory, as of the last message: nothing before the first one.
+  /// Its memory, as of the last message; 0 before the first one.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] TwinTableBytes table_bytes() const;
-  /// Calls `look` with the parts as they stand, under the lock: it must be short.
+  /// Calls `look` with the parts, under the lock: it must be short.
   template <typename Look>
   void LookAt(Look look) const {
     const std::lock_guard lock(mutex_);

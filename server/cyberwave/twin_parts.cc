@@ -9,16 +9,16 @@
 namespace uplink::cyberwave {
 namespace {
 
-/// What a node of a map or a list costs beside what it holds.
+/// Overhead of a node of a map or a list.
 constexpr std::size_t kNodeBytes = 32 + kAllocationBytes;
 
-/// The most that a text of so many bytes holds: control characters were replaced, and a buffer
-/// grows twofold.
+/// The most memory of a text of so many bytes: control characters were replaced by longer ones, and
+/// a buffer doubles as it grows.
 constexpr std::size_t TextBytes(std::size_t bytes_max) {
   return 2 * kReplacementBytes * bytes_max + kAllocationBytes;
 }
 
-// What a full twin holds at the very most, part by part.
+// The most memory of a full twin, part by part.
 constexpr std::size_t kJointBytes =
     sizeof(JointTable::ByName::value_type) + kNodeBytes + TextBytes(schema::kNameBytesMax);
 constexpr std::size_t kJointsBytes =

@@ -19,13 +19,13 @@
 
 namespace uplink::cyberwave {
 
-/// The metrics of one category, as its last message said them.
+/// The metrics of one category, by its last message.
 using MetricCategory = Held<std::vector<model::cyberwave::Metric>>;
 
 using HeldReport = Held<model::cyberwave::Report>;
 
-/// What is known of one robot of a twin, the real one or the simulated one. A part that was never
-/// said is empty. A value.
+/// The live state of one robot of a twin, the real or the simulated one. A part that was never
+/// reported is empty. A value.
 struct TwinParts {
   model::cyberwave::Uuid twin;
 
@@ -35,7 +35,7 @@ struct TwinParts {
   std::optional<Held<model::cyberwave::Gps>> gps;
   std::optional<Held<model::cyberwave::BatteryStatus>> battery;
   JointTable joints;
-  /// By category; one that a message does not name stays.
+  /// By category; a category that a message does not name stays.
   LatestWithin<MetricCategory, kMetricCategoriesMax, kTableBytesMax> metrics;
   /// By edge_id.
   LatestWithin<Held<model::cyberwave::EdgeHealth>, kEdgesMax, kTableBytesMax> edges;
@@ -47,8 +47,8 @@ struct TwinParts {
   ObservedCounts observed;
 };
 
-/// What a robot of a twin loses, one by one, where the live states of all hold too much: what is
-/// held by keys, and whole reports.
+/// What a robot of a twin loses, one by one, if all live states together take too much memory:
+/// tables by key, and whole reports.
 enum class TwinTable : std::uint8_t {
   kJoints,
   kMetrics,
@@ -59,14 +59,14 @@ enum class TwinTable : std::uint8_t {
   kSessions,
 };
 inline constexpr std::size_t kTwinTables = static_cast<std::size_t>(TwinTable::kSessions) + 1;
-/// Memory of each, by TwinTable.
+/// Memory of each table, by TwinTable.
 using TwinTableBytes = std::array<std::size_t, kTwinTables>;
 [[nodiscard]] TwinTableBytes TableBytes(const TwinParts& parts);
 
-/// Memory of the largest robot of a twin, checked where it is computed (twin_parts.cc).
+/// The most memory of one robot of a twin; twin_parts.cc computes and checks it.
 inline constexpr std::size_t kTwinBytesMax = std::size_t{5} * 1024 * 1024;
 
-/// What it holds in memory, itself included.
+/// Bytes in memory, its own size included.
 [[nodiscard]] std::size_t HeldBytes(const TwinParts& parts);
 
 }  // namespace uplink::cyberwave

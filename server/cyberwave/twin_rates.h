@@ -12,23 +12,23 @@
 
 namespace uplink::cyberwave {
 
-/// How full the journal is, as far as rates ask.
+/// Whether the journal is so full that rates hold for durable messages too.
 enum class JournalFill : std::uint8_t { kUpToHalf, kOverHalf };
 
-/// How much one twin may send, its simulated robot included: kMessagesOfTwin, and of lines of logs
-/// kLogLinesOfTwin. Durable messages take no part while the journal has room: after an outage a
-/// bridge rightly sends all that it kept, and its live state is not to suffer for it.
+/// How much one twin may send, its simulated robot included: kMessagesOfTwin, and kLogLinesOfTwin
+/// for lines of logs. Durable messages do not count while the journal has room: after an outage a
+/// bridge rightly sends all that it kept, and live messages must not suffer for it.
 ///
 /// Thread:  confined to its owner.
 class TwinRates final {
  public:
-  /// Nothing: the message may pass, and its tokens are taken. Else why it is rejected; such a
-  /// message is not kept in quarantine.
+  /// Why the message is rejected, without a row in quarantine. Empty: it passes, and its tokens are
+  /// taken.
   [[nodiscard]] std::optional<model::Rejection> Limit(const Judgement& judgement, JournalFill fill,
                                                       SteadyTime now);
 
-  /// The same of metrics that change so many faults, kRecordsOfMessageMax at most. Whatever comes
-  /// later says what is active then.
+  /// The same for metrics that change so many faults, at most kRecordsOfMessageMax. Later metrics
+  /// say again which are active.
   [[nodiscard]] std::optional<model::Rejection> LimitFaults(std::size_t changes, SteadyTime now);
 
  private:

@@ -49,7 +49,7 @@ std::size_t ItemBytes(const std::string& key, const Held<T>& held) {
          HeldBytes(held.value);
 }
 
-/// How many keys had to go; nothing if what the table holds is later.
+/// How many keys were evicted; empty if the table's value is later.
 template <typename Table, typename T>
 std::optional<std::size_t> KeepIn(Table& table, const std::string& key, T&& value,
                                   const Context& context) {
@@ -122,7 +122,7 @@ struct TwinState::Applier {
 
   Applied operator()(cw::Metrics&& metrics) {
     if (!IsLatest(state.metrics_times_, context)) return Only(Outcome::kSuperseded);
-    // No error where there is no list of them.
+    // Without a list of errors there is no error.
     const std::vector<std::string> none;
     const auto& errors = metrics.errors ? *metrics.errors : none;
     Applied applied = Only(Outcome::kApplied);
@@ -182,7 +182,7 @@ struct TwinState::Applier {
     return Only(Outcome::kObserved);
   }
 
-  /// They are durable, and became a record, or are nothing of a twin's.
+  /// These are durable, and became a record, or are not a twin's.
   template <OneOf<cw::Ignored, cw::Mark, cw::Event, cw::DriverLog, cw::RunStatus, cw::ScopeUpdate,
                   cw::Ping>
                 Other>

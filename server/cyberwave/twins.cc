@@ -37,7 +37,7 @@ void Twins::Remove(std::string_view ruri) {
     removed = std::move(found->second);
     twins_.erase(found);
   }
-  // Somebody may keep it for a moment.
+  // Another thread may keep it for a moment.
   removed->CountIn(nullptr);
 }
 

@@ -16,27 +16,27 @@
 
 namespace uplink::cyberwave {
 
-/// The robots of twins that this process has heard, by RURI, at most `twins_max`
+/// The robots of twins that this process has heard, by RURI: at most `twins_max`
 /// (cyberwave.robots_max).
 ///
 /// Thread: thread-safe; one thread applies, adds and removes.
 class Twins final {
  public:
-  /// What they hold counts in `all`, too: the server's total. Null: there is none.
+  /// Their memory also counts in `all`, the server's total; null: there is none.
   explicit Twins(std::size_t twins_max, std::shared_ptr<robot::LiveTotal> all = nullptr)
       : twins_max_(twins_max), total_(std::make_shared<robot::LiveTotal>(std::move(all))) {}
 
-  /// Null if it was not heard, or is forgotten.
+  /// Null if it was not heard, or was forgotten.
   [[nodiscard]] TwinPtr Find(std::string_view ruri) const;
-  /// The same, made if it is not there. Null at twins_max.
+  /// As Find, but adds a missing one. Null at twins_max.
   [[nodiscard]] TwinPtr FindOrAdd(const std::string& ruri, const model::cyberwave::Uuid& id);
   [[nodiscard]] std::vector<TwinPtr> All() const;
   void Remove(std::string_view ruri);
   void Clear();
 
-  /// As Twin::Apply, of one of these. Checks the total at its end.
+  /// As Twin::Apply, for one of these. Checks the total at the end.
   [[nodiscard]] Applied Apply(Twin& twin, Judgement&& judgement, const Arrival& arrival);
-  /// As Twin::DropTable, counted. Any thread.
+  /// As Twin::DropTable, and counts it. Any thread.
   std::size_t DropTable(Twin& twin, TwinTable table);
 
   [[nodiscard]] std::size_t size() const;
