@@ -16,7 +16,6 @@ inline constexpr std::chrono::seconds kHandshakeEvery{2};
 inline constexpr std::chrono::seconds kHandshakeWait{20};
 /// A handshake waits where the robots' messages wait: if it takes longer than this, they lie
 /// unread.
-///
 inline constexpr std::chrono::seconds kBehindAfter{3};
 /// A handshake that takes at most this long shows that messages are read in time again.
 inline constexpr std::chrono::seconds kCaughtUpWithin{1};
