@@ -11,7 +11,7 @@
 
 namespace uplink::uncrew {
 
-/// What a call comes to: the contract's outcomes, and the ends without one. Closed.
+/// The outcome of a call: those of the contract, and ends without one. A closed list.
 enum class Outcome : std::uint8_t {
   kStored,
   kApplied,
@@ -20,7 +20,7 @@ enum class Outcome : std::uint8_t {
   kRejected,
   /// The store did not confirm in time, the server drains, or another one has the drone.
   kUnavailable,
-  /// The certificate may not speak for the drone, or a bound stands against the call.
+  /// The certificate may not speak for the drone, or a bound is reached.
   kRefused,
 };
 /// As labels of a metric.
@@ -28,12 +28,12 @@ inline constexpr auto kOutcomeWords = std::to_array<std::string_view>(
     {"stored", "applied", "superseded", "duplicate", "rejected", "unavailable", "refused"});
 static_assert(kOutcomeWords.size() == static_cast<std::size_t>(Outcome::kRefused) + 1);
 
-/// What a drone is told. A value.
+/// The answer to a drone. A value.
 struct Answer {
   Outcome outcome = Outcome::kApplied;
-  /// Of kRejected.
+  /// With kRejected.
   std::optional<model::Rejection> rejection{};
-  /// Of one that is over its rate.
+  /// With kRejected for the rate.
   milliseconds retry_after{0};
 };
 

@@ -155,7 +155,7 @@ void AvatarCall::OnDrain(milliseconds grace) {
   if (awaits_request_) {
     return FailWithoutRequest(absl::UnavailableError("the server drains: send it to another"));
   }
-  // A sample that still waits then is sent again, to another server.
+  // The drone sends a sample that still waits then again, to another server.
   answer_by_ = std::min(answer_by_, thread_.clock.Steady() + grace);
 }
 

@@ -22,9 +22,9 @@ namespace uplink::uncrew {
 
 /// What the calls of one thread share. The references outlive it. Confined to the thread.
 struct AvatarThread {
-  /// That of the thread's events, which stands still during one.
+  /// The event clock of the thread, which stands still during an event.
   const Clock& clock;
-  /// For what an answer takes.
+  /// Measures the time until an answer.
   const Clock& watch;
   Drones& drones;
   AvatarProbe& probe;
@@ -34,8 +34,8 @@ struct AvatarThread {
   ingest::Port port;
 };
 
-/// One Publish call: a sample comes, is judged, offered to its drone, and answered: at once, or
-/// once it is committed.
+/// One Publish call: its sample is judged, offered to its drone, and answered at once or after its
+/// commit.
 ///
 /// Thread: confined to its connection's.
 class AvatarCall final : public transport::CallHandler {
@@ -77,12 +77,12 @@ class AvatarCall final : public transport::CallHandler {
   const model::uncrew::SampleType type_;
   SteadyTime began_;
   SystemTime began_system_;
-  /// By `watch`.
+  /// By AvatarThread::watch.
   SteadyTime arrived_;
-  /// By then the request must be here, and then its answer.
+  /// The deadline of the request, then of its answer.
   SteadyTime answer_by_;
   bool awaits_request_ = false;
-  /// When to offer it again that had no room.
+  /// When to offer a sample again that had no room.
   std::optional<SteadyTime> again_at_;
   milliseconds again_in_ = kRoomAgain;
   std::string request_;

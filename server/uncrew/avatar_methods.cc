@@ -21,7 +21,7 @@ transport::Method MethodOf(transport::MethodKind kind) {
           .roles = {identity::Role::kRobot, identity::Role::kGateway},
           .audience = "drones call with the certificates of robots and gateways alone",
           .admission = transport::Admission::kCall,
-          // A caller that gives less time than the store takes sends the same sample again.
+          // A caller whose deadline is shorter than the store's answer sends the same sample again.
           .at_deadline = absl::UnavailableError(
               "the store did not confirm the sample in the caller's time: send it again")};
 }

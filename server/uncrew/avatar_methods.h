@@ -13,9 +13,9 @@
 
 namespace uplink::uncrew {
 
-/// What AvatarService works with. All of it outlives the server.
+/// The parts that AvatarService uses. All of them outlive the server.
 struct AvatarContext {
-  /// For what answers take: it goes on during an event.
+  /// Measures the time until an answer: it runs on during an event.
   const Clock& watch;
   Drones& drones;
   fleet::Fleet& fleet;
@@ -30,7 +30,7 @@ struct AvatarContext {
   std::size_t payload_bytes_max = 0;
 };
 
-/// The methods of AvatarService, for one thread after the other: a Publish call of each type, and
+/// The methods of AvatarService, made for each thread: a Publish call of each type, and
 /// SubscribeUAVCommands, which is UNIMPLEMENTED, since the server sends no commands.
 [[nodiscard]] transport::MethodsMaker AvatarMethods(AvatarContext context);
 

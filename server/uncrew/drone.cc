@@ -26,7 +26,7 @@ bool Drone::SetSpeaker(const fleet::Claim& claim) {
   const bool same = robot_->id()->fleet == claim.robot.fleet;
   if (!same && !moves) return false;
   const std::lock_guard lock(mutex_);
-  // The store had it in the fleet of somebody else who called.
+  // The store had it in the fleet of another caller.
   if (same && claim_.is_other_fleet()) claim_.TellFleet(waiting_.empty());
   const bool is_new = claim_.SpeakAs(claim, moves, context_.journal);
   if (is_new && !robot_->HasStream()) robot_->SetSpeaker(claim.gateway);
@@ -54,13 +54,13 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
     offered = Take(port, sample, caller);
     share_.Set(live_.bytes() + stored_.bytes());
   }
-  // Over the budget it may be this drone that loses what it says.
+  // Past the budget, this drone may lose its live samples.
   context_.live_total->Check();
   return offered;
 }
 
 Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
-  // It is to be forgotten: what it says comes again, to a drone that is new.
+  // An operator wants to forget it. The sample comes again, to a new Drone.
   if (robot_->calls.asked_to_end(context_.clock.Steady()))
     return Settle(port, sample, metrics::Became::kRefused);
   ClaimIfDue(context_.clock.Steady());
@@ -73,7 +73,7 @@ Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::Strea
     port.NoteLife(line(), sample.arrived, sample.arrived_system);
   }
   if (sample.is_rejected()) return OfferDurable(port, sample, caller);
-  // Sets are shown at once, whatever the store does.
+  // Sets are shown at once, even while the store is away.
   if (IsSet(sample.judged.type) && !is_foreign && !live_.IsOlder(sample.live())) {
     live_.Apply(sample.live());
   }
@@ -82,7 +82,7 @@ Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::Strea
 }
 
 Drone::Offered Drone::OfferLive(ingest::Port& port, const Sample& sample) {
-  // Another server has it, and shows what it says live.
+  // Another server has it, and shows its live samples.
   if (robot_->state.foreign()) return Settle(port, sample, metrics::Became::kRefused);
   const LiveSamples::Sample live = sample.live();
   const bool is_old = live_.IsHeld(live) || live_.IsOlder(live);
@@ -111,7 +111,7 @@ Drone::Offered Drone::OfferDurable(ingest::Port& port, const Sample& sample,
     return Wait(ticket, if_known, caller);
   }
   if (stored_.IsDuplicate(*mark)) {
-    // It was shown at once; the store knows what followed it.
+    // It was shown above, but the store has a later one of its type.
     if (IsSet(sample.judged.type) && stored_.IsPast(*mark)) live_.Forget(sample.judged.type);
     static_cast<void>(Settle(port, sample, metrics::Became::kDuplicate));
     if (sample.is_bad_live()) return {.answer = if_known};
@@ -161,7 +161,7 @@ Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
   if (sample.row().kind == SampleKind::kDurableOnChange) {
     Offered live = OfferLive(port, sample);
     if (live.answer.outcome == Outcome::kRejected) return live;
-    // One that another server's live state keeps out is asked for, too: it may be a change since.
+    // Ask even if another server has the live state: its value may have changed since.
     return AskStore(std::move(live.answer), caller);
   }
   Offered same = Settle(port, sample, metrics::Became::kSuperseded);
@@ -206,7 +206,7 @@ void Drone::ClaimIfDue(SteadyTime now) {
 }
 
 loop::StreamRef Drone::OnClaimed(const storage::ClaimResult& result) {
-  // A stream here has its own word for the fleet.
+  // A stream here makes its own claim about the fleet.
   if (result.other_fleet && !robot_->HasStream()) {
     robot_->Disown(robot_->id()->fleet, *result.other_fleet);
   }
@@ -248,7 +248,7 @@ loop::StreamRef Drone::OnSettled(std::span<const robot::Settled> settled,
     const std::lock_guard lock(mutex_);
     settling = waiting_.Settle(settled);
     AppendQuestionIfDue();
-    // Those who wait for a claim may have it now.
+    // Calls that wait for a claim may make it now.
     if (claim_.is_doubtful() && waiting_.empty()) {
       std::ranges::copy(std::exchange(unclaimed_, {}), std::back_inserter(settling.wake));
     }
@@ -264,7 +264,7 @@ loop::StreamRef Drone::OnFenced(metrics::Ledger& /*ledger*/) {
     claim_.Void();
     stored_.Set({});
     settling = waiting_.VoidAll();
-    // Those who waited for a claim until nothing waits ask for it now.
+    // Calls that waited until they may claim do so now.
     std::ranges::copy(std::exchange(unclaimed_, {}), std::back_inserter(settling.wake));
   }
   return Tell(settling);

@@ -35,12 +35,12 @@
 
 namespace uplink::uncrew {
 
-/// One drone as its calls see it: what it says now, what the store remembers of it, and what of it
-/// waits for the store. A sample is offered again each time that its call is woken, until there is
-/// an answer.
+/// One drone as its calls see it: its live samples, what the store remembers of it, and its samples
+/// that wait for the store. A call offers its sample again each time that it is woken, until there
+/// is an answer.
 ///
-/// The lock is held while a sample goes to the journal, which so has a drone's samples in the order
-/// in which they were judged.
+/// The lock is held while a sample goes to the journal, so the journal has a drone's samples in the
+/// order in which they were judged.
 ///
 /// Thread: thread-safe.
 class Drone final : public robot::ClaimClient, public robot::CallsLive {
@@ -48,12 +48,12 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   /// The references outlive it.
   struct Context {
     const Clock& clock;
-    /// For what is settled: a page of the source's.
+    /// Counts settled samples: a page of the source's.
     metrics::Ledger& ledger;
     journal::Journal& journal;
-    /// In which what it says live counts.
+    /// The total in which its live samples count.
     std::shared_ptr<robot::LiveTotal> live_total;
-    /// Drawn for this life of the drone: for keys of quarantine alone.
+    /// Drawn for this object; only keys of quarantine use it.
     model::SessionId session;
   };
   Drone(const Context& context, fleet::RobotPtr robot);
@@ -61,32 +61,32 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   Drone(const Drone&) = delete;
   Drone& operator=(const Drone&) = delete;
 
-  /// As whom its calls speak, of each call: another fleet than before is told to the store by a new
-  /// claim. False if the robot is of another fleet, and the certificate may not move it.
+  /// Sets the speaker at each call. If the fleet changed, a new claim tells the store. False if the
+  /// robot is of another fleet, and the certificate may not move it.
   [[nodiscard]] bool SetSpeaker(const fleet::Claim& claim);
-  /// A call begins; false if there are kCallsInFlightMax. Leave must follow.
+  /// A call begins; Leave must follow. False if there are kCallsInFlightMax already.
   [[nodiscard]] bool Enter(SystemTime now);
   void Leave() { calls_.fetch_sub(1); }
 
   struct Offered {
     enum class Is : std::uint8_t {
       kAnswer,
-      /// For its commit: `ticket` has what comes of it, and the caller is woken.
+      /// It waits for its commit: `ticket` gets the result, and the caller is woken.
       kWaits,
-      /// Nothing was done: the store did not answer the claim. The caller is woken.
+      /// Nothing was done: the store has not answered the claim yet. The caller is woken then.
       kUnclaimed,
-      /// Nothing was done: it is offered again soon.
+      /// Nothing was done: the call must offer it again soon.
       kNoRoom,
       /// The store has the robot in another fleet.
       kOtherFleet,
     };
     Is is = Is::kAnswer;
-    /// Of kAnswer; of kWaits what to say once it is committed.
+    /// With kAnswer: the answer. With kWaits: the answer once it is committed.
     Answer answer{};
     TicketRef ticket{};
   };
   [[nodiscard]] Offered Offer(ingest::Port& port, const Sample& sample, loop::StreamRef caller);
-  /// What came of a sample that waits.
+  /// The state of a sample that waits.
   [[nodiscard]] Ticket Look(const TicketRef& ticket) const {
     const std::lock_guard lock(mutex_);
     return *ticket;
@@ -100,14 +100,14 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
 
   [[nodiscard]] const fleet::RobotPtr& robot() const { return robot_; }
   [[nodiscard]] const std::string& ruri() const { return robot_->ruri(); }
-  /// No call of it is here, and nothing waits.
+  /// It has no call, no waiting sample and no open claim.
   [[nodiscard]] bool idle() const {
     const std::lock_guard lock(mutex_);
     return calls_.load() == 0 && waiting_.empty() && !claim_.is_asked();
   }
   [[nodiscard]] SystemTime called_at() const { return FromUnixMs(called_at_ms_.load()); }
-  /// Calls `look` with what it says, under the lock: short. What another server has of it is not
-  /// here.
+  /// Calls `look` with its live samples, under the lock: it must be short. Samples that it sent to
+  /// another server are not here.
   template <typename Look>
   void LookAt(Look look) const {
     const std::lock_guard lock(mutex_);
@@ -129,7 +129,7 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   std::size_t DropLive() override;
 
  private:
-  /// What waits no more is counted, and its calls are woken. Without the lock.
+  /// Counts samples that no longer wait, and wakes their calls. Call it without the lock.
   loop::StreamRef Tell(const WaitingSamples::Settling& settling);
   // Under the lock.
   [[nodiscard]] ingest::Line line();
@@ -144,15 +144,15 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
                                      loop::StreamRef caller);
   [[nodiscard]] Offered OfferRecords(ingest::Port& port, const Sample& sample,
                                      const storage::SampleRef& mark, loop::StreamRef caller);
-  /// What it says is known: of a set that waits, the answer waits, too.
+  /// Settles a sample whose content is already stored; if that still waits, so does the answer.
   [[nodiscard]] Offered SaysTheSame(ingest::Port& port, const Sample& sample,
                                     loop::StreamRef caller);
-  /// An answer that rests on what is remembered of the store goes out once the store says that the
-  /// claim holds: another server may have stored since, or the store is an older copy by now.
+  /// Delays an answer that rests on memory until the store says that the claim still holds: another
+  /// server may have stored since, or the store may be an older copy.
   [[nodiscard]] Offered AskStore(Answer answer, loop::StreamRef caller);
-  /// It does not ask for room: the journal has at most one question of each drone at a time.
+  /// Needs no room: the journal has at most one question of each drone at a time.
   void AppendQuestionIfDue();
-  /// Counts a sample that comes to nothing more than this answer.
+  /// Counts a sample that only gets this answer.
   [[nodiscard]] Offered Settle(ingest::Port& port, const Sample& sample, metrics::Became became) {
     port.Count(sample.arrival(), became);
     port.Publish();

@@ -11,13 +11,13 @@
 
 namespace uplink::uncrew {
 
-/// The claim of one drone, as this process knows it, and as whom it is asked for.
+/// The claim of one drone, as this process knows it, and the speaker in whose name it is made.
 ///
 /// Thread: confined to its owner's lock.
 class DroneClaim final {
  public:
-  /// As whom calls speak; `moves`: they may take the robot to their fleet. True if it is somebody
-  /// else than before.
+  /// Sets the speaker of the calls; `moves`: it may move the robot to its fleet. True if the
+  /// speaker is another one than before.
   bool SpeakAs(const fleet::Claim& claim, bool moves, journal::Journal& journal) {
     word_ = moves ? storage::FleetWord::kMoves : storage::FleetWord::kMatches;
     if (speaks_ && gateway_ == claim.gateway) return false;
@@ -26,8 +26,8 @@ class DroneClaim final {
     use_ = journal.GatewayOf(gateway_);
     return true;
   }
-  /// The robot's fleet changed: the next claim tells the store. `is_free`: nothing waits that was
-  /// judged under this one.
+  /// The robot's fleet changed: the next claim tells the store. `is_free`: no sample waits that was
+  /// judged under this claim.
   void TellFleet(bool is_free) {
     is_other_fleet_ = false;
     asked_at_ = {};
@@ -35,13 +35,13 @@ class DroneClaim final {
     if (is_free) epoch_ = 0;
   }
 
-  /// Whether it is to be asked for now. One that there is stays while something waits that was
-  /// judged under it, and as long as this process has the robot.
+  /// Whether to ask for a claim now. A valid one stays while samples wait that were judged under
+  /// it, and while this process has the robot.
   [[nodiscard]] bool IsDue(SteadyTime now, bool waits, bool is_foreign) {
     if (is_asked_) return false;
     if (epoch_ == 0 && !is_other_fleet_) return true;
     const bool may_be_ours = is_other_fleet_ || is_foreign;
-    // From now on nothing more is judged under it, so that what waits comes to an end.
+    // From now on no sample is judged under it, so that no sample waits soon.
     if (may_be_ours && !is_doubtful() && now - asked_at_ >= robot::kClaimAgainEvery) Doubt();
     return is_doubtful() && !waits;
   }
@@ -57,14 +57,14 @@ class DroneClaim final {
     is_other_fleet_ = result.other_fleet.has_value();
   }
   void Void() { epoch_ = 0; }
-  /// What is remembered of the store is to be asked for anew, once nothing waits: what does was
-  /// judged under this claim, and is stored unless another server claimed since.
+  /// Memory of the store is in doubt: ask for a new claim once no sample waits. Samples that wait
+  /// were judged under this one, and are stored unless another server claimed since.
   void Doubt() { ++doubts_; }
 
-  /// Of what waits; 0: there is none.
+  /// The claim of waiting samples; 0: there is none.
   [[nodiscard]] storage::Epoch epoch() const { return epoch_; }
-  /// Whether a sample can be judged under it. While another is asked for none can: nothing of two
-  /// claims waits at a time.
+  /// Whether a sample can be judged under it. None can while another claim is open, so that all
+  /// waiting samples have the same claim.
   [[nodiscard]] bool serves() const { return epoch_ != 0 && !is_doubtful() && !is_asked_; }
   [[nodiscard]] bool is_doubtful() const { return settled_ != doubts_; }
   [[nodiscard]] bool is_asked() const { return is_asked_; }
@@ -76,8 +76,7 @@ class DroneClaim final {
 
  private:
   storage::Epoch epoch_ = 0;
-  /// Doubts that there were; those that the claim that is asked for settles; those that are
-  /// settled.
+  /// The number of doubts so far; of those that the open claim settles; of those that are settled.
   std::uint64_t doubts_ = 0;
   std::uint64_t settles_ = 0;
   std::uint64_t settled_ = 0;
@@ -87,7 +86,7 @@ class DroneClaim final {
   storage::FleetWord word_ = storage::FleetWord::kMoves;
   bool speaks_ = false;
   std::string gateway_;
-  /// Counts what waits in the journal of all that the gateway brings.
+  /// The waiting records of all robots of its gateway in the journal.
   journal::GatewayRef use_;
 };
 

@@ -14,8 +14,8 @@
 
 namespace uplink::uncrew {
 
-/// What a drone made of a sample that its call brought, as it is offered to the port: the records
-/// that are to be stored, or what it comes to without any.
+/// A call's sample as its drone offers it to the port: with the records to store, or with its
+/// result without any.
 ///
 /// Thread: that of the port, under the drone's lock.
 class DroneMessage final : public ingest::Message {
@@ -24,12 +24,12 @@ class DroneMessage final : public ingest::Message {
   struct Plan {
     const Judgement& judged;
     ingest::Arrival arrival;
-    /// Of what is stored; null of a live sample.
+    /// The mark of a stored sample; null for a live one.
     storage::SampleRef mark{};
     std::vector<storage::CommitRecord> records{};
-    /// Without records.
+    /// The result if there are no records.
     metrics::Became became = metrics::Became::kApplied;
-    /// The drone's, of what has a rate; else null.
+    /// The drone's bucket, for samples with a rate; otherwise null.
     limits::TokenBucket* rate = nullptr;
     SteadyTime now;
     WaitingSamples& waiting;
@@ -51,11 +51,11 @@ class DroneMessage final : public ingest::Message {
                                         std::optional<model::RejectReason> rejected) override;
   void Settle(metrics::Became /*became*/) override {}
 
-  /// Of records, once they are numbered; null before.
+  /// The ticket of the records, once they are numbered; null before.
   [[nodiscard]] const TicketRef& ticket() const { return ticket_; }
   /// Why it was over its rate.
   [[nodiscard]] const std::optional<model::Rejection>& limited() const { return limited_; }
-  /// What its drone is told of that.
+  /// The drone's answer for that.
   [[nodiscard]] Answer LimitedAnswer() const {
     return {.outcome = Outcome::kRejected, .rejection = limited_, .retry_after = retry_after_};
   }

@@ -91,7 +91,7 @@ absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
   if (!drone->SetSpeaker(claim)) {
     return Refused(fleet::Refusal::kOtherFleet, claim, context_.fleet);
   }
-  // Under the lock, so that Round takes no drone out that has a call.
+  // Under the lock, so that Round drops no drone that has a call.
   if (!drone->Enter(context_.clock.System())) {
     return absl::ResourceExhaustedError(
         fmt::format("{} calls of the drone wait for their answer already", kCallsInFlightMax));

@@ -24,10 +24,10 @@ namespace uplink::uncrew {
 
 using DronePtr = std::shared_ptr<Drone>;
 
-/// The drones that call this process, by RURI: one for each robot that speaks so.
+/// The drones that call this process, by RURI: one for each robot that speaks by calls.
 ///
-/// Limits: limits.robots_max, since each is a robot of the fleet; one that did not call for
-///         kDroneIdleMax goes.
+/// Limits: limits.robots_max, since each is a robot of the fleet. A drone that did not call for
+///         kDroneIdleMax is dropped.
 /// Thread: thread-safe.
 class Drones final {
  public:
@@ -36,25 +36,26 @@ class Drones final {
     const Clock& clock;
     fleet::Fleet& fleet;
     const journal::Shards& journals;
-    /// For what is settled: a page of the source's.
+    /// Counts settled samples: a page of the source's.
     metrics::Ledger& ledger;
-    /// For the sessions that are drawn.
+    /// For drawing sessions.
     std::uint64_t seed = 0;
   };
   explicit Drones(const Context& context) : context_(context), random_(context.seed) {}
 
-  /// A call begins: the drone for which it speaks, admitted if it is new. Drone::Leave must follow.
+  /// A call begins. Returns the drone that it speaks for, admitted if new; Drone::Leave must
+  /// follow.
   ///
   /// Errors: kResourceExhausted if the drone may have no more calls, or the server or the gateway
   ///         no more robots; kPermissionDenied if the robot is of another fleet than its gateway;
-  ///         kUnauthenticated if the fleet's name is odd and new, kUnavailable while that is not
-  ///         known.
+  ///         kUnauthenticated if the fleet's name is odd and new, kUnavailable while that is
+  ///         unknown.
   [[nodiscard]] absl::StatusOr<DronePtr> Enter(const fleet::Claim& claim);
   /// Null if it does not call here.
   [[nodiscard]] DronePtr Find(std::string_view ruri) const;
   [[nodiscard]] std::vector<DronePtr> All() const;
-  /// Lets go of drones that did not call for long, and of those whose robot is to be forgotten,
-  /// once nothing of them waits. Once in a while.
+  /// Drops drones that did not call for long, or whose robot an operator wants to forget, once none
+  /// of their samples wait. Call it repeatedly.
   void Round();
   [[nodiscard]] std::size_t size() const;
 

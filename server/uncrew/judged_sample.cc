@@ -46,7 +46,7 @@ storage::CommitRecord QuestionOf(Questioner by) {
   return {.robot = std::move(by.robot),
           .session = by.session,
           .received_at = by.received_at,
-          // It has to be something; a question is never written.
+          // A record needs some content; a question is never written.
           .content = model::OperatorRequest{},
           .payload = "",
           .payload_bytes = 0,
@@ -67,7 +67,7 @@ std::vector<storage::CommitRecord> Sample::RecordsOf(std::vector<DurableRecord> 
                        .payload = "",
                        .payload_bytes = judged.payload_bytes});
   }
-  // The store may refuse one; of many the first has what all of them came from.
+  // The store may refuse a record, and quarantine then needs the payload. The first one carries it.
   if (!records.empty() && judged.may_be_kept) {
     records.front().payload = std::string(request);
   }

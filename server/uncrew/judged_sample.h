@@ -16,7 +16,7 @@
 
 namespace uplink::uncrew {
 
-/// A request that was judged, as its call holds it. The references outlive the look.
+/// A judged request, as its call holds it. The references outlive the offer.
 struct Sample {
   const Judgement& judged;
   std::string_view request;
@@ -30,23 +30,23 @@ struct Sample {
     return model::uncrew::RowOf(judged.type);
   }
   [[nodiscard]] bool is_rejected() const { return judged.rejection() != nullptr; }
-  /// Rejected, of a live type: it takes the same tokens as a good one, and like that it is answered
-  /// at once, whatever the store does. A bad sensor is no lost link.
+  /// A rejected sample of a live type. Like a good one it takes a token of the rate and is answered
+  /// at once, even while the store is away: a bad sensor must not look like a lost link.
   [[nodiscard]] bool is_bad_live() const {
     return is_rejected() && row().kind == model::uncrew::SampleKind::kLive;
   }
-  /// An older one says nothing any more: it is of a set, or of a type that is shown.
+  /// Whether an older sample of its type is worth nothing: of a set, or of a type that is shown.
   [[nodiscard]] bool is_ordered() const;
-  /// How the store knows it again.
+  /// The mark by which the store recognizes it.
   [[nodiscard]] storage::SampleRef MarkUnder(storage::Epoch claim) const;
   [[nodiscard]] ingest::Arrival arrival() const;
-  /// As what is held of it; of one that is not rejected.
+  /// As LiveSamples takes it; for a sample that is not rejected.
   [[nodiscard]] LiveSamples::Sample live() const;
-  /// What was made of it, as the journal takes it.
+  /// The records made of it, as the journal takes them.
   [[nodiscard]] std::vector<storage::CommitRecord> RecordsOf(std::vector<DurableRecord> made) const;
 };
 
-/// What a question to the store is of.
+/// The claim that a question to the store is about.
 struct Questioner {
   storage::RobotRef robot;
   model::SessionId session;
@@ -56,13 +56,13 @@ struct Questioner {
 /// A record that asks whether the claim holds (storage::SampleMark::is_question).
 [[nodiscard]] storage::CommitRecord QuestionOf(Questioner by);
 
-/// Whether a sample of this type is all of its kind that there is, and what is not in it is over.
+/// Whether a sample of this type is the complete set of its kind, so that missing entries are over.
 [[nodiscard]] constexpr bool IsSet(model::uncrew::SampleType type) {
   return type == model::uncrew::SampleType::kAlerts ||
          type == model::uncrew::SampleType::kOperatorRequests;
 }
 
-/// What a drone is told of a message that became this.
+/// The outcome of a message that became this.
 [[nodiscard]] Outcome OutcomeOf(metrics::Became became);
 
 }  // namespace uplink::uncrew

@@ -16,7 +16,7 @@ namespace uplink::uncrew {
 
 /// The newest sample of a type, or of one key of it. A value.
 struct LiveSample {
-  /// Nothing of types without.
+  /// Empty for types without keys.
   std::optional<std::int64_t> key;
   model::uncrew::Value value;
   model::uncrew::Metadata metadata;
@@ -26,16 +26,16 @@ struct LiveSample {
   SteadyTime received_steady;
 };
 
-/// Whether a sample is up to kOlderMax older by boot time than one that is known: of the same
-/// flight, and of no use any more.
+/// Whether a sample is up to kOlderMax older by boot time than a known one: it is of the same
+/// flight, and outdated.
 [[nodiscard]] bool IsOlder(const model::uncrew::Metadata& sample,
                            const model::uncrew::Metadata& known);
 
-/// What a drone says now: of each type the newest sample, of types with keys one for each key. One
-/// table over the types: a new type needs nothing here.
+/// A drone's live samples: the newest of each type, or of each key of a type. One table over the
+/// types: a new type needs nothing here.
 ///
-/// Limits: parts_max of each type's row; of a type with more keys the one that was heard least
-///         recently goes.
+/// Limits: parts_max of each type's row; past it, the key that was heard least recently is evicted.
+///
 /// Thread: confined to its owner's lock.
 class LiveSamples final {
  public:
@@ -47,14 +47,14 @@ class LiveSamples final {
     SystemTime received;
     SteadyTime received_steady;
   };
-  /// It is held: it was sent again.
+  /// The same sample is held already.
   [[nodiscard]] bool IsHeld(const Sample& sample) const;
-  /// One is held than which it is older.
+  /// A newer sample is held.
   [[nodiscard]] bool IsOlder(const Sample& sample) const;
-  /// Holds it.
+  /// Holds the sample in place of the last one.
   void Apply(const Sample& sample);
 
-  /// In the order in which their keys were first heard; empty of a type that was not heard.
+  /// In the order in which their keys were first heard; empty for a type that was not heard.
   [[nodiscard]] const std::vector<LiveSample>& Of(model::uncrew::SampleType type) const {
     return by_type_[static_cast<std::size_t>(type)];
   }
@@ -63,16 +63,16 @@ class LiveSamples final {
     const std::vector<LiveSample>& held = Of(type);
     return held.empty() ? nullptr : &held.back();
   }
-  /// Requests that wait for an operator, by id, and since when each is heard here.
+  /// Requests that wait for an operator, by id, and when each was first heard here.
   [[nodiscard]] const std::map<std::string, SteadyTime>& requests() const { return requests_; }
-  /// What is held of the type is not what is.
+  /// Forgets the samples of this type: they are outdated.
   void Forget(model::uncrew::SampleType type);
   void Clear() {
     by_type_ = {};
     requests_.clear();
     bytes_ = 0;
   }
-  /// What the samples hold in memory, about.
+  /// About how much memory the samples take.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:

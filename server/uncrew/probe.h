@@ -15,7 +15,7 @@ struct AnswerSeconds {
   metrics::LatencyDistribution durable{metrics::kLatencyBoundsSeconds};
 };
 
-/// What is counted of drones' calls beside the ledger. Thread-safe; one for all threads.
+/// Counts of drones' calls beside the ledger. Thread-safe; one for all threads.
 struct AvatarProbe {
   /// By type (the first is unused) and Outcome.
   std::array<std::array<metrics::CoreCell, kOutcomeWords.size()>,

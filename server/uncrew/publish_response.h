@@ -6,7 +6,7 @@
 
 namespace uplink::uncrew {
 
-/// What a drone is told of a sample that was judged so. Of kUnavailable and kRefused it is told a
+/// The response to a sample that was judged so. For kUnavailable and kRefused the call ends with a
 /// status instead. Pure.
 [[nodiscard]] ::uncrew::v1::PublishResponse ResponseOf(const Answer& answer,
                                                        const Judgement& judged);

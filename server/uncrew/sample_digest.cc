@@ -11,7 +11,7 @@
 namespace uplink::uncrew {
 
 storage::SampleDigest DigestOf(model::uncrew::SampleType type, std::string_view request) {
-  // One buffer and one call: the library's own steps cost more than the hash of a short message.
+  // One buffer and one call: the library's setup costs more than hashing a short message.
   std::string whole(1, static_cast<char>(type));
   whole.append(request);
   std::array<unsigned char, SHA256_DIGEST_LENGTH> hash{};

@@ -7,8 +7,8 @@
 
 namespace uplink::uncrew {
 
-/// Of a sample's type, times and content, by which it is known again: the bytes of its request.
-/// Pure.
+/// The digest of a sample's type and request (times and content), by which it is recognized when it
+/// comes again. Pure.
 [[nodiscard]] storage::SampleDigest DigestOf(model::uncrew::SampleType type,
                                              std::string_view request);
 

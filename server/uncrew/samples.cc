@@ -20,7 +20,7 @@ void AddSamples(const Drones& drones, const AvatarProbe& probe, SteadyTime now,
   std::size_t open = 0;
   SteadyTime oldest = now;
   for (const DronePtr& drone : drones.All()) {
-    // What it says now is said to another server.
+    // It sends its samples to another server now.
     if (drone->robot()->state.foreign()) continue;
     drone->LookAt([&](const LiveSamples& live) {
       open += live.requests().size();

@@ -7,7 +7,7 @@
 
 namespace uplink::uncrew {
 
-/// What is counted of drones' calls, and what waits for operators at `now`.
+/// Adds counts of drones' calls, and of requests that wait for operators at `now`.
 void AddSamples(const Drones& drones, const AvatarProbe& probe, SteadyTime now,
                 metrics::Exposition& page);
 

@@ -12,7 +12,7 @@
 namespace uplink::uncrew {
 namespace {
 
-/// Bytes of an id that a sentence repeats.
+/// Bytes of an id that an error's text repeats.
 constexpr std::size_t kShownBytesMax = 128;
 
 absl::Status MayNot(std::string_view who, std::string_view uav_id) {
@@ -21,8 +21,8 @@ absl::Status MayNot(std::string_view who, std::string_view uav_id) {
                   PrintableUtf8(who, kShownBytesMax), PrintableUtf8(uav_id, kShownBytesMax)));
 }
 
-/// Whether the id is that of the drone with this RURI. A certificate that does not go by the
-/// template has the id with which its RURI ends.
+/// Whether the id names the drone with this RURI: it is the RURI, its last segment, or makes it by
+/// the template.
 bool Names(std::string_view uav_id, std::string_view ruri, std::string_view ruri_template) {
   return uav_id == ruri || identity::UavRuri(ruri_template, uav_id) == ruri ||
          ruri.substr(ruri.rfind('/') + 1) == uav_id;

@@ -9,9 +9,9 @@
 
 namespace uplink::uncrew {
 
-/// As whom a call speaks that says `uav_id`. A robot's certificate is that of its own drone, by
-/// whichever RURI it names: it says its id or nothing. A gateway names one of its robots, by id or
-/// by RURI.
+/// The claim of a call with this `uav_id`. A robot's certificate speaks for its own drone,
+/// whichever RURI it names: the call states that drone's id, or none. A gateway states one of its
+/// robots, by id or by RURI.
 ///
 /// Errors: kPermissionDenied: the certificate may not speak for that drone.
 /// Thread: pure; any thread.

@@ -18,7 +18,7 @@ void StoredSamples::Set(std::vector<storage::SampleMemory> memories) {
   bytes_ = 0;
   if (robot::Planted(robot::Mutation::kClaimMemoryForgotten)) return;
   for (storage::SampleMemory& memory : memories) {
-    // One of a later version of the program may have more types.
+    // A later version of the program may have stored more types.
     if (memory.type >= by_number_.size()) continue;
     bytes_ += BytesOf(memory);
     by_number_[memory.type] = std::move(memory);

@@ -23,28 +23,28 @@ static_assert(2 * kAlertsMax <= storage::kSampleRecordsMax, "each alert of two s
 static_assert(kOperatorRequestsMax <= storage::kOpenRequestsPerRobotMax,
               "a store keeps a whole set open");
 
-/// What the store remembers of a drone's samples, as far as this process knows: from the claim, and
-/// with what was given to the journal since, which may wait there still.
+/// What this process knows of the store's memory of a drone's samples: the answer to the claim, and
+/// samples that went to the journal since, which may still wait there.
 ///
 /// Thread: confined to its owner's lock.
 class StoredSamples final {
  public:
-  /// What a claim returned.
+  /// Takes the answer to a claim.
   void Set(std::vector<storage::SampleMemory> memories);
   void Add(const storage::SampleMark& mark);
 
   [[nodiscard]] bool IsDuplicate(const storage::SampleMark& mark) const {
     return storage::IsDuplicate(mark, Of(mark.type));
   }
-  /// Whether one was stored that another of its type followed.
+  /// Whether the sample was stored, and a later one of its type after it.
   [[nodiscard]] bool IsPast(const storage::SampleMark& mark) const {
     return IsDuplicate(mark) && Of(mark.type).digests.back() != mark.digest;
   }
-  /// What was given with the last stored sample of the type; empty if there is none.
+  /// The bytes that were stored with the last sample of the type; empty if there is none.
   [[nodiscard]] std::string_view Last(model::uncrew::SampleType type) const {
     return Of(NumberOf(type)).last;
   }
-  /// What that holds in memory, about.
+  /// About how much memory that takes.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:

@@ -51,7 +51,7 @@ TicketRef WaitingSamples::Find(std::uint32_t type, const storage::SampleDigest* 
     const Waiting& sample = *at;
     if (sample.mark->is_question || sample.mark->type != type) continue;
     if (digest == nullptr || sample.mark->digest == *digest) return sample.ticket;
-    // Without a time, it is another one than the last.
+    // Without times, an equal sample is a repetition only right after the first.
     if (!sample.mark->timed) return nullptr;
   }
   return nullptr;
@@ -69,7 +69,7 @@ void WaitingSamples::Note(const robot::Settled& settled, Waiting& sample) {
       sample.ticket->refused = settled.outcome.rejection;
       return;
     case storage::OutcomeKind::kFenced:
-      return;  // OnFenced tells of it
+      return;  // OnFenced handles it
   }
 }
 
@@ -79,13 +79,13 @@ void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
   EndUse(sample.use);
   std::ranges::copy(ticket.callers, std::back_inserter(settling.wake));
   if (sample.mark->is_question) {
-    // Who asked was counted.
+    // The calls that asked were counted.
     question_on_its_way_ = false;
     return;
   }
   ticket.was_stored = sample.duplicate && !sample.stored;
-  // The store keeps one record and refuses another, such as one fault too many: what it kept
-  // counts.
+  // The store may keep one record and refuse another, such as a fault past its bound. Then the
+  // sample counts as stored.
   if (sample.stored) ticket.refused.reset();
   std::optional<model::RejectReason> reason = sample.rejected;
   if (!reason && ticket.refused) reason = ticket.refused->reason;
@@ -103,9 +103,9 @@ void WaitingSamples::Finish(Waiting& sample, Settling& settling) {
 WaitingSamples::Settling WaitingSamples::Settle(std::span<const robot::Settled> settled) {
   Settling settling;
   for (const robot::Settled& one : settled) {
-    // One that is passed over was fenced, which is told later.
+    // A sample without an outcome was fenced; OnFenced follows.
     while (!waiting_.empty() && waiting_.front().last < one.seq) VoidFront(settling);
-    // What was void before is not here any more.
+    // Samples that became void earlier are gone.
     if (waiting_.empty() || one.seq < waiting_.front().first) continue;
     Waiting& sample = waiting_.front();
     Note(one, sample);
@@ -127,7 +127,7 @@ std::vector<loop::StreamRef> WaitingSamples::VoidQuestions() {
   for (Waiting& sample : waiting_) {
     if (!sample.mark->is_question) continue;
     end(sample.ticket);
-    // The record is on its way: what it is told is nobody's.
+    // The record is on its way: no call waits for its outcome.
     sample.ticket = std::make_shared<Ticket>();
   }
   return wake;

@@ -17,13 +17,13 @@
 
 namespace uplink::uncrew {
 
-/// Stands for one sample that waits for its commit, with the calls that brought it. Under the lock
-/// of its drone.
+/// One sample that waits for its commit, with the calls that wait for it. Under the lock of its
+/// drone.
 struct Ticket {
   enum class State : std::uint8_t {
     kWaiting,
     kCommitted,
-    /// The claim under which it was judged is over: it is to be offered again.
+    /// The claim under which it was judged is over: the calls must offer it again.
     kVoid,
   };
   State state = State::kWaiting;
@@ -31,18 +31,18 @@ struct Ticket {
   std::optional<model::Rejection> refused{};
   /// The store had it before.
   bool was_stored = false;
-  /// Whom to wake.
+  /// The calls to wake.
   std::vector<loop::StreamRef> callers{};
 };
 using TicketRef = std::shared_ptr<Ticket>;
 
 /// The samples of one drone that wait for their commit, with numbers of the drone's own.
 ///
-/// Limits: kCallsInFlightMax samples with a call, and what the journal takes of a robot.
+/// Limits: kCallsInFlightMax samples with a call, and the robot's share of the journal.
 /// Thread: confined to its owner's lock.
 class WaitingSamples final {
  public:
-  /// What waits counts there, as long as it does.
+  /// Waiting records count in `calls`.
   explicit WaitingSamples(robot::Calls& calls) : calls_(calls) {}
   ~WaitingSamples() { calls_.EndWaiting(use_); }
   WaitingSamples(const WaitingSamples&) = delete;
@@ -52,27 +52,30 @@ class WaitingSamples final {
   [[nodiscard]] TicketRef Add(const storage::SampleRef& mark,
                               std::vector<storage::CommitRecord>& records,
                               std::optional<model::RejectReason> rejected);
-  /// The last that waits with this digest or, where none is given, of this type; null if none does.
+  /// The last waiting sample of this type, and with this digest if one is given; null if there is
+  /// none.
   [[nodiscard]] TicketRef Find(std::uint32_t type, const storage::SampleDigest* digest) const;
 
-  /// For an answer that rests on memory: a question that goes to the store after this. At most one
-  /// of a drone is on its way, however many ask: those who come meanwhile share the next.
+  /// The ticket of a question that goes to the store after this call, for an answer that rests on
+  /// memory. At most one question of a drone is on its way; calls that ask meanwhile share the
+  /// next.
   [[nodiscard]] TicketRef Ask();
-  /// Whether somebody waits for a question that can go now: Add it, with Ask's ticket.
+  /// Whether calls wait for a question that can go now, by AddQuestion.
   [[nodiscard]] bool HasToAsk() const {
     return !question_on_its_way_ && question_ != nullptr && !question_->callers.empty();
   }
-  /// Numbers the record of a question, which is in no count.
+  /// Numbers the record of a question, which no count includes.
   void AddQuestion(std::vector<storage::CommitRecord>& question);
 
-  /// What settling came to. A value.
+  /// The result of settling. A value.
   struct Settling {
     metrics::MessageCounts counts;
     std::vector<loop::StreamRef> wake;
   };
   [[nodiscard]] Settling Settle(std::span<const robot::Settled> settled);
   [[nodiscard]] Settling VoidAll();
-  /// What memory says is in doubt: who asks is to offer its sample again. Returns whom to wake.
+  /// Memory is in doubt: calls that wait for a question must offer their samples again. Returns the
+  /// calls to wake.
   [[nodiscard]] std::vector<loop::StreamRef> VoidQuestions();
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
@@ -94,7 +97,7 @@ class WaitingSamples final {
   static void Note(const robot::Settled& settled, Waiting& sample);
   void Finish(Waiting& sample, Settling& settling);
   void VoidFront(Settling& settling);
-  /// It waits no more.
+  /// The records no longer wait.
   void EndUse(const robot::JournalUse& use);
 
   robot::Calls& calls_;
@@ -102,7 +105,7 @@ class WaitingSamples final {
   robot::JournalUse use_;
   /// In order of their numbers.
   std::deque<Waiting> waiting_;
-  /// The next one; null: nobody asks.
+  /// The ticket of the next question; null: no call asks.
   TicketRef question_;
   bool question_on_its_way_ = false;
 };
