@@ -134,7 +134,7 @@ Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
       return AskStore(Settle(port, sample, metrics::Became::kSuperseded).answer, caller);
     }
     records = sample.RecordsOf(Records::Of(sample.judged, before ? &before->value : nullptr));
-    if (records.empty()) return SaysTheSame(port, sample, caller);
+    if (records.empty()) return SettleUnchanged(port, sample, caller);
   }
   DroneMessage message({.judged = sample.judged,
                         .arrival = sample.arrival(),
@@ -156,8 +156,8 @@ Drone::Offered Drone::OfferRecords(ingest::Port& port, const Sample& sample,
               {.outcome = sample.is_rejected() ? Outcome::kRejected : Outcome::kStored}, caller);
 }
 
-Drone::Offered Drone::SaysTheSame(ingest::Port& port, const Sample& sample,
-                                  loop::StreamRef caller) {
+Drone::Offered Drone::SettleUnchanged(ingest::Port& port, const Sample& sample,
+                                      loop::StreamRef caller) {
   if (sample.row().kind == SampleKind::kDurableOnChange) {
     Offered live = OfferLive(port, sample);
     if (live.answer.outcome == Outcome::kRejected) return live;
@@ -177,7 +177,7 @@ Drone::Offered Drone::AskStore(Answer answer, loop::StreamRef caller) {
 }
 
 void Drone::AppendQuestionIfDue() {
-  if (!waiting_.HasToAsk()) return;
+  if (!waiting_.HasDueQuestion()) return;
   std::vector<storage::CommitRecord> question;
   question.push_back(QuestionOf({.robot = robot_->id(),
                                  .session = context_.session,

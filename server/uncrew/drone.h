@@ -145,8 +145,8 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   [[nodiscard]] Offered OfferRecords(ingest::Port& port, const Sample& sample,
                                      const storage::SampleRef& mark, loop::StreamRef caller);
   /// Settles a sample whose content is already stored; if that still waits, so does the answer.
-  [[nodiscard]] Offered SaysTheSame(ingest::Port& port, const Sample& sample,
-                                    loop::StreamRef caller);
+  [[nodiscard]] Offered SettleUnchanged(ingest::Port& port, const Sample& sample,
+                                        loop::StreamRef caller);
   /// Delays an answer that rests on memory until the store says that the claim still holds: another
   /// server may have stored since, or the store may be an older copy.
   [[nodiscard]] Offered AskStore(Answer answer, loop::StreamRef caller);

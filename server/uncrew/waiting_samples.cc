@@ -21,7 +21,7 @@ TicketRef WaitingSamples::Ask() {
 }
 
 void WaitingSamples::AddQuestion(std::vector<storage::CommitRecord>& question) {
-  UPLINK_CHECK(HasToAsk(), "a second question of a drone is on its way");
+  UPLINK_CHECK(HasDueQuestion(), "a second question of a drone is on its way");
   question_on_its_way_ = true;
   Push(question.front().sample, question, std::nullopt, std::exchange(question_, nullptr));
 }

@@ -61,7 +61,7 @@ class WaitingSamples final {
   /// next.
   [[nodiscard]] TicketRef Ask();
   /// Whether calls wait for a question that can go now, by AddQuestion.
-  [[nodiscard]] bool HasToAsk() const {
+  [[nodiscard]] bool HasDueQuestion() const {
     return !question_on_its_way_ && question_ != nullptr && !question_->callers.empty();
   }
   /// Numbers the record of a question, which no count includes.

@@ -40,7 +40,7 @@ class WaitingSamplesTest : public ::testing::Test {
     return ticket;
   }
   void AddQuestion() {
-    ASSERT_TRUE(waiting_.HasToAsk());
+    ASSERT_TRUE(waiting_.HasDueQuestion());
     std::vector<storage::CommitRecord> question(
         1, {.content = model::OperatorRequest{}, .payload = "", .payload_bytes = 0});
     question.front().sample =
@@ -139,18 +139,18 @@ TEST_F(WaitingSamplesTest, HoweverManyAskOneQuestionIsOnItsWay) {
   const TicketRef next = Ask();
   EXPECT_NE(next, first) << "the first may have been looked at before this came";
   EXPECT_EQ(Ask(), next);
-  EXPECT_FALSE(waiting_.HasToAsk());
+  EXPECT_FALSE(waiting_.HasDueQuestion());
   EXPECT_EQ(Settle(OutcomeKind::kDuplicate).wake.size(), 1U);
   EXPECT_EQ(next->state, Ticket::State::kWaiting);
   AddQuestion();
   EXPECT_EQ(Settle(OutcomeKind::kDuplicate).wake.size(), 2U);
   EXPECT_EQ(next->state, Ticket::State::kCommitted);
-  EXPECT_FALSE(waiting_.HasToAsk());
+  EXPECT_FALSE(waiting_.HasDueQuestion());
 }
 
 TEST_F(WaitingSamplesTest, AQuestionOfWhichAllCallersLeftDoesNotGo) {
   Ask()->callers.clear();
-  EXPECT_FALSE(waiting_.HasToAsk());
+  EXPECT_FALSE(waiting_.HasDueQuestion());
 }
 
 TEST_F(WaitingSamplesTest, AVoidQuestionIsTheNextOnesTooAndAnotherMayBeAsked) {
@@ -160,10 +160,10 @@ TEST_F(WaitingSamplesTest, AVoidQuestionIsTheNextOnesTooAndAnotherMayBeAsked) {
   EXPECT_EQ(waiting_.VoidAll().wake.size(), 2U);
   EXPECT_EQ(first->state, Ticket::State::kVoid);
   EXPECT_EQ(next->state, Ticket::State::kVoid);
-  EXPECT_FALSE(waiting_.HasToAsk());
+  EXPECT_FALSE(waiting_.HasDueQuestion());
   const TicketRef anew = Ask();
   EXPECT_EQ(anew->state, Ticket::State::kWaiting);
-  EXPECT_TRUE(waiting_.HasToAsk());
+  EXPECT_TRUE(waiting_.HasDueQuestion());
 }
 
 TEST_F(WaitingSamplesTest, InDoubtThoseWhoAskOfferAgainAndWhatWaitsStays) {
