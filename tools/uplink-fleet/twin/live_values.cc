@@ -15,18 +15,22 @@ namespace {
 
 namespace js = boost::json;
 
-/// What the server shows of a message: nothing; its fields; its member that is named like the live
-/// part; that of a rotation, whose parts are those of none where it does not say them, or all of
-/// which are zero; its `data`, or all of it as such; joints; the head of a command.
+/// What the server shows of a message.
 enum class Shown : std::uint8_t {
   kNothing,
   kFields,
+  /// Its member that is named like the live part.
   kMember,
+  /// Parts that the message leaves out are those of no rotation.
   kRotation,
+  /// The message has zeros in all parts: no rotation is shown.
   kNoRotation,
+  /// Its `data`.
   kData,
+  /// All of it.
   kBody,
   kJoints,
+  /// The head of a command.
   kCommand,
 };
 
