@@ -326,7 +326,7 @@ TEST_F(GatewayTest, AtTwiceItsShareOfTheJournalItsNextRobotIsHeldBackAndNobodyEl
   EXPECT_EQ(held_back(ruris[4]), HeldBack::kNone);
 }
 
-// --- Names of fleets that nobody sees in full ---
+// --- Names of fleets with invisible characters ---
 
 constexpr std::string_view kZeroWidth = "no\xE2\x80\x8Brth";  // U+200B
 
