@@ -16,19 +16,19 @@ using enum metrics::rcan::SeriesId;
 
 constexpr double kPercent = 100;
 
-/// The samples of a drone that are fresh.
+/// The fresh samples of a drone.
 class Fresh {
  public:
   Fresh(const uncrew::LiveSamples& live, SteadyTime since) : live_(live), since_(since) {}
 
-  /// Calls `take` with each value of the type that is fresh.
+  /// Calls `take` with each fresh value of the type.
   template <typename Type, typename Take>
   void Each(Take take) const {
     for (const uncrew::LiveSample& sample : live_.Of(un::TypeOf(Type{}))) {
       if (sample.received_steady >= since_) take(std::get<Type>(sample.value));
     }
   }
-  /// Of a type without keys.
+  /// The same for a type without keys.
   template <typename Type>
   [[nodiscard]] const Type* Of() const {
     const Type* found = nullptr;
@@ -46,7 +46,7 @@ class Basic final : public Fresh {
  public:
   Basic(const Fresh& fresh, SeriesPage& page) : Fresh(fresh), page_(page) {}
 
-  /// What is known, unless a stream of the robot said it.
+  /// Adds a known value, unless a stream of the robot reported it.
   template <typename Number>
   void Add(SeriesId id, const std::optional<Number>& value) const {
     if (value && !page_.Has(id)) page_.Add(id, static_cast<double>(*value));

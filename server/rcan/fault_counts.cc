@@ -27,7 +27,7 @@ absl::Status FaultCounts::Refresh(const fleet::Fleet& fleet, storage::Reader& re
 void FaultCounts::RefreshOn(const loop::Post& post, const fleet::Fleet& fleet,
                             storage::Reader& reader) {
   refreshes_.PostBy(post, [this, &fleet, &reader] {
-    // What fails is asked for again; the log hears of the store from its writers.
+    // After a failure it is read again later; the writers log errors of the store.
     static_cast<void>(Refresh(fleet, reader));
   });
 }

@@ -16,14 +16,14 @@
 
 namespace uplink::rcan {
 
-/// How often the active faults are counted for the robots' series, while these are scraped.
+/// How often the active faults are counted, while the robots' series are scraped.
 inline constexpr std::chrono::seconds kFaultCountsEvery{10};
-/// Counts that are older are unknown.
+/// Older counts are not shown.
 inline constexpr std::chrono::seconds kFaultCountsAgeMax{60};
 /// Robots of one question to the store.
 inline constexpr std::size_t kFaultCountsRobots = 1000;
 
-/// The active faults of each robot by severity, as the store last said. Thread-safe.
+/// The active faults of each robot by severity, as last read from the store. Thread-safe.
 class FaultCounts final {
  public:
   using BySeverity = decltype(storage::ActiveFaults::by_severity);
@@ -31,15 +31,15 @@ class FaultCounts final {
 
   explicit FaultCounts(const Clock& clock) : clock_(clock) {}
 
-  /// Asks the store; waits for it. Errors: of the reader; then the counts before stay until they
-  /// are too old.
+  /// Reads the store, and waits for it. Errors: of the reader; the previous counts then stay until
+  /// they are too old.
   [[nodiscard]] absl::Status Refresh(const fleet::Fleet& fleet, storage::Reader& reader);
 
-  /// Asks the store by a job on a thread that may wait for it, unless one is under way. What it
-  /// works with outlives the thread.
+  /// Reads the store by a job on a thread that may wait for it, unless one is under way. The
+  /// references outlive the thread.
   void RefreshOn(const loop::Post& post, const fleet::Fleet& fleet, storage::Reader& reader);
 
-  /// The robots that have active faults; null if that is not known now.
+  /// The robots that have active faults; null if that is unknown now.
   [[nodiscard]] std::shared_ptr<const Map> counts() const;
 
  private:

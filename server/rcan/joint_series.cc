@@ -15,7 +15,7 @@ using metrics::rcan::SeriesId;
 
 constexpr std::string_view kPrefix = "joint/";
 
-/// Of one joint, by SeriesId.
+/// The values of one joint, by SeriesId.
 using Samples = std::array<std::optional<double>, kJointSeries>;
 static_assert(kJointSeries <= SeriesNames::kOfLabelMax);
 
@@ -79,7 +79,7 @@ void AddJoints(const robot::StateView& view, NamedSeries& series) {
     if (merged.empty()) {
       for (const model::RcanJoint& joint : said) merged.emplace(joint.joint, SamplesOf(joint));
     }
-    // Shown if it is newer than the Robot State, or if that does not say it.
+    // Shown if it is newer than the Robot State, or if that lacks it.
     std::optional<double>& kept = merged[reading->joint][reading->series];
     if (!kept || extra.arrived > view.rcan_arrived) kept = reading->value;
   }

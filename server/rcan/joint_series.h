@@ -9,13 +9,13 @@
 
 namespace uplink::rcan {
 
-/// Adds the samples of a robot's joints: of its Robot State, and of extras with the key
-/// `joint/<name>/<field>_<unit>`. Where both say a value, the one that came later is shown.
+/// Adds the samples of a robot's joints: from its Robot State, and from extras with the key
+/// `joint/<name>/<field>_<unit>`. If both have a value, the later one is shown.
 void AddJoints(const robot::StateView& view, NamedSeries& series);
-/// The same of a Robot State alone.
+/// The same from a Robot State alone.
 void AddJoints(const model::RcanState& state, NamedSeries& series);
 
-/// A number or a boolean (0 or 1); nothing of other values, and of a number that is not finite.
+/// A finite number, or a boolean as 0 or 1; empty for any other value.
 [[nodiscard]] std::optional<double> NumberOf(const model::Value& value);
 
 }  // namespace uplink::rcan

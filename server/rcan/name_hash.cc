@@ -52,7 +52,7 @@ class SipState final {
   std::uint64_t d_;
 };
 
-/// Little-endian, whatever the machine; the compiler makes one load of it.
+/// Little-endian on every machine; the compiler turns it into one load.
 std::uint64_t BlockOf(std::string_view bytes) {
   std::uint64_t block = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {

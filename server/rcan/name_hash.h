@@ -7,13 +7,13 @@
 
 namespace uplink::rcan {
 
-/// Stands for a text that a robot chose: by a secret key, so that nobody outside can make two texts
-/// with the same number, of which the second would count as known. Immutable.
+/// Hashes a text that a robot chose. The key is secret, so that no robot can make two texts with
+/// the same hash: the second would count as known. Immutable.
 class NameHash final {
  public:
-  /// Drawn anew for each life of the process.
+  /// Drawn anew at each start of the process.
   using Key = std::array<std::uint64_t, 2>;
-  /// `random` gives evenly drawn numbers.
+  /// `random` draws evenly.
   [[nodiscard]] static Key Draw(const std::function<std::uint64_t()>& random) {
     return {random(), random()};
   }

@@ -48,7 +48,7 @@ void NamedSeries::Add(SeriesId first, std::string_view label,
 SeriesNames::Answer NamedSeries::Admit(SeriesId first, std::string_view label, Set wanted) {
   if (!begun_) names_.BeginScrape(scrape_.now);
   begun_ = true;
-  // A joint and a computer of the same name are two.
+  // A joint and a computer of the same name are two labels.
   const std::uint64_t number = rules_.hash(label) ^ static_cast<std::uint64_t>(first);
   return names_.Admit(number, wanted, rules_.limits);
 }

@@ -4,16 +4,16 @@
 
 namespace uplink::rcan {
 
-/// What the robots' scrapes count. Thread-safe.
+/// Counts of the robots' scrapes. Thread-safe.
 struct RcanProbe {
   /// Of the last scrape.
   metrics::Cell series;
   metrics::Cell robots_left_out;
-  /// Robots of which some series are not there.
+  /// Robots without some of their series.
   metrics::Cell robots_incomplete;
   metrics::Cell bytes;
   metrics::LatencyDistribution scrape_seconds{metrics::kLatencyBoundsSeconds};
-  /// Series that are not there though their robot is, by why; each scrape counts them again.
+  /// Series that are missing though their robot is there, by reason; each scrape counts them again.
   metrics::Cell series_over_max_total;
   metrics::Cell series_new_names_total;
   metrics::Cell series_no_room_total;

@@ -23,17 +23,17 @@ void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Num
   if (value) page.Add(id, static_cast<double>(*value));
 }
 
-/// Whether that happened so lately that what was known then is shown still.
+/// Whether that happened so lately that values from then are still shown.
 bool IsLately(SteadyTime at, const SeriesSources& sources) {
   return at != SteadyTime() &&
          sources.steady_now - at <= sources.presence_timeout + sources.series_ttl;
 }
 
 bool ShowsValues(const robot::StateView& view, const SeriesSources& sources) {
-  // Not since when presence is what it is: after a restart that is younger than the robot's
-  // silence.
+  // The time of the last change of presence does not help: after a restart it is later than the
+  // beginning of the robot's silence.
   if (view.presence == robot::Presence::kOnline || view.held_back) return true;
-  // Silence that we caused is not the robot's.
+  // Silence that we caused does not count.
   if (IsLately(view.stream_held_back_until.value_or(SteadyTime()), sources)) return true;
   return view.last_sign_of_life &&
          sources.now - *view.last_sign_of_life <= sources.presence_timeout + sources.series_ttl;
@@ -62,7 +62,7 @@ void AddStatus(const model::StatusTelemetry& status, SeriesPage& page) {
   page.Add(kAcceptingMissions, status.mission_active ? 1 : 0);
 }
 
-/// The fresher of two sources; the Robot State's where both came at once, or neither in this life.
+/// The fresher of two sources; the Robot State if both came at once, or neither since the start.
 template <typename Ours, typename Rcan>
 std::optional<double> Fresher(const std::optional<Ours>& status, const std::optional<Rcan>& rcan,
                               bool status_is_fresher) {
@@ -90,7 +90,7 @@ void AddRcan(const model::RcanState& state, SeriesPage& page) {
   AddIf(page, kPositionHeadingRad, state.position->heading_rad);
 }
 
-/// Of a robot of which nothing but its Robot States is shown.
+/// Adds a robot whose Robot States alone are shown.
 void AddState(const model::RcanState& state, SeriesPage& page) {
   AddIf(page, kBatteryV, state.battery_v);
   AddIf(page, kBatteryPct, state.battery_pct);
@@ -155,9 +155,9 @@ void AddValues(const std::string& ruri, const robot::StateView& view, const Seri
 
 Shown AddBasic(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
                SeriesPage& page) {
-  // Whoever holds a robot has its series: no robot counts twice in a sum over servers.
+  // The holder of a robot has its series, so that no robot counts twice in a sum over servers.
   if (view.foreign) return Shown::kPresence;
-  // Of a robot that is neither heard nor known to be silent nothing is said.
+  // A robot that is neither heard nor known to be silent has no sample.
   if (view.presence != robot::Presence::kUnknown) {
     page.Add(kOnline, view.presence == robot::Presence::kOnline ? 1 : 0);
   }

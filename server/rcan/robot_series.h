@@ -11,10 +11,10 @@
 
 namespace uplink::rcan {
 
-/// What the series of one robot are made of, beside its state.
+/// What the series of one robot need besides its state.
 struct SeriesSources {
   SystemTime now;
-  /// The same moment by the other clock.
+  /// The same moment by the steady clock.
   SteadyTime steady_now;
   /// How long the values of a robot that went offline are shown (rcan.series_ttl).
   milliseconds series_ttl;
@@ -22,7 +22,7 @@ struct SeriesSources {
   milliseconds presence_timeout{0};
   /// Keys of extras that are shown (rcan.extras).
   std::span<const std::string> extras = {};
-  /// Null if they are not known.
+  /// Null if they are unknown.
   const FaultCounts::Map* faults = nullptr;
 };
 
@@ -30,20 +30,20 @@ struct SeriesSources {
 enum class Shown : std::uint8_t {
   /// None, only its presence.
   kPresence,
-  /// What its Robot States say: they are no sign of life where rcan.counts_as_life says so, and
-  /// come all the same.
+  /// The values of its Robot States alone: without rcan.counts_as_life they come although the robot
+  /// counts as silent.
   kStates,
   kAll,
 };
 
-/// Adds the basic samples of one robot, which carry no word of its own: its presence always, its
-/// values while they are shown. What is not known has no sample. Called under the robot's lock.
+/// Adds the basic samples of one robot, which carry no name of its own: its presence always, its
+/// values while they are shown. An unknown value has no sample. Call it under the robot's lock.
 Shown AddBasic(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
                metrics::rcan::SeriesPage& page);
 
-/// Adds the samples with a word of the robot's own: first the extras that the operator asked for,
-/// then computers, then joints, so that none of these takes the place of one before. Called under
-/// the robot's lock.
+/// Adds the samples with a name of the robot's own: first the extras that the operator chose, then
+/// computers, then joints, so that none of these takes the place of one before. Call it under the
+/// robot's lock.
 void AddNamed(const robot::StateView& view, Shown shown, std::span<const std::string> extras,
               NamedSeries& series);
 

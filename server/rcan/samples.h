@@ -7,7 +7,7 @@
 
 namespace uplink::rcan {
 
-/// What the robots' scrapes count, beside rcan.series_max, for a page of metrics. Any thread.
+/// Adds the counts of the robots' scrapes, and rcan.series_max, to a page of metrics. Any thread.
 void AddSamples(const RcanProbe& probe, std::size_t series_max, metrics::Exposition& page);
 
 }  // namespace uplink::rcan

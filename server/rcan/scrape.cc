@@ -52,11 +52,11 @@ void RobotScrape::CountFaultsOn(const loop::Post& post, storage::Reader& reader)
 }
 
 std::vector<RobotScrape::Known>& RobotScrape::Robots() {
-  // First: a robot that comes meanwhile is a change that the next scrape sees.
+  // Read first: a robot that comes meanwhile is a change that the next scrape sees.
   const std::uint64_t changes = sources_.fleet.changes();
   if (changes == fleet_changes_) return robots_;
   fleet_changes_ = changes;
-  // Robots that are gone have their addresses still, while they are held weakly.
+  // A weak pointer keeps the address of a robot that is gone from being used again.
   std::unordered_map<const robot::Robot*, Known*> before;
   for (Known& known : robots_) {
     if (const fleet::RobotPtr robot = known.robot.lock()) before.emplace(robot.get(), &known);
@@ -204,7 +204,7 @@ void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOu
                                             {{"robot", ruri},
                                              {"over_robot_series_max", series.over_max},
                                              {"over_robot_new_names_max", series.new_names}});
-  // Who was kept back has its turn at a later scrape.
+  // A robot that was not named now is named at a later scrape.
   if (named) known.named.Note(now);
 }
 

@@ -28,23 +28,23 @@
 
 namespace uplink::rcan {
 
-/// Texts that scrapers are reading at a time; the memory of scrapes is at most so many texts and
-/// the page that they are made of.
+/// Texts that scrapers may read at a time. The memory of scrapes is at most so many texts, and the
+/// page from which they are made.
 inline constexpr std::size_t kTextsMax = 4;
-/// A text that is being read is given to others who ask for the same for so long.
+/// For so long, a text that a scraper reads also goes to others that ask for the same.
 inline constexpr std::chrono::seconds kTextShared{1};
-/// A robot of which series are left out is named in the log once in so long, and at most so many
-/// robots per minute.
+/// How often the log names a robot whose series are left out, and how many robots per minute at
+/// most.
 inline constexpr std::chrono::hours kRobotNamedEvery{1};
 inline constexpr std::uint32_t kRobotsNamedMax = 10;
-/// A fleet that was not scraped for so long is not asked for its faults any more.
+/// After so long without a scrape, the store is not asked for faults any more.
 inline constexpr std::chrono::minutes kScrapedWithin{5};
 
-/// What /metrics/robots answers. It never waits for the store, and holds a robot's lock only while
-/// that robot is written.
+/// The answer of /metrics/robots. It never waits for the store, and holds a robot's lock only while
+/// it writes that robot.
 ///
-/// The basic series of all robots come first. The room that is left of rcan.series_max goes to
-/// series with a word of the robots' own, of a robot all or none; both in turns (ScrapeTurns).
+/// The basic series of all robots come first. The rest of rcan.series_max goes to series with names
+/// of the robots' own, for each robot all or none. Robots take turns for both (ScrapeTurns).
 ///
 /// Thread: Text on one thread at a time; the texts go to any.
 class RobotScrape final {
@@ -59,62 +59,62 @@ class RobotScrape final {
     log::Logger& logger;
     /// Secret (NameHash::Draw); tests may leave it at zero.
     NameHash::Key name_key{};
-    /// What is heard from a broker; null: nothing is.
+    /// The twins of a broker; null: no broker is read.
     const cyberwave::Twins* twins = nullptr;
-    /// What drones say by calls, and uncrew.stale_after; null: none call.
+    /// The drones that call, and uncrew.stale_after; null: none can.
     const uncrew::Drones* drones = nullptr;
     milliseconds drones_stale_after{0};
   };
   explicit RobotScrape(const Sources& sources);
 
-  /// The text; the scraper's for as long as it holds it. Null if too many are being read.
+  /// The text, which stays as it is while the scraper holds it. Null if too many are being read.
   [[nodiscard]] std::shared_ptr<const std::string> Text(metrics::Format format,
                                                         metrics::Coding coding);
-  /// Whether anybody scraped lately.
+  /// Whether there was a scrape lately.
   [[nodiscard]] bool wanted() const;
-  /// Whether the last scrape left out series for want of room, and was so lately.
+  /// Whether the last scrape was lately, and left out series for lack of room.
   ///
   /// Thread: any.
   [[nodiscard]] bool full() const { return full_.load() && wanted(); }
-  /// Has the active faults counted anew, if wanted: FaultCounts::RefreshOn.
+  /// Counts the active faults anew, if wanted (FaultCounts::RefreshOn).
   ///
   /// Thread: any.
   void CountFaultsOn(const loop::Post& post, storage::Reader& reader);
 
  private:
-  /// A robot of the fleet, and what is kept of it from scrape to scrape.
+  /// A robot of the fleet, with what scrapes remember about it.
   struct Known {
     std::weak_ptr<robot::Robot> robot;
-    /// The most samples that it ever had while its values are shown, so that who is left out does
-    /// not change from scrape to scrape.
+    /// The most samples that it had so far while its values are shown: so the robots that are left
+    /// out do not change from scrape to scrape.
     std::size_t basic_room = 0;
     std::size_t named_room = 0;
-    /// At this scrape; kPresence too if it is left out whole.
+    /// At this scrape; also kPresence if the whole robot is left out.
     Shown shown = Shown::kPresence;
     SeriesNames names;
-    /// In the log.
+    /// When the log named it.
     limits::RecentTimes<1> named;
   };
   /// What a scrape left out.
   struct LeftOut {
-    /// Whole.
+    /// Whole robots.
     std::size_t robots = 0;
-    /// All but the basic series.
+    /// Robots without all series but the basic ones.
     std::size_t robots_named = 0;
     std::size_t robots_incomplete = 0;
     SeriesLeftOut series;
-    /// The basic ones of whole robots not counted.
+    /// Without the basic series of whole robots.
     std::size_t series_no_room = 0;
   };
 
   void Fill();
-  /// All that are shown have a turn each.
+  /// Adds a turn for each robot that is shown.
   void ListTurns(std::vector<Known>& robots);
   ScrapeTurns::Turn AddBasicOf(Known& known, SeriesSources& sources, LeftOut& left_out);
   ScrapeTurns::Turn AddNamedOf(Known& known, const SeriesSources& sources, LeftOut& left_out);
-  /// The robot's twin, if it is one that was heard; or null.
+  /// The robot's twin, if it was heard; otherwise null.
   [[nodiscard]] cyberwave::TwinPtr TwinOf(const std::string& ruri) const;
-  /// Calls `look` under the drone's lock, if the robot is one that called.
+  /// Calls `look` under the drone's lock, if the robot is a drone that called.
   void LookAtDrone(const std::string& ruri,
                    const std::function<void(const uncrew::LiveSamples&)>& look) const;
   void Count(const LeftOut& left_out);
@@ -127,7 +127,7 @@ class RobotScrape final {
   metrics::rcan::SeriesPage page_;
   const std::shared_ptr<TextPool> texts_ = std::make_shared<TextPool>();
   std::string plain_;
-  /// The last text, while somebody reads it.
+  /// The last text, while a scraper reads it.
   struct Shared {
     std::weak_ptr<const std::string> text;
     metrics::Format format = metrics::Format::kText;
@@ -136,7 +136,7 @@ class RobotScrape final {
   };
   Shared last_;
   const NameRules names_;
-  /// By RURI; read again when robots came or went.
+  /// By RURI; read again after robots entered or left memory.
   std::vector<Known> robots_;
   ScrapeTurns turns_;
   std::uint64_t fleet_changes_ = 0;

@@ -82,7 +82,7 @@ SeriesNames::Place SeriesNames::TakePlace(const Limits& limits) {
 bool SeriesNames::ForgetOne(milliseconds forget_after) {
   if (none_to_forget_) return false;
   const auto oldest = std::ranges::min_element(labels_, {}, &Label::said_at);
-  // What was said at the scrape before may be said again at this one, however long that is ago.
+  // Names of the last scrape may come again in this one, however long ago that was.
   if (oldest == labels_.end() || oldest->said_at >= before_ ||
       oldest->said_at + forget_after > now_) {
     none_to_forget_ = true;

@@ -8,11 +8,11 @@
 
 namespace uplink::rcan {
 
-/// Texts whose memory is used again once their last reader is done. Thread-safe; made as a
-/// shared_ptr, which texts that are still out keep alive.
+/// Texts whose memory is used again once their last reader is done. Thread-safe. Hold it by
+/// shared_ptr: texts that are being read keep it alive.
 class TextPool final : public std::enable_shared_from_this<TextPool> {
  public:
-  /// A text that nobody else holds, with what it held last; null if `out_max` are out.
+  /// An unused text, with its previous content; null if `out_max` are in use.
   [[nodiscard]] std::shared_ptr<std::string> Take(std::size_t out_max);
 
  private:

@@ -6,7 +6,7 @@
 namespace uplink::rcan {
 namespace {
 
-/// How much somebody has taken, and its number: who has taken least comes first.
+/// How much a group has taken, and its number: the one that has taken least comes first.
 using Place = std::pair<std::size_t, std::size_t>;
 using Queue = std::priority_queue<Place, std::vector<Place>, std::greater<>>;
 

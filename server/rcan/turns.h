@@ -12,19 +12,19 @@
 
 namespace uplink::rcan {
 
-/// By which way a robot's messages come.
+/// The way by which a robot's messages come.
 enum class Way : std::uint8_t {
   kGateway,
   /// By streams of the robot's own certificate.
   kOwnStream,
   kBroker,
-  /// No stream of the robot came in this life of the server.
+  /// The robot had no stream since the server's start.
   kNotHeard,
 };
 [[nodiscard]] std::string_view ToText(Way way);
 
-/// Robots of one fleet that come by the same way, of gateways by the same one. They share the room
-/// that a scrape has for them. A value.
+/// Robots of one fleet that come by the same way, and by the same gateway. They share the room that
+/// a scrape has for them. A value.
 struct Sharer {
   std::string fleet;
   Way way = Way::kNotHeard;
@@ -34,36 +34,36 @@ struct Sharer {
   auto operator<=>(const Sharer&) const = default;
 };
 
-/// In which order the robots take the room of a scrape. The turn is always with the fleet that has
-/// taken least, and in it with the sharer that has taken least. So when the room ends, each has all
-/// that it wants, or as much as any other to within one robot: a sharer of many large robots is
-/// short of room itself, and no other is.
+/// The order in which robots take the room of a scrape. The next turn goes to the fleet that has
+/// taken least, and in it to the sharer that has taken least. So when the room ends, each has all
+/// that it wants, or as much as any other to within one robot: many large robots of one sharer
+/// leave only that sharer short.
 ///
 /// Limits:  as many entries as robots were added.
 /// Thread:  confined to its owner.
 class ScrapeTurns final {
  public:
-  /// What came of one robot's turn, in series.
+  /// The result of one robot's turn, in series.
   struct Turn {
     std::size_t taken = 0;
     /// There was no room for them.
     std::size_t left_out = 0;
   };
 
-  /// Forgets all robots, and what they took.
+  /// Forgets all robots and their turns.
   void Clear() { groups_.clear(); }
-  /// The robots of a sharer have their turns in the order in which they are added.
+  /// The robots of a sharer take turns in the order in which they are added.
   void Add(Sharer sharer, std::size_t robot);
 
-  /// Gives each robot one turn. What was taken at an earlier call does not count for the order.
+  /// Gives each robot one turn. Series that were taken at an earlier call do not count.
   void Give(const std::function<Turn(std::size_t robot)>& turn);
 
   struct Share {
     Sharer sharer;
-    /// Of all turns.
+    /// The sum of its turns.
     Turn series;
   };
-  /// Of those who lack room the one that wanted most; nothing if nothing was left out.
+  /// The sharer that wanted most of those that lack room; empty if nothing was left out.
   [[nodiscard]] std::optional<Share> Greediest() const;
 
  private:

@@ -32,7 +32,7 @@ void AddIf(SeriesPage& page, metrics::rcan::SeriesId id, const std::optional<Num
   if (value) page.Add(id, static_cast<double>(*value));
 }
 
-/// A product may be beyond a double.
+/// A product may exceed a double.
 void AddFinite(SeriesPage& page, metrics::rcan::SeriesId id, double value) {
   if (std::isfinite(value)) page.Add(id, value);
 }
@@ -72,7 +72,7 @@ bool HasOwnSeries(const cw::Metric& metric) {
                                        metric.name == kRuntimeMinutes);
 }
 
-/// Older drivers mean 0 to 1: up to 1 nobody can tell which it is.
+/// Older drivers mean 0 to 1: up to 1 the unit is unknown.
 bool IsAmbiguous(double percentage) { return percentage > 0 && percentage <= 1; }
 
 void AddBattery(const TwinParts& parts, SeriesPage& page) {
@@ -118,7 +118,8 @@ void AddPlace(const TwinParts& parts, SeriesPage& page) {
   if (parts.rotation) page.Add(kPositionHeadingRad, HeadingOf(parts.rotation->value));
 }
 
-/// Of the twin's own driver, whose edge_id is the twin's id; else of the edge that was heard last.
+/// The health of the twin's own driver, whose edge_id is the twin's id; otherwise that of the edge
+/// that was heard last.
 std::optional<double> UptimeOf(const TwinParts& parts) {
   if (const auto* driver = parts.edges.Find(parts.twin.ToText())) return driver->value.uptime_s;
   if (parts.edges.size() == 0) return std::nullopt;
@@ -142,7 +143,7 @@ void AddEdges(const TwinParts& parts, NamedSeries& series) {
   }
 }
 
-/// One channel of a joint that two sources say: of the later one, if it says it.
+/// One channel of a joint that two sources report: the later one's, if it has it.
 std::optional<double> ChannelOf(const HeldJoint& joint, const HeldJoint* other,
                                 std::optional<double> HeldJoint::*channel) {
   if (other == nullptr || !(other->*channel)) return joint.*channel;
@@ -163,7 +164,8 @@ void AddJoint(std::string_view name, const HeldJoint& joint, const HeldJoint* ot
   series.Add(kJointPositionRad, name, samples);
 }
 
-/// What the robot's own arms say. A leader is what somebody moves by hand, under the same names.
+/// The values of the robot's own arms. A leader arm, which a person moves by hand, has the same
+/// names.
 void AddJoints(const TwinParts& parts, NamedSeries& series) {
   const auto& edge = parts.joints.Of(JointGroup::kEdge);
   const auto& follower = parts.joints.Of(JointGroup::kFollower);
@@ -193,7 +195,7 @@ void AddMetrics(const TwinParts& parts, NamedSeries& series) {
 double HeadingOf(const cw::Rotation& rotation) {
   const double longest = std::max(
       {std::abs(rotation.w), std::abs(rotation.x), std::abs(rotation.y), std::abs(rotation.z)});
-  // At most 1 each, so that no square is beyond a double.
+  // Scaled to at most 1 each, so that no square exceeds a double.
   const double w = rotation.w / longest;
   const double x = rotation.x / longest;
   const double y = rotation.y / longest;
