@@ -66,7 +66,7 @@ class HoldersProcess final : public loop::WakeInbox {
 
   /// A stream of the robot came; its number.
   std::uint64_t Open(const storage::RobotRef& robot);
-  /// The stream is not to be read any more.
+  /// The stream must not be read any more.
   [[nodiscard]] bool Superseded(const std::string& ruri, std::uint64_t stream);
   void Close(const std::string& ruri, std::uint64_t stream);
   /// The robot's stream brought a sign of life.

@@ -47,7 +47,7 @@ enum class HoldersFault : std::uint8_t {
   kSuspendUnnoticed,
   /// A robot's epochs begin anew with its row.
   kEpochsInEachRow,
-  /// Silence before any new connection to the store counts not, whatever server that is of.
+  /// Silence before a reconnect to the store does not count, even if the server is the same one.
   kReconnectExcuses,
   kLast = kReconnectExcuses,
 };

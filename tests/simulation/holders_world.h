@@ -15,7 +15,7 @@ namespace uplink::simulation {
 
 struct HoldersOptions {
   std::uint64_t seed = 1;
-  /// What happens before everything is to settle.
+  /// What happens before everything must settle.
   enum class Trouble : std::uint8_t {
     /// Robots move and fall silent; each true change is one row.
     kNone,

@@ -28,7 +28,7 @@ struct DurableSession {
   }
 };
 
-/// Which call of the store is to fail, and where.
+/// How a call of the store fails: before it is applied, or with its answer lost.
 enum class StoreFault : std::uint8_t { kNone, kBefore, kAfter };
 
 /// Stands between the journal and a store: fails calls on order, before they are applied or with
@@ -44,9 +44,9 @@ class Recorder final : public storage::Store {
   void FailNext(StoreFault fault) { fault_ = fault; }
   /// Every call fails before it is applied, until false.
   void SetAway(bool away) { away_ = away; }
-  /// Puts the book aside as it is, with a copy of the store; and takes it up again, as the store
-  /// goes back to that. What was told until the process has connected to the store anew it could
-  /// not know: then `reconnected` is called, before anything else is asked of the store.
+  /// KeepCopy puts the book aside, with a copy of the store; GoBack takes it up again, as the store
+  /// goes back to that. Until the process has reconnected it cannot know. `reconnected` is called
+  /// then, before anything else is asked of the store.
   void KeepCopy() { copy_ = book_; }
   void GoBack(std::function<void()> reconnected);
   /// Whether the process may call the number durable.

@@ -13,7 +13,7 @@
 
 namespace uplink::simulation {
 
-/// What forwarding is told in a simulation.
+/// What forwarding gets in a simulation.
 struct ForwardSetup {
   /// Null: nothing is forwarded.
   storage::SharedItems* items = nullptr;

@@ -34,7 +34,7 @@ class FakeTopics final {
   [[nodiscard]] std::vector<storage::TopicLease> Read() const;
   [[nodiscard]] storage::DeliveryMemory MemoryOf(std::string_view client_id) const;
 
-  /// The lease is that of the client id still, and the process has it; so is none.
+  /// The process still has this lease of the client id. True for null, which needs no lease.
   [[nodiscard]] bool Stands(const storage::TopicHold* hold,
                             const storage::ProcessId& process) const;
   /// Remembers what a commit says of its deliveries, given the outcomes of its records.

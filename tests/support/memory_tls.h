@@ -11,7 +11,7 @@
 
 namespace uplink::testing {
 
-/// A client of TLS without a socket: bytes in, bytes out. Whom it speaks to it does not ask.
+/// A client of TLS without a socket: bytes in, bytes out. It does not verify the server.
 /// Confined to one thread.
 class MemoryTls final {
  public:

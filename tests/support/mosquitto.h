@@ -23,8 +23,8 @@ struct MosquittoOptions {
   std::string client_ca;
   /// Further lines of its configuration.
   std::string lines;
-  /// Whether its log tells of each packet: who asks for that reads on, or it stands still once its
-  /// pipe is full.
+  /// Whether its log names each packet. A test that asks for that must keep reading, or the broker
+  /// stands still once its pipe is full.
   bool tells_packets = true;
   /// All of its configuration, in place of one that follows from the above: `FOLDER` stands for
   /// where `acl`, `passwords`, `cert.pem`, `key.pem` and its store are, `PORT` for its port.
@@ -46,7 +46,7 @@ class Mosquitto final {
   /// Ends it in order, with its sessions saved; starts it again on the same port.
   void Stop();
   void Start();
-  /// True once its log holds `part`; a look, for who waits by other means.
+  /// Whether its log holds `part` by now; it does not wait.
   [[nodiscard]] bool Logged(const std::string& part);
 
  private:

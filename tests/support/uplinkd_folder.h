@@ -24,7 +24,7 @@ class UplinkdFolder final {
   void Write(const std::string& name, const std::string& text) const;
   /// Writes the configuration; `extra` is TOML that is added at its end.
   void WriteConfig(const std::string& extra = "") const;
-  /// Starts uplinkd on the configuration with these arguments more.
+  /// Starts uplinkd on the configuration with these further arguments.
   [[nodiscard]] std::unique_ptr<ServerProcess> Start(
       const std::vector<std::string>& arguments = {},
       const std::vector<std::string>& environment = {}) const;
