@@ -12,13 +12,13 @@ struct BriefLook::State {
   std::condition_variable ended;
   std::uint64_t begun = 0;
   std::uint64_t last_ended = 0;
-  /// One under way took longer than the wait.
+  /// A look that has not ended yet took longer than the wait.
   bool slow = false;
 };
 
 namespace {
 
-/// Says that a look is over, also if it was dropped unrun.
+/// Reports the end of a look, also of one that was dropped before it ran.
 template <typename End>
 class AtEnd final {
  public:

@@ -11,14 +11,14 @@ namespace uplink::view {
 /// How long an answer from memory waits for what the store could add to it.
 inline constexpr std::chrono::milliseconds kBriefLookWait{250};
 
-/// Looks into the store for whoever may wait a moment only: the look runs on a thread that may wait
-/// for the store, and while one takes longer than the wait, nobody waits for a further one.
+/// Looks into the store for callers that may wait only a moment. The look runs on a thread that may
+/// wait for the store. While one look takes longer than the wait, further ones fail at once.
 ///
-/// Thread: thread-safe. A look that is under way may end after it.
+/// Thread: thread-safe. A look that is under way may outlive this object.
 class BriefLook final {
  public:
-  /// To the thread that may wait; false if it takes no job now. Empty: the look runs at once, on
-  /// the caller's thread.
+  /// Posts a job to the thread that may wait; false if that takes none now. Empty: the look runs at
+  /// once, on the caller's thread.
   using Post = std::function<bool(std::function<void()>)>;
   explicit BriefLook(Post post, milliseconds wait = kBriefLookWait);
   BriefLook(const BriefLook&) = delete;

@@ -17,7 +17,7 @@ struct BrokerConnection {
   std::string client_id;
   /// `stopped`, `connecting`, `subscribing`, `subscribed`, `waiting` or `id_taken`.
   std::string state;
-  /// Nothing while no broker has it.
+  /// Empty while it is not connected.
   std::optional<SystemTime> connected_since;
   bool session_present = false;
   /// Messages that wait for their ack.
@@ -35,12 +35,12 @@ struct BrokerStatus {
   std::string url;
   /// Whether this server reads the prefixes now.
   bool holds_lease = false;
-  /// Which server does; empty: none that is known.
+  /// The server that reads them; empty if none is known.
   std::string held_by;
   std::vector<std::string> prefixes;
   /// Robots of twins that this server has heard and holds.
   std::size_t twins = 0;
-  /// Nothing while it gets no messages.
+  /// Empty while it gets no messages.
   std::optional<SystemTime> subscribed_since;
   std::vector<BrokerConnection> connections;
 };

@@ -34,7 +34,7 @@ std::size_t CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& 
   if (robot.state.foreign) return 0;
   std::size_t bytes = 0;
   drone->LookAt([&](const uncrew::LiveSamples& live) {
-    // Nothing is held of one that was not heard since it was dropped.
+    // The list is empty if the drone's state was dropped and it has not called since.
     robot.calls_here = !live.Of(model::uncrew::SampleType::kOperatorRequests).empty();
     robot.operator_requests_open = live.requests().size();
     if (!with_parts) return;

@@ -7,12 +7,12 @@
 
 namespace uplink::view {
 
-/// What a drone's calls said, as `Robot.uncrew`: each type by its name, those with keys by key. A
-/// type that was never said is absent. Pure.
+/// The latest samples of a drone's calls, as `Robot.uncrew`: each type by its name, those with keys
+/// by key. A type that was never reported is absent. Pure.
 [[nodiscard]] boost::json::object DroneJson(const uncrew::LiveSamples& live);
 
-/// Adds to a robot what its calls said, and with `with_parts` all of it, unless it does not call
-/// here. Null `drones`: none call. Returns the bytes that were copied. Any thread.
+/// Adds to a robot that calls this process its open requests and, with `with_parts`, all its
+/// samples. Null `drones`: none call. Returns the bytes of the samples copied. Any thread.
 std::size_t CopyDrone(const uncrew::Drones* drones, bool with_parts, RobotView& robot);
 
 }  // namespace uplink::view

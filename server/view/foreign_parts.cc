@@ -39,7 +39,7 @@ std::size_t PutForeign(const std::vector<std::string>& foreign,
     state->second->clock_skew_ms = read.before.clock_skew_ms;
     bytes += KeyedBytes(state->second->parts);
     if (bytes < storage::kPageBytesMax) continue;
-    // Read, they take several times the bytes of their rows.
+    // Parsed parts take several times the bytes of their rows.
     const auto read_last = std::ranges::find(foreign, row.ruri);
     complete = std::min(complete, static_cast<std::size_t>(read_last - foreign.begin()) + 1);
     break;

@@ -10,11 +10,11 @@
 // The live parts of robots that other processes hold: those processes keep them in the store.
 namespace uplink::view {
 
-/// The RURIs of those that other processes hold.
+/// The RURIs of the robots that other processes hold.
 [[nodiscard]] std::vector<std::string> ForeignOf(const std::vector<RobotView>& robots);
 
-/// Takes over the live parts that were read of `foreign`, as ForeignOf gave them. Returns for how
-/// many of `robots`, from the first.
+/// Fills in the live parts that were read for `foreign`, the RURIs that ForeignOf gave. Returns how
+/// many of `robots`, from the first, are complete.
 [[nodiscard]] std::size_t PutForeign(const std::vector<std::string>& foreign,
                                      const storage::Reader::LiveRows& live,
                                      std::vector<RobotView>& robots);

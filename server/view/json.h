@@ -11,8 +11,8 @@
 
 namespace uplink::view {
 
-// The proto3 JSON mapping of the fleet contract's messages (message_printer.h, list_text.h), with
-// what robots reported as the texts that the store keeps.
+// The proto3 JSON mapping of the fleet contract's messages (message_printer.h, list_text.h). What
+// robots reported is in it as the texts that the store keeps.
 //
 // Errors:  kInternal if the mapping refuses a message.
 // Thread:  pure; any thread.
@@ -23,7 +23,7 @@ namespace uplink::view {
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);
 
-/// `{"<key>":["<word>",...]}`: what /readyz says. The words are ours.
+/// `{"<key>":["<word>",...]}`: the body of /readyz. The words need no escapes: they are our own.
 [[nodiscard]] std::string WordsJson(std::string_view key, const std::vector<std::string>& words);
 
 /// An answer that says what went wrong. `field` may be empty.

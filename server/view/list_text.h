@@ -10,13 +10,13 @@
 
 namespace uplink::view {
 
-/// An answer that is a list, written item by item: of one item at a time there is more than its
-/// text. Confined to one thread.
+/// An answer that is a list, written item by item: only one item at a time exists as a message
+/// beside its text. Confined to one thread.
 class ListText final {
  public:
   /// Errors: as MessagePrinter.
   [[nodiscard]] absl::Status Add(const google::protobuf::Message& item, const TextMembers& texts);
-  /// Of all items so far.
+  /// Bytes of all items so far.
   [[nodiscard]] std::size_t bytes() const { return text_.size(); }
   /// The whole answer. `response` lists nothing, and its first field is the list.
   [[nodiscard]] absl::StatusOr<std::string> TakeIn(const google::protobuf::Message& response);

@@ -21,7 +21,7 @@ boost::json::object RenderItem(const Message& message) {
   return Render(message);
 }
 
-// One overload for each way in which a part is held; nothing if it was never reported.
+// One overload for each type of part; nothing if the part was never reported.
 template <typename Message>
 std::optional<boost::json::object> RenderPart(const std::optional<Message>& part,
                                               const std::string& /*ruri*/) {
@@ -29,7 +29,7 @@ std::optional<boost::json::object> RenderPart(const std::optional<Message>& part
   return Render(*part);
 }
 
-/// What the robot said, and the server's own count of what it left out.
+/// The robot's state, and the server's own count of the sequence numbers that were skipped.
 std::optional<boost::json::object> RenderPart(const std::optional<model::RcanState>& part,
                                               const std::string& ruri) {
   if (!part) return std::nullopt;
@@ -38,7 +38,7 @@ std::optional<boost::json::object> RenderPart(const std::optional<model::RcanSta
   return fields;
 }
 
-/// Key to rendered value.
+/// An object with one member for each key.
 template <typename Value, std::size_t kMax>
 std::optional<boost::json::object> RenderPart(const robot::KeyedPart<Value, kMax>& part,
                                               const std::string& /*ruri*/) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kPrefix = "type.googleapis.com";
 
-/// The wire form with the members of maps in order, so that the same answer is the same text.
+/// The wire form with the members of maps in order, so that equal answers have equal texts.
 std::string Ordered(const google::protobuf::Message& message) {
   std::string bytes;
   {

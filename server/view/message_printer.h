@@ -28,7 +28,7 @@ class MessagePrinter final {
   MessagePrinter(const MessagePrinter&) = delete;
   MessagePrinter& operator=(const MessagePrinter&) = delete;
 
-  /// `texts` stand behind the message's own members. The message has at least one scalar.
+  /// `texts` come after the message's own members. The message has at least one scalar.
   [[nodiscard]] absl::StatusOr<std::string> Print(const google::protobuf::Message& message,
                                                   const TextMembers& texts = {}) const;
 

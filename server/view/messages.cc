@@ -105,12 +105,12 @@ v1::Robot ToMessage(const RobotView& robot) {
   }
   SetSession(robot.session, message);
   if (robot.is_drone) {
-    // One that has a session of the relay speaks by both.
+    // A drone that also has a session of the relay reports over both.
     message.set_source(message.session_id().empty() ? "uncrew" : "uplink,uncrew");
     message.set_operator_requests_open(static_cast<std::int32_t>(robot.operator_requests_open));
   }
   if (source != model::MessageSource::kUplink) {
-    // A stream of ours, which says nothing of a link to it.
+    // The stream is our own: it does not mean that the robot has a link to us.
     message.set_connected(false);
     message.clear_connected_since_ms();
   }

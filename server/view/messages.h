@@ -13,8 +13,8 @@
 
 namespace uplink::view {
 
-// Values of the queries as messages of the fleet contract, for every transport. Their Structs are
-// not set: TextsOf has them as texts, by their names in JSON. Pure.
+// Values of the queries as messages of the fleet contract, for every transport. Members of type
+// Struct are not set: TextsOf gives them as texts, by their names in JSON. Pure.
 
 [[nodiscard]] v1::Robot ToMessage(const RobotView& robot);
 [[nodiscard]] TextMembers TextsOf(const RobotView& robot, const PartSet& parts);
@@ -33,7 +33,7 @@ namespace uplink::view {
 [[nodiscard]] v1::Shape ToMessage(const storage::ShapeRow& row);
 [[nodiscard]] v1::TrackedObject ToMessage(const storage::ObjectRow& row);
 
-/// Of rows that have none.
+/// For rows without a Struct.
 template <typename Row>
 [[nodiscard]] TextMembers TextsOf(const Row& /*row*/) {
   return {};
@@ -45,11 +45,11 @@ template <typename Row>
 [[nodiscard]] TextMembers TextsOf(const storage::ShapeRow& row);
 [[nodiscard]] TextMembers TextsOf(const storage::ObjectRow& row);
 
-/// `degraded` in the words of /readyz.
+/// `degraded` has the words of /readyz.
 [[nodiscard]] v1::ServerStatus ToMessage(const StatusView& status,
                                          const std::vector<std::string>& degraded);
 
-/// A counter as a signed field of the contract; it stops at the top.
+/// A counter as a signed field of the contract; values above its maximum become the maximum.
 [[nodiscard]] std::int64_t Signed(std::uint64_t value);
 
 }  // namespace uplink::view

@@ -8,7 +8,7 @@
 namespace uplink::view {
 namespace {
 
-/// Tells a token of robots from those of histories.
+/// Distinguishes tokens of robots from those of histories.
 constexpr std::string_view kPrefix = "r.";
 constexpr std::string_view kDigits = "0123456789abcdef";
 

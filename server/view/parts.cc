@@ -11,7 +11,7 @@
 namespace uplink::view {
 namespace {
 
-/// By Part: the JSON name of its field in v1::Robot.
+/// The JSON name of each part's field in v1::Robot.
 constexpr std::array<std::string_view, kParts> kNames = {"agentInfo", "settings", "uiCapabilities",
 #define UPLINK_PART(Part, column, view, Message, keys_max) view,
                                                          UPLINK_LIVE_PARTS(UPLINK_PART)
@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, kParts> kNames = {"agentInfo", "settings"
                                                              "cyberwave",
                                                          "uncrew"};
 
-/// About how many bytes an item holds beside its texts.
+/// About how many bytes an item takes besides its texts.
 constexpr std::size_t kItemBytes = 256;
 
 template <typename Value>

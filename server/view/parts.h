@@ -12,8 +12,8 @@
 
 namespace uplink::view {
 
-/// The parts that a Robot can carry: those of which the store keeps the latest, then the live ones,
-/// then what a broker's twin said, and a drone's calls.
+/// The parts that a Robot can carry. First those whose latest row the store keeps, then the live
+/// ones, then what a twin's messages at a broker and a drone's calls reported.
 enum class Part : std::uint8_t {
   kAgentInfo,
   kSettings,
@@ -45,7 +45,7 @@ class PartSet {
     set.bits_.set();
     return set;
   }
-  /// What a list carries unless it is asked for others.
+  /// What a list carries by default.
   [[nodiscard]] static PartSet OfLists() {
     PartSet set;
     set.Add(Part::kMotion);
@@ -56,9 +56,9 @@ class PartSet {
   void Add(Part part) { bits_.set(static_cast<std::size_t>(part)); }
   [[nodiscard]] bool Has(Part part) const { return bits_.test(static_cast<std::size_t>(part)); }
 
-  /// Whether the store alone has one of them.
+  /// Whether one of them is only in the store.
   [[nodiscard]] bool AnyStored() const;
-  /// Whether one of them lies in the robot's live state.
+  /// Whether one of them is in the robot's live state.
   [[nodiscard]] bool AnyLive() const;
   /// Whether one of them is live and large: many items, by key or joint.
   [[nodiscard]] bool AnyLarge() const;
@@ -66,17 +66,17 @@ class PartSet {
   friend bool operator==(const PartSet&, const PartSet&) = default;
 
  private:
-  /// Whether one of the parts from `first` on, as many as `count`, is wanted.
+  /// Whether one of the `count` parts from `first` on is wanted.
   [[nodiscard]] bool AnyOf(std::size_t first, std::size_t count) const;
 
   std::bitset<kParts> bits_;
 };
 
-/// The part that requests spell so (`motion`, `uiCapabilities`), or nothing.
+/// The part with this name in requests (`motion`, `uiCapabilities`), or nothing.
 [[nodiscard]] std::optional<Part> PartFromText(std::string_view text);
 
-/// About how many bytes a copy of the parts holds: of keyed ones, of a status and of joints. Pure;
-/// any thread.
+/// About how many bytes a copy of the large parts takes: the keyed ones, a status and the joints.
+/// Pure; any thread.
 [[nodiscard]] std::size_t KeyedBytes(const robot::LiveParts& parts);
 
 }  // namespace uplink::view

@@ -44,7 +44,7 @@ std::vector<std::string> RurisOf(const std::vector<RobotView>& robots) {
   return ruris;
 }
 
-/// Which latest rows the wanted parts are made of.
+/// The latest rows that the wanted parts need.
 storage::LatestKindSet KindsOf(const PartSet& parts) {
   using enum storage::LatestKind;
   storage::LatestKindSet kinds = 0;
@@ -68,7 +68,7 @@ void SetStored(storage::LatestRow row, StoredParts& stored) {
   }
 }
 
-/// What could not be filled is on the next page.
+/// Robots that could not be filled go to the next page.
 void EndPageAfter(std::size_t robots, RobotsPage& page) {
   if (robots >= page.robots.size()) return;
   page.robots.resize(robots);
@@ -91,7 +91,7 @@ Queries::Queries(Sources sources)
                .with_requests = sources_.drones != nullptr}),
       brief_look_(sources_.to_store_thread) {}
 
-/// One look into the store: what is asked for, and what came.
+/// One look into the store: the question, and the answer.
 struct Queries::Lookup {
   std::vector<std::string> ruris;
   std::vector<std::string> foreign;
@@ -127,7 +127,8 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     return page;
   }
   if (query.parts.AnyLive()) {
-    // While the store is away these robots come without parts: the others must be seen.
+    // While the store is away these robots come without live parts, so that the list shows the
+    // others.
     const absl::StatusOr<std::size_t> live = FillForeign(page.robots);
     if (live.ok()) EndPageAfter(*live, page);
   }
@@ -145,7 +146,7 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   one.push_back(Look(*robot, robot::RobotState::Parts::kAll));
   CopyTwin(sources_.twins, one.front());
   CopyDrone(sources_.drones, true, one.front());
-  // A store that is away leaves its parts out, and is waited for once: the live ones must be seen.
+  // If the store is away, wait for it once and leave its parts out: the live ones must be shown.
   if (FillCounts(one)) {
     static_cast<void>(FillStored(one, PartSet::All()));
     static_cast<void>(FillForeign(one));
@@ -244,7 +245,7 @@ void Queries::FillBriefly(RobotsPage& page, const PartSet& parts) {
     static_cast<void>(counts_.Read(look->ruris));
     if (!look->foreign.empty()) look->live = sources_.reader.LiveOf(look->foreign);
   });
-  // One that is late is written meanwhile: it is not looked at.
+  // A late look may still be writing its answer: do not read that.
   if (in_time && look->live.ok()) {
     EndPageAfter(PutForeign(look->foreign, *look->live, page.robots), page);
   }

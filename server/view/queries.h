@@ -29,7 +29,7 @@
 
 namespace uplink::view {
 
-/// What the store has of a robot's latest, each as the JSON text of an object. A value.
+/// A robot's latest parts as the store has them, each the JSON text of an object. A value.
 struct StoredParts {
   std::optional<std::string> agent_info;
   std::optional<std::string> settings;
@@ -41,22 +41,22 @@ struct RobotView {
   model::RobotId id;
   robot::StateSnapshot state;
   robot::SessionView session;
-  /// As the store last said.
+  /// As last read from the store.
   std::int64_t active_faults = 0;
   StoredParts stored;
   /// Messages over their rate since the stream began, by kind.
   std::array<std::uint64_t, metrics::kKinds> rate_limited{};
-  /// What its messages at a broker said, as it stood then. Null if that is not wanted, if it is no
-  /// twin that this process has heard, or if another process holds it.
+  /// What its messages at a broker reported, copied at that moment. Null if it is not wanted, if
+  /// this process has heard no twin of this RURI, or if another process holds the robot.
   std::shared_ptr<const cyberwave::TwinParts> twin{};
-  /// It speaks by calls, as a drone, or did so before.
+  /// A drone: it reports by calls, or did so before.
   bool is_drone = false;
-  /// What it says live is known here.
+  /// This process has its live samples.
   bool calls_here = false;
-  /// As its calls here last said; of a drone that does not call here, as the store last said.
+  /// From its calls to this process; for a drone that calls elsewhere, as last read from the store.
   std::size_t operator_requests_open = 0;
-  /// What its calls said, as it stood then. Null if that is not wanted, if it does not call this
-  /// process, or if another one holds it.
+  /// What its calls reported, copied at that moment. Null if it is not wanted, if the drone does
+  /// not call this process, or if another one holds the robot.
   std::shared_ptr<const uncrew::LiveSamples> drone{};
 };
 
@@ -72,8 +72,8 @@ struct RobotsQuery {
 };
 
 struct RobotsPage {
-  /// Fewer than the page's size where large parts are wanted: a page ends with the robot whose
-  /// parts pass storage::kPageBytesMax.
+  /// May be fewer than the page's size where large parts are wanted: a page ends with the robot
+  /// whose parts bring it to storage::kPageBytesMax.
   std::vector<RobotView> robots;
   /// Empty when this page is the last.
   std::string next_token;
@@ -84,7 +84,7 @@ struct RobotsPage {
 /// Rows of quarantine. A value.
 struct QuarantineView {
   storage::Page<storage::QuarantineRow> page;
-  /// Of one robot, if one was asked for: what went for its bound.
+  /// If one robot was asked for: how many of its rows were deleted to keep the bound.
   std::vector<storage::DroppedRow> dropped;
 };
 
@@ -95,26 +95,26 @@ struct StatusView {
   SystemTime now;
   fleet::PresenceCounts robots;
   std::int64_t streams = 0;
-  /// By model::MessageSource. The conservation law holds on each.
+  /// By model::MessageSource. The conservation law holds for each.
   std::array<metrics::MessageCounts, model::kAllMessageSources.size()> messages{};
   std::size_t journal_records = 0;
   std::size_t journal_bytes = 0;
   milliseconds journal_oldest{0};
-  /// Nothing if no broker is read.
+  /// Empty if no broker is read.
   std::optional<BrokerStatus> broker{};
 };
 
-/// Everything that readers of the fleet ask, once, for every transport. What stands in a robot's
-/// place where none has it (storage/origin.h) is no robot, and never answered.
+/// Everything that readers of the fleet ask, once, for every transport. The placeholders for rows
+/// of no robot (storage/origin.h) are not robots and appear in no list of robots.
 ///
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
-///          is not in memory, kUnavailable instead while the store's robots are not there yet;
-///          what the Reader says, where rows are asked for. Robots are answered
-///          while the store is away too: their active faults are then the last that were read, and
-///          one robot comes without its stored parts. A list that names such a part fails; one that
-///          does not waits for the store for kBriefLookWait at most, and is then as if it were
-///          away.
-/// Limits:  remembers one number per robot, at most for twice as many as the fleet may have.
+///          is not in memory, kUnavailable instead while the store's robots are not read yet;
+///          those of the Reader where rows are asked for. Queries for robots succeed
+///          while the store is away too: active faults are then as last read, and a single
+///          robot comes without its stored parts. A list that names a stored part fails then. One
+///          that names none waits for the store for kBriefLookWait at most, and then goes on as
+///          if the store were away.
+/// Limits:  remembers two counts per robot, at most for twice as many as the fleet may have.
 /// Thread:  thread-safe; all but Status wait for the store, so never on the thread that serves
 ///          probes. Outlives the store's thread.
 class Queries final {
@@ -128,15 +128,15 @@ class Queries final {
     /// Streams that are open now.
     const metrics::Cell& streams;
     std::string version;
-    /// To the thread that may wait for the store; empty: callers wait themselves.
+    /// Posts to the thread that may wait for the store; empty: callers wait themselves.
     BriefLook::Post to_store_thread{};
     /// True while the store's robots are not in memory yet; empty: they are.
     std::function<bool()> robots_unread{};
-    /// What is heard from a broker; null: nothing is.
+    /// The twins of a broker; null: no broker is read.
     const cyberwave::Twins* twins = nullptr;
-    /// Waits for nothing, and may be called on any thread; empty: no broker is read.
+    /// Never waits, and may be called on any thread; empty: no broker is read.
     std::function<std::optional<BrokerStatus>()> broker{};
-    /// What drones say by calls; null: none call.
+    /// The drones that call; null: none do.
     const uncrew::Drones* drones = nullptr;
   };
   explicit Queries(Sources sources);
@@ -148,17 +148,17 @@ class Queries final {
       const storage::HistoryQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
       const storage::HistoryQuery& query);
-  /// A list of storage::Reader of one robot, which query.ruri names. As Robot if the list is
-  /// empty and the robot is not in memory.
+  /// A list of storage::Reader for one robot, which query.ruri names. The errors of Robot if the
+  /// list is empty and the robot is not in memory.
   template <typename Row>
   [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
                                                            const storage::HistoryQuery& query) {
     return OfRobot((sources_.reader.*list)(query), query.ruri);
   }
-  /// The quarantine of one robot as a history, with what is not there any more.
+  /// The quarantine of one robot as a history, with counts of the rows that were deleted.
   [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::HistoryQuery& query);
-  /// The same of all robots and of none, or of those that match: a robot that is not in memory
-  /// matches too.
+  /// The quarantine of all robots and of messages of no robot, or of those that match; also of
+  /// robots that are not in memory.
   [[nodiscard]] absl::StatusOr<QuarantineView> AllQuarantine(const storage::QuarantineQuery& query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> ScopeUpdates(
       const storage::ScopeUpdatesQuery& query);
@@ -170,16 +170,16 @@ class Queries final {
       const storage::OperatorRequestsQuery& query) {
     return sources_.reader.OperatorRequests(query);
   }
-  // What is there now, by our clock; query.now is not looked at.
+  // What is present now, by our clock; query.now is ignored.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ObjectRow>> Objects(
       storage::PresentQuery query);
-  /// Waits for nothing.
+  /// Never waits.
   [[nodiscard]] StatusView Status() const;
 
  private:
-  /// The page of a robot's rows, unless nobody knows the robot.
+  /// The page of a robot's rows, or an error if neither rows nor memory know the robot.
   template <typename Row>
   [[nodiscard]] absl::StatusOr<storage::Page<Row>> OfRobot(absl::StatusOr<storage::Page<Row>> page,
                                                            const std::string& ruri) {
@@ -193,16 +193,16 @@ class Queries final {
       storage::Page<storage::QuarantineRow> page, const std::string& ruri);
   struct Lookup;
 
-  /// Why there is no answer on a robot that is not in memory.
+  /// The error for a robot that is not in memory.
   [[nodiscard]] absl::Status Unknown(const std::string& ruri) const;
-  /// Fills what the store adds to a list without stored parts, as far as it answers soon.
+  /// Adds the store's part to a list without stored parts, if the store answers soon.
   void FillBriefly(RobotsPage& page, const PartSet& parts);
-  /// Reads the live parts of robots that other processes hold. Returns for how many of `robots`,
-  /// from the first.
+  /// Reads the live parts of robots that other processes hold. Returns how many of `robots`, from
+  /// the first, are complete.
   [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);
-  /// False if the store could not say and the numbers are the last that were read.
+  /// False if the store did not answer; the numbers are then the last that were read.
   bool FillCounts(std::vector<RobotView>& robots);
-  /// Fills the stored parts that `parts` wants. Returns for how many of `robots`, from the first.
+  /// Fills the stored parts in `parts`. Returns how many of `robots`, from the first, are complete.
   [[nodiscard]] absl::StatusOr<std::size_t> FillStored(std::vector<RobotView>& robots,
                                                        const PartSet& parts);
 

@@ -13,7 +13,7 @@
 
 namespace uplink::view {
 
-// The response that lists rows of a kind.
+// The empty response for each kind of row.
 [[nodiscard]] inline v1::ListFaultsResponse ResponseOf(const storage::FaultRow* /*row*/) {
   return {};
 }
@@ -49,7 +49,7 @@ namespace uplink::view {
   return {};
 }
 
-/// The page in a response that lists nothing yet.
+/// The page as the list of a response, which has none yet.
 template <typename Response, typename Row>
 [[nodiscard]] absl::StatusOr<std::string> RowsIn(Response response,
                                                  const storage::Page<Row>& page) {

@@ -12,7 +12,7 @@ bool StoredCounts::Read(const std::vector<std::string>& ruris) {
   if (context_.with_requests) requests = context_.reader.OpenRequestCounts(ruris);
   if (!requests.ok()) return false;
   const std::lock_guard lock(mutex_);
-  // Those of robots that left go with the others, which are asked for again.
+  // Forgets robots that left. The counts of the others are read again.
   if (counts_.size() > 2 * context_.robots_max) counts_.clear();
   for (const std::string& ruri : ruris) counts_[ruri] = {};
   for (const auto& count : *faults) counts_[count.ruri].active_faults = count.count;

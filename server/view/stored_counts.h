@@ -13,7 +13,8 @@ namespace uplink::view {
 
 struct RobotView;
 
-/// How much of a robot is active or open as the store last said: shown also while it is away.
+/// Counts of each robot's active faults and open requests as last read from the store. They are
+/// shown also while it is away.
 ///
 /// Limits: twice robots_max robots.
 /// Thread: thread-safe.
@@ -28,9 +29,9 @@ class StoredCounts final {
   };
   explicit StoredCounts(const Context& context) : context_(context) {}
 
-  /// False if the store could not say.
+  /// False if the store did not answer.
   bool Read(const std::vector<std::string>& ruris);
-  /// Puts what was last read into the robots; open requests only of those that do not call here.
+  /// Copies the counts into the robots; open requests only for those that do not call here.
   void Fill(std::vector<RobotView>& robots) const;
 
  private:

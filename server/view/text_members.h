@@ -7,17 +7,17 @@
 
 namespace uplink::view {
 
-/// Members of a JSON object whose values are texts: what a store keeps, and what robots said. An
-/// answer has them as they are. Read into a Struct of protobuf, each of their bytes would take up
-/// to 200. A value.
+/// Members of a JSON object whose values are JSON texts already: from the store, or from robots. An
+/// answer carries them as they are. Parsed into a Struct of protobuf, each of their bytes would
+/// take up to 200. A value.
 class TextMembers final {
  public:
-  /// `text` is an object that a store keeps. What is no object stands as `{}`, so that no row
-  /// breaks the answer.
+  /// `text` is an object from the store. Anything else becomes `{}`, so that no row breaks the
+  /// answer.
   void AddStored(std::string_view name, std::string_view text);
   void Add(std::string_view name, const boost::json::object& value);
 
-  /// `,"name":{...}` of each, in the order in which they were added.
+  /// `,"name":{...}` for each, in the order in which they were added.
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:

@@ -7,8 +7,8 @@
 
 namespace uplink::view {
 
-/// Adds to a robot what its twin said, unless it is none that was heard or another process holds
-/// it. Null `twins`: nothing is heard. Returns about how many bytes the copy takes. Any thread.
+/// Adds to a robot what its twin reported, if one was heard and no other process holds the robot.
+/// Null `twins`: no broker is read. Returns about how many bytes the copy takes. Any thread.
 std::size_t CopyTwin(const cyberwave::Twins* twins, RobotView& robot);
 
 }  // namespace uplink::view

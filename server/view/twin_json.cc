@@ -37,7 +37,7 @@ void SetSource(Fields& fields, const cw::Source& source) {
              source.text.empty() ? std::string(cw::ToText(source.type)) : source.text);
 }
 
-// One overload for each value; what is said of it comes behind.
+// One overload for each kind of value.
 Fields Render(const cw::Position& position) {
   return std::move(Fields().Set("x", position.x_m).Set("y", position.y_m).Set("z", position.z_m));
 }
@@ -96,7 +96,7 @@ Fields Render(const cw::EdgeHealth& health) {
 }
 Fields Render(const cw::Report& report) {
   Fields fields;
-  // What judgement wrote is always an object.
+  // The judge wrote the detail, so it always parses.
   if (std::optional<js::value> detail = json::ParseExact(report.detail)) {
     fields.Set("data", *std::move(detail));
   }
@@ -153,7 +153,7 @@ js::value RenderMetric(const cw::MetricValue& value) {
   return std::visit([](const auto& scalar) { return json::Json(scalar); }, value);
 }
 
-/// By category and name; a category that is itself a value is that value.
+/// Metrics by category and name. A category that has a value itself is shown as that value.
 void SetMetrics(Fields& fields, const cyberwave::TwinParts& parts) {
   if (parts.metrics.size() == 0) return;
   Fields by_category;

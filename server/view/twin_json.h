@@ -6,9 +6,9 @@
 
 namespace uplink::view {
 
-/// What is known of one robot of a twin, as `Robot.cyberwave`: the vendor's names for what the
-/// vendor's messages say, and `receivedAtMs` by the server's clock beside them. A part that was
-/// never said is absent. Pure.
+/// What one twin's messages reported, as `Robot.cyberwave`: by the vendor's names, and
+/// `receivedAtMs` by the server's clock beside them. A part that was never reported is absent.
+/// Pure.
 [[nodiscard]] boost::json::object TwinJson(const cyberwave::TwinParts& parts);
 
 }  // namespace uplink::view
