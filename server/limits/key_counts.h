@@ -7,8 +7,8 @@
 
 namespace uplink::limits {
 
-/// How many each key has at a time, so that its owner can refuse one more. Bounded by what it
-/// counts: a key that has none is forgotten. Confined to its owner.
+/// How many things each key has now, so that the owner of this object can refuse one more. Keys
+/// without any are forgotten: it is no larger than what it counts. Confined to its owner.
 template <typename Key>
 class KeyCounts final {
  public:
@@ -17,7 +17,7 @@ class KeyCounts final {
     return found == counts_.end() ? 0 : found->second;
   }
   void Add(const Key& key) { ++counts_[key]; }
-  /// One that was added goes.
+  /// Undoes one Add.
   void Drop(const Key& key) {
     const auto found = counts_.find(key);
     UPLINK_CHECK(found != counts_.end(), "one goes that did not come");

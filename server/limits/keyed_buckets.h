@@ -12,9 +12,9 @@
 
 namespace uplink::limits {
 
-/// A bucket for each key of a policy. At its `keys_max` those that are full again are forgotten;
-/// keys beyond share one bucket. Up to `keys_max` an invented key has a burst of its own: what all
-/// keys use together needs a bound besides.
+/// A bucket for each key of a policy. At `keys_max` keys it forgets the buckets that are full
+/// again; keys beyond share one bucket. Up to `keys_max` each invented key has a burst of its own,
+/// so what all keys use together needs another bound.
 ///
 /// Thread:  confined to its owner.
 class KeyedBuckets final {
@@ -24,11 +24,11 @@ class KeyedBuckets final {
   enum class Answer : std::uint8_t {
     kPasses,
     kOver,
-    /// The same, and the log is to say so: the first one of the key within log::RateLimited::kSpan.
+    /// Over, and to be logged: it is the key's first within log::RateLimited::kSpan.
     kOverAndTell,
   };
-  /// Takes so much, if the key may have it. `key` is a hash: two that share it share a bucket.
-  /// Nothing: the bucket of those beyond.
+  /// Takes `amount` if the key may have it. `key` is a hash: keys with the same hash share a
+  /// bucket. No key: the bucket that the keys beyond `keys_max` share.
   [[nodiscard]] Answer Take(std::optional<std::size_t> key, std::size_t amount, SteadyTime now);
 
   [[nodiscard]] const Policy& policy() const { return policy_; }

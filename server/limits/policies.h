@@ -36,23 +36,23 @@ enum class PolicyId : std::uint8_t {
 /// One sender's share of something. A value.
 struct Policy {
   PolicyId id;
-  /// What is counted, in the plural, as the log says it.
+  /// What is counted, in the plural: text for the log.
   std::string_view of;
-  /// Of whom each has a share of its own.
+  /// Who has a share each.
   std::string_view whose;
-  /// So many per `per`, and after a pause `at_once`.
+  /// `most` in each `per`; up to `at_once` together after a pause.
   std::uint64_t most = 0;
   std::uint64_t at_once = 0;
   std::chrono::seconds per{1};
-  /// Those whose use is remembered at a time; 0: it is part of what is held of each, whose number
-  /// has a bound of its own.
+  /// How many senders are remembered at a time. 0: the count is part of the state that is held of
+  /// each, and their number has its own bound.
   std::size_t keys_max = 0;
-  /// Shows what went over.
+  /// The metric that counts what went over.
   metrics::MetricId shown;
-  /// The key that may change it, of which this is the default; empty: none.
+  /// The setting whose default this is; empty if no setting changes it.
   std::string_view key{};
 
-  /// Of one whose `per` is a second.
+  /// For a policy whose `per` is a second.
   [[nodiscard]] constexpr BucketSize bucket() const { return {.rate = most, .burst = at_once}; }
 };
 
@@ -70,7 +70,7 @@ inline constexpr auto kPolicies = std::to_array<Policy>({
      .most = config::LimitsConfig().durable_bytes_rate,
      .at_once = config::LimitsConfig().durable_bytes_burst,
      .shown = metrics::MetricId::kHeldBackByTotal, .key = "limits.durable_bytes_rate"},
-    // Over all its streams; the same of those that are over their rate.
+    // Over all its streams. Messages over their rate have a bucket of the same size.
     {.id = PolicyId::kRejectsOfRobot, .of = "rejected messages", .whose = "a robot", .most = 1'000,
      .at_once = 1'000, .shown = metrics::MetricId::kHeldBackByTotal},
     {.id = PolicyId::kStreamsOfRobot, .of = "streams", .whose = "a robot", .most = 10,
@@ -78,33 +78,33 @@ inline constexpr auto kPolicies = std::to_array<Policy>({
     {.id = PolicyId::kTakeoversOfRobot, .of = "takeovers", .whose = "a robot", .most = 10,
      .at_once = 10, .per = std::chrono::seconds(60), .shown = metrics::MetricId::kContested},
     // To all receivers together: half of a gigabit network. 2,000 receivers of 50 changes per
-    // second, 250 bytes each, take a half of it.
+    // second, 250 bytes each, take less than half of that.
     {.id = PolicyId::kForwardedBytesOfRobot, .of = "forwarded bytes", .whose = "a robot",
      .most = 64 * config::kMiB, .at_once = 256 * config::kMiB,
      .shown = metrics::MetricId::kForwardPaced},
     {.id = PolicyId::kLiveSamplesOfDrone, .of = "live samples", .whose = "a drone", .most = 100,
      .at_once = 200, .shown = metrics::MetricId::kAvatarPublishes},
-    // Of a twin its simulated robot is a part.
+    // A twin's simulated robot counts as the twin.
     {.id = PolicyId::kMessagesOfTwin, .of = "messages", .whose = "a twin", .most = 1'000,
      .at_once = 5'000, .shown = metrics::MetricId::kMqttRejects},
     {.id = PolicyId::kLogLinesOfTwin, .of = "lines of logs", .whose = "a twin", .most = 50,
      .at_once = 2'000, .shown = metrics::MetricId::kMqttRejects},
-    // One message of half a kilobyte may change 128, and one twin would keep the store busy with
-    // nothing else. As many as log lines.
+    // One message of half a kilobyte may change 128 faults: one twin alone could keep the store
+    // busy. As many as log lines.
     {.id = PolicyId::kFaultChangesOfTwin, .of = "faults that metrics change", .whose = "a twin",
      .most = 50, .at_once = 2'000, .shown = metrics::MetricId::kMqttRejects},
-    // What we look into: 65 of the largest payloads in a second, which take a fortieth of a core. A
-    // camera's are not looked into.
+    // Payloads that we parse: 65 of the largest per second, which take a fortieth of a core. A
+    // camera's are not parsed.
     {.id = PolicyId::kBytesOfId, .of = "bytes at QoS 0", .whose = "an id in topics",
      .most = 4 * config::kMiB, .at_once = 32 * config::kMiB, .keys_max = kBudgetsMax,
      .shown = metrics::MetricId::kMqttRejects},
-    // Such as those of a twin that was never heard. They stand for all ids in one place of the
-    // journal, and in one quarantine: with 50 per second of each, thousands of ids do not fill what
-    // that place may have while the store takes them.
+    // For instance of a twin that was never heard. Those of all ids share one place in the journal
+    // and one quarantine. At 50 per second each, thousands of ids do not fill that place while the
+    // store takes them.
     {.id = PolicyId::kRejectsOfStranger, .of = "rejected messages of no robot",
      .whose = "an id in topics", .most = 50, .at_once = 2'000, .keys_max = kBudgetsMax,
      .shown = metrics::MetricId::kMqttRejects},
-    // It is no robot, and has no flow of one.
+    // A scope is no robot and has no flow of its own.
     {.id = PolicyId::kRecordsOfScope, .of = "messages to store", .whose = "an environment or run",
      .most = config::LimitsConfig().durable_records_rate,
      .at_once = config::LimitsConfig().durable_records_burst, .keys_max = kBudgetsMax,
@@ -118,8 +118,8 @@ inline constexpr auto kPolicies = std::to_array<Policy>({
      .at_once = 10, .keys_max = 2'048, .shown = metrics::MetricId::kMqttPongsWithheld},
     {.id = PolicyId::kPongs, .of = "pongs", .whose = "all names together", .most = 1'000,
      .at_once = 1'000, .shown = metrics::MetricId::kMqttPongsWithheld},
-    // A source that wants no more than its part: a site of 40 robots behind one address comes back
-    // without a wait.
+    // Bounds a source to its share. A site of 40 robots behind one address reconnects without a
+    // wait.
     {.id = PolicyId::kHandshakesOfSource, .of = "handshakes", .whose = "a source address",
      .most = 20, .at_once = 40, .keys_max = 8'192, .shown = metrics::MetricId::kHandshakesWaiting},
 });

@@ -7,19 +7,18 @@
 
 namespace uplink::limits {
 
-/// What is known of each key that was touched lately. Past `kKeysMax` keys the one that was touched
-/// least recently is forgotten: invented keys take no memory, and deny nothing to the next key. A
-/// map, not a hash table: senders choose their keys, and an order has no bad case.
+/// A value for each key that was touched lately. Past `kKeysMax` keys it forgets the least recently
+/// touched one: invented keys take no more memory, and the next key still has room. It is a map,
+/// not a hash table: senders choose their keys, and a map has no bad case.
 ///
-/// Limits:  kKeysMax, over 0; each call is O(log kKeysMax). A key of 16 bytes with a time takes
-/// about
-///          112 bytes, in two nodes.
+/// Limits:  kKeysMax, at least 1; each call is O(log kKeysMax). A key of 16 bytes with a time
+///          takes about 112 bytes, in two nodes.
 /// Thread:  confined to its owner.
 template <typename Key, typename Value, std::size_t kKeysMax>
 class RecentKeys final {
  public:
-  /// The key's value, made by default if there is none: from now on the most recent one. It holds
-  /// until its key is forgotten.
+  /// The key's value, created if there is none; the key is now the most recent one. The reference
+  /// is valid until the key is forgotten.
   [[nodiscard]] Value& Touch(const Key& key) {
     const auto [place, is_new] = places_.try_emplace(key);
     if (is_new) {
@@ -36,7 +35,7 @@ class RecentKeys final {
     const auto place = places_.find(key);
     return place == places_.end() ? nullptr : &place->second->second;
   }
-  /// Forgets keys from the least recent on, up to the first whose value is not `done`.
+  /// Forgets keys, the least recent first, up to the first whose value is not `done`.
   template <typename Done>
   void ForgetWhile(const Done& done) {
     while (!entries_.empty() && done(entries_.back().second)) ForgetLast();

@@ -6,7 +6,7 @@
 namespace uplink::limits {
 namespace {
 
-/// What a bucket takes longer for than this is as good as never, and nothing overflows.
+/// Times to fill are cut to this, which is as good as never, so that nothing overflows.
 constexpr double kFillMaxSeconds = 1e8;
 
 SteadyTime::duration TimeFor(std::uint64_t tokens, const BucketSize& size) {
@@ -15,7 +15,7 @@ SteadyTime::duration TimeFor(std::uint64_t tokens, const BucketSize& size) {
       std::chrono::duration<double>(std::min(seconds, kFillMaxSeconds)));
 }
 
-/// What a bucket of this rate gives in that time.
+/// The tokens that a bucket of this rate gets in that time.
 std::uint64_t TokensOf(SteadyTime::duration time, const BucketSize& size) {
   const double seconds = std::chrono::duration<double>(time).count();
   return static_cast<std::uint64_t>(seconds * static_cast<double>(size.rate));
@@ -26,7 +26,7 @@ std::uint64_t TokensOf(SteadyTime::duration time, const BucketSize& size) {
 SteadyTime TokenBucket::FullAt(const BucketSize& size, SteadyTime now) const {
   if (size == size_ || full_at_ <= now) return full_at_;
   const std::uint64_t lacks = TokensOf(full_at_ - now, size_);
-  // By more than the division's rounding.
+  // By more than the rounding of the division.
   const bool overdrawn = lacks > 0 && lacks - 1 > size_.burst;
   return now + TimeFor(overdrawn ? lacks : std::min(lacks, size.burst), size);
 }

@@ -15,13 +15,12 @@ struct BucketSize {
   friend bool operator==(const BucketSize&, const BucketSize&) = default;
 };
 
-/// A bucket of tokens, full at first, as the one time at which it will be full again: nothing is
-/// done for it while nobody asks, and another size holds from the next call on. Confined to its
-/// owner.
+/// A bucket of tokens, full at first. It keeps only the time at which it will be full again, so it
+/// needs no timer, and another size takes effect with the next call. Confined to its owner.
 class TokenBucket final {
  public:
-  /// When `cost` tokens can be taken: at or before `now` if they are there. A full bucket gives
-  /// whatever is asked for, also what is more than it holds.
+  /// When `cost` tokens can be taken: at or before `now` if they are there. A full bucket gives any
+  /// cost, also more than it holds.
   [[nodiscard]] SteadyTime PassesAt(std::uint64_t cost, const BucketSize& size,
                                     SteadyTime now) const;
   /// Takes them, whether they are there or not.
@@ -32,16 +31,16 @@ class TokenBucket final {
     Take(cost, size, now);
     return true;
   }
-  /// It lacks nothing: as good as one that was never used.
+  /// Whether it is full, like one that was never used.
   [[nodiscard]] bool IsFull(SteadyTime now) const { return full_at_ <= now; }
 
  private:
-  /// When it is full again, at this size from now on: what it lacks stays, but for what the size
-  /// cannot hold; all of it if it gave more than it held.
+  /// When it is full again with this size from now on. It lacks the tokens it lacked before, though
+  /// no more than the size holds, unless it gave more than it held: then it lacks all of them.
   [[nodiscard]] SteadyTime FullAt(const BucketSize& size, SteadyTime now) const;
 
   SteadyTime full_at_{};
-  /// With which full_at_ was made.
+  /// The size for which full_at_ was computed.
   BucketSize size_;
 };
 
