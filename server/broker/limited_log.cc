@@ -27,7 +27,7 @@ bool LimitedLog::Passes(limits::KeyedBuckets& budgets, const cyberwave::Topic& t
                         std::size_t amount, SteadyTime now) {
   using enum limits::KeyedBuckets::Answer;
   const auto answer = budgets.Take(BudgetKeyOf(topic), amount, now);
-  if (answer == kOverAndTell) {
+  if (answer == kOverAndLog) {
     const limits::Policy& policy = budgets.policy();
     const bool is_ping = topic.kind == cyberwave::TopicKind::kPing;
     lines_.Write(log::Level::kWarn, "twin_limited",

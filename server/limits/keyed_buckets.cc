@@ -15,7 +15,7 @@ KeyedBuckets::Answer KeyedBuckets::Take(std::optional<std::size_t> key, std::siz
                                         SteadyTime now) {
   Budget& budget = Of(key, now);
   if (budget.bucket.TryTake(amount, policy_.bucket(), now)) return Answer::kPasses;
-  return budget.told.Take(now, log::RateLimited::kSpan) ? Answer::kOverAndTell : Answer::kOver;
+  return budget.logged.Take(now, log::RateLimited::kSpan) ? Answer::kOverAndLog : Answer::kOver;
 }
 
 KeyedBuckets::Budget& KeyedBuckets::Of(std::optional<std::size_t> key, SteadyTime now) {

@@ -25,7 +25,7 @@ class KeyedBuckets final {
     kPasses,
     kOver,
     /// Over, and to be logged: it is the key's first within log::RateLimited::kSpan.
-    kOverAndTell,
+    kOverAndLog,
   };
   /// Takes `amount` if the key may have it. `key` is a hash: keys with the same hash share a
   /// bucket. No key: the bucket that the keys beyond `keys_max` share.
@@ -36,7 +36,7 @@ class KeyedBuckets final {
  private:
   struct Budget {
     TokenBucket bucket;
-    RecentTimes<1> told;
+    RecentTimes<1> logged;
   };
   [[nodiscard]] Budget& Of(std::optional<std::size_t> key, SteadyTime now);
 

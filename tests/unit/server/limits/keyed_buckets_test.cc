@@ -32,19 +32,19 @@ TEST(KeyedBuckets, AnswerByTheKeysOwnBucket) {
   };
   const std::vector<Row> rows{
       {seconds(0), 1, 20, kPasses, "a full one gives its burst"},
-      {seconds(0), 1, 1, kOverAndTell, ""},
+      {seconds(0), 1, 1, kOverAndLog, ""},
       {seconds(0), 1, 1, kOver, "told already"},
       {seconds(0), 2, 20, kPasses, "another key"},
-      {seconds(0), 2, 1, kOverAndTell, "each is reported"},
+      {seconds(0), 2, 1, kOverAndLog, "each is reported"},
       {seconds(0), 3, 20, kPasses, "the one of all that are beyond"},
-      {seconds(0), 4, 1, kOverAndTell, "it is shared"},
+      {seconds(0), 4, 1, kOverAndLog, "it is shared"},
       {seconds(0), std::nullopt, 1, kOver, "by what has no key too"},
       {seconds(1), 1, 10, kPasses, "it fills by its rate"},
       {seconds(1), 1, 1, kOver, "told within the span"},
       {seconds(2), 5, 10, kPasses, "2 is full again, and makes room"},
-      {seconds(2), 5, 11, kOverAndTell, "a bucket of its own"},
+      {seconds(2), 5, 11, kOverAndLog, "a bucket of its own"},
       {log::RateLimited::kSpan, 1, 21, kPasses, "a full one gives more than its burst"},
-      {log::RateLimited::kSpan, 1, 1, kOverAndTell, "the span is over"},
+      {log::RateLimited::kSpan, 1, 1, kOverAndLog, "the span is over"},
   };
   KeyedBuckets buckets(kPolicy);
   for (const Row& row : rows) {
