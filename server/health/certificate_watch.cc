@@ -15,7 +15,7 @@ void CertificateWatch::OnLook(const identity::ServedPems& served, const absl::St
 
 void CertificateWatch::TellFit(SystemTime expiry, const absl::Status& fit) {
   const bool changed = monitor_.NoteCertificate(expiry, fit.ok());
-  // Whoever mends one file may find that the next one does not fit either.
+  // A new reason is logged too: after one file is corrected, the next may not fit either.
   const std::string before = std::exchange(why_, std::string(fit.message()));
   if (!changed && before == why_) return;
   if (fit.ok()) {

@@ -12,16 +12,16 @@
 
 namespace uplink::health {
 
-/// Tells readiness and the log of the relay's certificate files: what is served, why other files
-/// are not, and that the certificate expires; each change once. Confined to one thread.
+/// Reports the relay's certificate files to readiness and the log: what is served, why the files on
+/// disk are not, and that the certificate expires. Each change once. Confined to one thread.
 class CertificateWatch final {
  public:
   /// Both outlive it. The logger's clock says what has expired.
   CertificateWatch(Monitor& monitor, const log::Logger& logger)
       : monitor_(monitor), logger_(logger) {}
 
-  /// The files were looked at: `served` is what handshakes are served with, `fit` says why the
-  /// files on disk are not.
+  /// The files were read again: handshakes use `served`; `fit` is the reason why they do not use
+  /// the files on disk, or OK.
   void OnLook(const identity::ServedPems& served, const absl::Status& fit);
 
  private:

@@ -24,7 +24,7 @@ struct Hierarchy {
 constexpr Hierarchy kVersion2{"cgroup2", "", "memory.max"};
 constexpr Hierarchy kVersion1{"cgroup", "memory", "memory.limit_in_bytes"};
 
-/// A mount of a hierarchy: the group `root` of it is seen at the folder `folder`.
+/// A mount of a hierarchy: its group `root` is at the folder `folder`.
 struct Mount {
   std::string root;
   std::string folder;
@@ -69,8 +69,8 @@ std::string Unescaped(std::string_view text) {
   return path;
 }
 
-/// The mount that a line tells of, if it is one of the hierarchy: `id parent device root folder
-/// options fields... - type source options`.
+/// The mount in a line `id parent device root folder options fields... - type source options`, if
+/// it is of the hierarchy.
 std::optional<Mount> MountOf(const std::string& line, const Hierarchy& hierarchy) {
   const std::size_t dash = line.find(" - ");
   if (dash == std::string::npos) return std::nullopt;
@@ -98,8 +98,8 @@ std::optional<Mount> FindMount(const std::string& file, const Hierarchy& hierarc
   return std::nullopt;
 }
 
-/// The group's path below the mount, with a leading slash; empty for the mount's own group, and for
-/// a group that lies outside of what is mounted: the container is all that can be seen then.
+/// The group's path below the mount, with a leading slash. Empty for the mount's own group, and for
+/// a group outside the mount, as in a container that sees only its own groups.
 std::string BelowMount(const std::string& group, const std::string& root) {
   const std::string prefix = root == "/" ? std::string() : root;
   if (!group.starts_with(prefix + "/") || group.find("/..") != std::string::npos) return {};
@@ -107,7 +107,7 @@ std::string BelowMount(const std::string& group, const std::string& root) {
   return below == "/" ? std::string() : below;
 }
 
-/// The number that the file begins with. Version 2 says `max` where there is no limit.
+/// The number at the start of the file, or `otherwise`: version 2 has `max` there for no limit.
 std::size_t LimitIn(const std::string& file, std::size_t otherwise) {
   std::ifstream text(file);
   std::size_t limit = 0;

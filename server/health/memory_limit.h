@@ -5,17 +5,17 @@
 
 namespace uplink::health {
 
-/// Where the kernel tells of this process's control groups; a test names files of its own.
+/// Where the kernel lists this process's control groups; a test names its own files.
 struct GroupFiles {
   /// A line per hierarchy: `0::/path` (version 2) or `4:memory:/path` (version 1).
   std::string groups = "/proc/self/cgroup";
-  /// Where the hierarchies are mounted, and from which of their groups on.
+  /// Where each hierarchy is mounted, and which of its groups is the root of that mount.
   std::string mounts = "/proc/self/mountinfo";
 };
 
-/// The least of `machine_bytes` and what the control groups of this process may use: its own and
-/// every one above it that can be seen, of version 2 (memory.max) and 1 (memory.limit_in_bytes).
-/// What cannot be read is no limit.
+/// The least of `machine_bytes` and the limits of this process's control groups: its own and every
+/// visible one above it, in version 2 (memory.max) and 1 (memory.limit_in_bytes). A limit that
+/// cannot be read does not count.
 ///
 /// Limits: kMountLinesMax lines of the mounts are read.
 /// Thread: any; reads a few files of the kernel's.

@@ -15,8 +15,8 @@
 
 namespace uplink::health {
 
-/// Whether the process lives and may get traffic, from the components themselves. Waits for
-/// nothing. Thread-safe.
+/// Whether the process lives and may get traffic, from the components themselves. Never waits.
+/// Thread-safe.
 class Monitor final {
  public:
   struct Sources {
@@ -27,14 +27,14 @@ class Monitor final {
     const session::SessionProbe& sessions;
     /// Of all journals together.
     journal::JournalLimits journal_limits;
-    /// At start; NoteCertificate follows a rotation.
+    /// At the start; NoteCertificate replaces it after a rotation.
     SystemTime certificate_expiry;
     /// As they are now.
     std::function<storage::StoreFacts()> store_facts = [] { return storage::StoreFacts(); };
     std::function<bool()> lease_failing = [] { return false; };
-    /// The robots that the store knows could not be read yet.
+    /// Whether the store's robots could not be read yet.
     std::function<bool()> robots_unread = [] { return false; };
-    /// Who vouches for the civil clock; null: somebody does.
+    /// Whether something vouches for the civil clock; null: something does.
     const storage::ClockTrust* clock_trust = nullptr;
     std::function<bool()> store_space_scarce = [] { return false; };
     std::function<bool()> forward_incomplete = [] { return false; };
@@ -49,8 +49,8 @@ class Monitor final {
   [[nodiscard]] SystemTime certificate_expiry() const {
     return FromUnixMs(certificate_expiry_ms_.load());
   }
-  /// The expiry of the certificate that is served, and whether the files on disk are what is
-  /// served. Returns whether the latter has changed. One thread.
+  /// The expiry of the certificate that is served, and whether that is from the files on disk.
+  /// Returns whether the second has changed. One thread.
   bool NoteCertificate(SystemTime expiry, bool files_fit) {
     certificate_expiry_ms_.store(UnixMs(expiry));
     return certificate_fits_.exchange(files_fit) != files_fit;

@@ -10,7 +10,7 @@ struct ProcessFigures {
   double cpu_seconds = 0;
   std::size_t resident_bytes = 0;
   std::size_t virtual_bytes = 0;
-  /// The limit of the one above; nothing: none.
+  /// The limit of virtual_bytes, if there is one.
   std::optional<std::size_t> virtual_max_bytes;
   std::size_t threads = 0;
 };
@@ -27,7 +27,7 @@ struct ProcessFigures {
 /// (memory_limit.h).
 [[nodiscard]] std::size_t MemoryMax();
 
-/// Raises the soft RLIMIT_NOFILE to the hard one; returns what holds then.
+/// Raises the soft RLIMIT_NOFILE to the hard one; returns the soft one after that.
 std::size_t RaiseDescriptorsMax();
 
 }  // namespace uplink::health

@@ -11,17 +11,17 @@
 
 namespace uplink::health {
 
-/// The journal has a backlog above this share of either bound, or when its oldest record is
-/// older.
+/// The journal has a backlog above this share of either bound, or once its oldest record is older
+/// than this.
 inline constexpr std::size_t kBacklogPercent = 80;
 inline constexpr std::chrono::seconds kBacklogAge{60};
 /// A fleet is nearly full from this share of limits.robots_max on.
 inline constexpr std::size_t kRobotsPercent = 90;
 /// Descriptors count as short above this share of what the process may open.
 inline constexpr std::size_t kDescriptorsPercent = 90;
-/// How long it shows that the store went back: robots have forgotten what is gone.
+/// For how long readiness shows that the store lost acked records, which robots no longer have.
 inline constexpr std::chrono::hours kWentBackShown{1};
-/// A certificate is reported for so long before it expires.
+/// How long before its expiry a certificate is reported.
 inline constexpr std::chrono::hours kCertificateNotice{24 * 7};
 
 /// How full something bounded is. A value.
@@ -33,10 +33,10 @@ struct Fill {
   [[nodiscard]] bool reaches(std::size_t percent) const { return used * 100 >= limit * percent; }
 };
 
-/// What of a broker is not as it should be; nothing where none is read, or another server reads it.
-/// A value.
+/// What is wrong at a broker. Nothing is where no broker is read, or another server reads it. A
+/// value.
 struct BrokerFacts {
-  /// We are to read it, and are not subscribed; or nobody can be asked who is.
+  /// This server should read it and is not subscribed, or cannot learn which server should.
   bool away = false;
   /// It refuses topics, or serves them at a lower QoS.
   bool filters = false;
@@ -44,9 +44,9 @@ struct BrokerFacts {
   bool session_lost = false;
   /// Another client uses our id.
   bool id_taken = false;
-  /// What it has at QoS 1 is not read.
+  /// Its messages at QoS 1 are not read.
   bool unread = false;
-  /// Robots of twins, and how many there may be.
+  /// Robots that are twins, and how many there may be.
   Fill twins;
 };
 
@@ -55,19 +55,19 @@ struct ReadinessFacts {
   SystemTime now;
   bool draining = false;
   SystemTime certificate_expiry;
-  /// The PEM files on disk are those that are served.
+  /// The PEM files on disk are the ones served.
   bool certificate_fits = true;
   Fill robots;
   bool store_failing = false;
-  /// What is acked may be lost when the power fails, and the operator accepted it.
+  /// Acked records may be lost in a power failure, which the operator accepted.
   bool store_unsafe = false;
   /// The store's disk has less left than store.free_min.
   bool store_space_scarce = false;
-  /// Within the last hour the store had less than it had told (kWentBackShown).
+  /// Within the last hour (kWentBackShown) the store had less than it had confirmed.
   bool store_went_back = false;
-  /// Something else has kept the store from cleaning up for long.
+  /// Another program has long kept the store from cleaning up.
   bool store_old_snapshot = false;
-  /// Nobody vouches for the civil clock: nothing is deleted.
+  /// Nothing vouches for the civil clock, so nothing is deleted.
   bool clock_not_vouched = false;
   /// This process's lease cannot be renewed, or those of others cannot be read.
   bool lease_failing = false;
@@ -80,7 +80,7 @@ struct ReadinessFacts {
   BrokerFacts broker;
   /// The robots' series have no room in a scrape.
   bool series_left_out = false;
-  /// Of the shard of the journal that is fullest.
+  /// Of the fullest shard of the journal.
   Fill journal_bytes;
   Fill journal_records;
   milliseconds journal_oldest{0};
@@ -91,11 +91,11 @@ struct ReadinessFacts {
 struct Readiness {
   /// Why a known robot's new stream would be refused: starting, draining, certificate_expired.
   std::vector<std::string> refuses;
-  /// What does not work as it should, though streams are taken: of DegradedWords().
+  /// What does not work as it should although streams are taken: words of DegradedWords().
   std::vector<std::string> degraded;
 
   [[nodiscard]] bool ready() const { return refuses.empty(); }
-  /// Both, what refuses first.
+  /// `refuses`, then `degraded`.
   [[nodiscard]] std::vector<std::string> all() const;
 };
 
@@ -104,11 +104,11 @@ struct DegradedWord {
   std::string_view word;
   bool (*holds)(const ReadinessFacts&);
 };
-/// All of them, in their order in `degraded`: the only list. Each is a value of the label of
-/// uplinkd_degraded as well.
+/// All of them, in their order in `degraded`: the only list. Each is also a value of the label of
+/// uplinkd_degraded.
 [[nodiscard]] std::span<const DegradedWord> DegradedWords();
 
-/// Before there is anything to depend on: a pure function.
+/// The readiness before the components exist. A pure function.
 [[nodiscard]] Readiness StartingReadiness();
 /// A pure function.
 [[nodiscard]] Readiness ReadinessOf(const ReadinessFacts& facts);

@@ -9,17 +9,17 @@
 
 namespace uplink::health {
 
-/// What of this process does not change while it lives. A value.
+/// Facts about this process that never change. A value.
 struct ProcessStart {
   std::string version;
   SystemTime at;
 };
 
-// What health knows, for a page of metrics. Any thread.
+// Health's samples for a page of metrics. Any thread.
 
 /// Whether the relay answers, the certificate, the drain, and each word of `degraded`.
 void AddSamples(Monitor& monitor, metrics::Exposition& page);
-/// How long the sweeps of presence took.
+/// How long each sweep of presence took.
 void AddSweepSamples(const metrics::LatencyDistribution& sweep_seconds, metrics::Exposition& page);
 /// The build, and the process as the kernel sees it now.
 void AddProcessSamples(const ProcessStart& start, metrics::Exposition& page);
