@@ -5,8 +5,8 @@
 namespace uplink::log {
 
 /// Whether a descriptor leads to systemd's journal. `journal_stream` is the variable
-/// JOURNAL_STREAM: the device and inode of the stream that systemd made (`8:1234`), which those of
-/// a descriptor that was redirected since do not equal. False if the variable is empty or has
+/// JOURNAL_STREAM: the device and inode of the stream that systemd made (`8:1234`). A descriptor
+/// that was redirected since has others. False if the variable is empty or has
 /// another form.
 ///
 /// Source: systemd.exec(5).

@@ -28,7 +28,7 @@ std::optional<LineQueue::Taken> LineQueue::Take() {
   written_.notify_all();
   pushed_.wait(lock, [this] { return !lines_.empty() || lost_ > 0 || closed_; });
   if (lines_.empty() && lost_ == 0) return std::nullopt;
-  // All at once: what is dropped is then always behind what was taken, and before what comes next.
+  // All at once: lines dropped from here on come after what was taken and before what comes next.
   Taken taken{std::exchange(lines_, {}), std::exchange(lost_, 0)};
   taken_lines_ = taken.lines.size();
   taken_bytes_ = std::exchange(bytes_, 0);

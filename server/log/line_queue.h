@@ -14,7 +14,8 @@
 namespace uplink::log {
 
 /// Finished lines between the threads that log and the one that writes, in order. A line that does
-/// not fit is dropped and counted: a reader that stalls costs lines, and no thread that logs waits.
+/// not fit is dropped and counted: if the reader stalls, lines are lost and no logging thread
+/// waits.
 ///
 /// Limits: kLinesMax and kBytesMax; lines that are being written count.
 /// Thread: thread-safe; Take is for one thread.
@@ -31,7 +32,7 @@ class LineQueue final {
   /// Lines for the thread that writes. A value.
   struct Taken {
     std::vector<std::string> lines;
-    /// Lines that were dropped behind these, and before those that are taken next.
+    /// Lines that were dropped after these, and before those that are taken next.
     std::uint64_t lost = 0;
   };
 
@@ -41,14 +42,14 @@ class LineQueue final {
 
   /// Appends a line, or drops it if there is no room, or after Close.
   void Push(std::string line);
-  /// Waits until there is a line or a loss, and takes all that there is. Nothing once the queue is
-  /// closed and empty. Lines that were taken before count as written.
+  /// Waits until there is a line or a loss, and takes all of it. Nothing once the queue is closed
+  /// and empty. Lines that were taken before now count as written.
   [[nodiscard]] std::optional<Taken> Take();
   /// A line that was taken could not be written.
   void NoteUnwritten();
-  /// Takes no line any more.
+  /// From now on drops every line.
   void Close();
-  /// Waits until all lines that came before are written or given up, `wait` at most.
+  /// Waits until all lines pushed so far are written or given up, `wait` at most.
   void WaitUntilWritten(milliseconds wait);
 
   [[nodiscard]] LineCounts counts() const;

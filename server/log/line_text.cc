@@ -49,7 +49,7 @@ std::string Quoted(std::string_view text) {
 
 std::string TextValue(const Field& field) {
   if (field.bare()) return field.text();
-  // Before bytes are shown as hex, whose backslashes are none of the text's.
+  // First, since the backslashes of bytes shown as hex must not be escaped.
   std::string escaped;
   AppendEscaped(field.text(), escaped);
   std::string value = PrintableUtf8(escaped, std::string::npos);
@@ -57,7 +57,8 @@ std::string TextValue(const Field& field) {
   return plain ? value : '"' + value + '"';
 }
 
-/// Of ASCII; U+007F needs no escape in JSON, but a terminal takes it for one.
+/// Whether this is a control character of ASCII. JSON needs no escape for U+007F, but a terminal
+/// acts on it.
 bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }
 
 std::string JsonEscape(char control) {
@@ -73,8 +74,8 @@ std::string JsonEscape(char control) {
   }
 }
 
-/// Control characters by JSON's own escapes, so that a reader gets back what there was; bytes that
-/// are not text, and marks that steer a terminal, as in a line of text.
+/// Shows control characters by JSON's own escapes, so that a reader gets the original back. Bytes
+/// that are not text, and marks that steer a terminal, are shown as in a text line.
 std::string JsonValue(const Field& field) {
   if (field.bare()) return field.text();
   std::string value = "\"";

@@ -9,7 +9,7 @@
 
 namespace uplink::log {
 
-/// One event as a line without its newline; it holds no other newline. Pure.
+/// One event as a line, which has no newline within it or at its end. Pure.
 [[nodiscard]] std::string LineText(Format format, Level level, std::string_view event,
                                    std::span<const Field> fields, SystemTime time);
 

@@ -10,12 +10,12 @@
 namespace uplink::log {
 namespace {
 
-/// A code point of UTF-8 has so many bytes behind its first at most.
+/// The most bytes that follow the first one of a code point in UTF-8.
 constexpr int kContinuationsMax = 3;
 
 bool IsContinuation(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
-/// The front of any bytes; where they are UTF-8 it ends with a whole code point.
+/// The first bytes, at most `bytes_max`; of UTF-8 they end with a whole code point.
 std::string_view Front(std::string_view bytes, std::size_t bytes_max) {
   if (bytes.size() <= bytes_max) return bytes;
   std::size_t end = bytes_max;
@@ -29,7 +29,7 @@ Field::Field(std::string_view key, std::string_view text)
     : key_(key), text_(Front(text, kValueBytesMax)) {}
 
 std::string Field::ToText(double value) {
-  // JSON has no NaN or infinity; null says as much.
+  // JSON has no NaN or infinity.
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null";
 }
 

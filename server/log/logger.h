@@ -26,7 +26,7 @@ enum class Format : std::uint8_t {
 };
 
 /// One `key=value` of a line. Made in place by the caller; holds no reference. A value is cut at
-/// kValueBytesMax; a line shows bytes of it that are not text as hex.
+/// kValueBytesMax; a line shows those of its bytes that are not text as hex.
 class Field {
  public:
   static constexpr std::size_t kValueBytesMax = 1024;
@@ -39,7 +39,7 @@ class Field {
       : Field(key, ToText(number), Bare{}) {}
 
   [[nodiscard]] const std::string& key() const { return key_; }
-  /// As it was given: any bytes, kValueBytesMax of them at most.
+  /// The value as given: any bytes, at most kValueBytesMax of them.
   [[nodiscard]] const std::string& text() const { return text_; }
   /// A number or switch, which JSON shows without quotes.
   [[nodiscard]] bool bare() const { return bare_; }
@@ -63,8 +63,7 @@ class Field {
 
 using Fields = std::initializer_list<Field>;
 
-/// Of finished lines: how many wait to be written, and how many were dropped since the start. A
-/// value.
+/// How many finished lines wait to be written, and how many were dropped since the start. A value.
 struct LineCounts {
   std::size_t waiting = 0;
   std::uint64_t dropped = 0;
@@ -76,7 +75,7 @@ class LineSink {
   virtual ~LineSink() = default;
   /// `line` ends without a newline.
   virtual void Write(Level level, std::string_view line) = 0;
-  /// Waits until all lines that came before are written, `wait` at most.
+  /// Waits until all lines written so far have reached the reader, `wait` at most.
   virtual void Flush(milliseconds /*wait*/) {}
   [[nodiscard]] virtual LineCounts counts() const { return {}; }
 };
@@ -112,7 +111,7 @@ class Logger final {
     Write(Level::kError, event, fields);
   }
 
-  /// What goes before a line of level debug, so that its fields cost nothing while it is off.
+  /// To be asked before a line of level debug, so that its fields cost nothing while that is off.
   [[nodiscard]] bool Enabled(Level level) const { return level >= level_.load(); }
   /// Lines below `level` are left out from now on.
   void SetLevel(Level level) { level_.store(level); }

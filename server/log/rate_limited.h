@@ -9,12 +9,12 @@
 
 namespace uplink::log {
 
-/// Lets through a bounded number of lines a span, for events that an outsider can trigger: a bad
-/// handshake, a protocol error. The next line after a silence says how many were kept back.
-/// One object an event, held by the component that logs it.
+/// Writes a bounded number of lines per span, for events that an outsider can trigger: a bad
+/// handshake, a protocol error. The first line of the next span says how many were suppressed.
+/// There is one object per event, held by the component that logs it.
 ///
-/// Limits: `lines_max` lines in any span that begins with a line (a fixed window, so at most twice
-///         that around its edge).
+/// Limits: `lines_max` lines in a span, which begins with its first line. Around the edge of two
+///         spans there can be twice as many within the length of one.
 /// Thread: thread-safe; the lock is not held while the line is written.
 class RateLimited final {
  public:
@@ -25,11 +25,11 @@ class RateLimited final {
                        milliseconds span = kSpan)
       : logger_(logger), lines_max_(lines_max), span_(span) {}
 
-  /// Writes the line, with suppressed=N if N were kept back before it; or keeps it back. True
-  /// unless it was kept back.
+  /// Writes the line, with suppressed=N if N were suppressed before it, or suppresses it. False if
+  /// it was suppressed.
   bool Write(Level level, std::string_view event, Fields fields);
 
-  /// Lines kept back since the object was made.
+  /// Lines suppressed since the object was made.
   [[nodiscard]] std::uint64_t suppressed_total() const;
 
  private:

@@ -5,7 +5,7 @@
 
 namespace uplink::log {
 
-/// What waits to be written and what was lost, for a page of metrics. Any thread.
+/// Adds how many lines wait and how many were lost to a page of metrics. Any thread.
 void AddSamples(const Logger& logger, metrics::Exposition& page);
 
 }  // namespace uplink::log

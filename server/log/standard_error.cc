@@ -29,7 +29,7 @@ class StandardErrorSink final : public LineSink {
   ~StandardErrorSink() override {
     queue_.Close();
     queue_.WaitUntilWritten(kFlushWait);
-    // What is left has no reader.
+    // The remaining lines have no reader.
     eventfd_write(stop_, 1);
     thread_.join();
     close(stop_);
@@ -60,7 +60,7 @@ class StandardErrorSink final : public LineSink {
     }
   }
 
-  /// Writes how many lines were lost since it last could.
+  /// Writes how many lines were lost since it last succeeded.
   void TellLost() {
     if (lost_ == 0) return;
     const Field lines("lines", lost_);
@@ -77,10 +77,10 @@ class StandardErrorSink final : public LineSink {
   const Clock& clock_;
   const StandardErrorOptions options_;
   LineQueue queue_;
-  /// Readable once the thread has to end. -1 if the process had no descriptor left: then a write
-  /// that blocks ends with its reader alone.
+  /// Readable once the thread has to end. -1 if the process had no descriptor left: then only the
+  /// reader ends a write that blocks.
   const int stop_;
-  /// Lines that were lost and not told so far. The thread's.
+  /// Lines that were lost and are not reported yet. The thread's.
   std::uint64_t lost_ = 0;
   std::jthread thread_;
 };
