@@ -59,7 +59,7 @@ time_t time(time_t* out) {
   return now.tv_sec;
 }
 
-/* What the kernel must be told of a time that was made from the shifted clock. */
+/* The time that the kernel must get for one that was made from the shifted clock. */
 static struct timespec unshifted(const struct timespec* until) {
   struct timespec real = *until;
   if (real.tv_sec > CIVIL_SECONDS) real.tv_sec -= *shift_seconds;
