@@ -182,7 +182,7 @@ TEST_F(TwinsOnBroker, ABrokerThatLetsNobodyInIsToldOf) {
 }
 
 TEST_F(TwinsOnBroker, ASlowBrokerHoldsThemBack) {
-  // The broker takes nothing: what is published waits, up to a bound.
+  // While the broker is stopped, what is published waits, up to a bound.
   StartBroker();
   TwinSwarmOptions twins = Twins(8);
   twins.rate_hz = 200;
