@@ -15,10 +15,10 @@
 namespace uplink::identity {
 namespace {
 
-/// What no robot may show, no authority may have either: it could show it as part of its chain. Nor
-/// a key that makes strangers of all its robots.
+/// An authority's certificate must be one that a robot may show, because a robot may show it as
+/// part of its chain. Its key must not be so weak that all its robots would be refused.
 std::string FlawOf(X509* certificate) {
-  // Without what a TRUSTED CERTIFICATE has behind it.
+  // Without the notes at the end of a TRUSTED CERTIFICATE.
   unsigned char* bytes = nullptr;
   const int size = i2d_X509(certificate, &bytes);
   ERR_clear_error();

@@ -7,11 +7,11 @@
 namespace uplink::identity {
 
 /// Whether every certificate of the text can be read, is one that robots may show too
-/// (FlawOfCertificate), and has a key that is strong enough (WeaknessOf). A broken one is not
-/// passed over: robots of that authority, or of those behind it, would be strangers.
+/// (FlawOfCertificate), and has a key that is strong enough (WeaknessOf). A broken one is an error:
+/// without it, robots of that authority, or of one that it signed, would be refused.
 ///
-/// Errors: kFailedPrecondition as of ReadCertificates (pem.h), with every block without a use and
-///         what is wrong with it, also of those that robots may not show.
+/// Errors: as ReadCertificates (pem.h), naming each block that cannot be used and what is wrong
+///         with it, also each certificate that robots may not show.
 /// Limits: kRefusedNamedMax.
 /// Thread: pure; any thread.
 [[nodiscard]] absl::Status CheckAuthorities(const NamedPem& authorities);

@@ -8,7 +8,7 @@
 namespace uplink::identity {
 namespace {
 
-/// The bit of a tag whose content is elements.
+/// The bit that marks a tag whose content is elements.
 constexpr std::uint8_t kConstructed = 0x20;
 
 CertificateFlaw FlawOf(KeyFlaw flaw) {
@@ -25,7 +25,7 @@ CertificateFlaw FlawOf(KeyFlaw flaw) {
   return CertificateFlaw::kMalformed;
 }
 
-/// Goes through certificates, and counts their elements. Confined to one call.
+/// Reads certificates and counts their elements. Confined to one call.
 class Walk final {
  public:
   CertificateFlaw Certificate(Bytes certificate) {
@@ -44,8 +44,8 @@ class Walk final {
   }
 
  private:
-  /// The content of the SubjectPublicKeyInfo of what is signed; nothing if that is not as it should
-  /// be, from its first byte to its last.
+  /// The content of the SubjectPublicKeyInfo in the signed part; nothing if any byte of that part
+  /// is not as it should be.
   std::optional<Bytes> KeyIn(DerReader body) {
     if (body.IsNext(DerTag::kExplicit0)) {
       const auto version = body.Take(DerTag::kExplicit0);
@@ -132,12 +132,12 @@ class Walk final {
   bool has_relative_point_ = false;
 };
 
-/// Takes TLS's vectors from a message: a length, and as many bytes. Confined to one call.
+/// Takes TLS's vectors from a message: a length, then that many bytes. Confined to one call.
 class VectorReader final {
  public:
   explicit VectorReader(Bytes bytes) : rest_(bytes) {}
 
-  /// The next one's content, whose length has so many bytes; nothing if it is not there.
+  /// The content of the next vector, whose length has `length_bytes`; nothing if it is incomplete.
   std::optional<Bytes> Take(std::size_t length_bytes) {
     if (rest_.size() < length_bytes) return std::nullopt;
     std::size_t length = 0;
@@ -159,7 +159,7 @@ constexpr std::size_t kExtensionsLengthBytes = 2;
 
 }  // namespace
 
-// The texts below say these.
+// The texts below repeat these bounds.
 static_assert(kShownCertificatesMax == 10 && kShownBytesMax == std::size_t{32} * 1024);
 static_assert(kShownElementsMax == 2048);
 static_assert(kRsaBitsMax == 4096 && kRsaExponentBitsMax == 64);

@@ -8,20 +8,19 @@
 
 namespace uplink::identity {
 
-/// Certificates of one message: a robot's, and eight between it and an authority's, which may come
-/// too.
+/// Certificates of one message: a robot's, an authority's, and eight between them.
 inline constexpr std::size_t kShownCertificatesMax = 10;
 /// Bytes of the message's body: a gateway's certificate may name 256 robots.
 inline constexpr std::size_t kShownBytesMax = std::size_t{32} * 1024;
-/// Elements of DER in names and extensions of all certificates of a message: OpenSSL takes up to a
-/// microsecond for one of them, before it knows who signed it. A robot's certificate has about 60,
-/// a gateway's with 256 names about 320.
+/// Elements of DER in the names and extensions of all certificates of a message. OpenSSL takes up
+/// to a microsecond for each, before it knows who signed it. A robot's certificate has about 60, a
+/// gateway's with 256 names about 320.
 inline constexpr std::size_t kShownElementsMax = 2048;
 
-/// What is wrong with certificates that somebody shows. Closed.
+/// What is wrong with certificates that a peer shows. Closed.
 enum class CertificateFlaw : std::uint8_t {
   kNone,
-  /// No certificate by DER's rules, or no Certificate message.
+  /// Not a certificate by DER's rules, or not a Certificate message.
   kMalformed,
   /// More than kShownCertificatesMax.
   kCount,
@@ -29,35 +28,35 @@ enum class CertificateFlaw : std::uint8_t {
   kBytes,
   /// More elements than kShownElementsMax.
   kElements,
-  /// A kind of key that is not taken (FlawOfKey).
+  /// A kind of key that we do not accept (FlawOfKey).
   kKeyKind,
-  /// A longer RSA key than is taken.
+  /// An RSA key that is longer than we accept.
   kKeySize,
-  /// A CRL distribution point whose name is relative to its issuer's, for which OpenSSL copies that
-  /// name.
+  /// A CRL distribution point with a name relative to its issuer's: OpenSSL copies the issuer's
+  /// name for each.
   kRelativePoint,
 };
 
-/// For lines of the log; empty for kNone.
+/// Text for the log; empty for kNone.
 [[nodiscard]] std::string_view TextOf(CertificateFlaw flaw);
 
-/// Judges a whole certificate in DER, before OpenSSL reads it. It goes through all of it, so that
-/// OpenSSL finds no other key in it than the one that was judged. What it says of dates, names and
-/// signature is not judged.
+/// Judges a whole certificate in DER, before OpenSSL reads it. It reads all of it, so that OpenSSL
+/// cannot find another key in it than the one that was judged. It does not judge what the dates,
+/// the names and the signature say.
 ///
 /// Thread: pure; any thread. Nothing is allocated. Time: linear in the bytes.
 /// Source: RFC 5280, 4.1.
 [[nodiscard]] CertificateFlaw FlawOfCertificate(Bytes certificate);
 
-/// How certificates stand in a Certificate message.
+/// The form of a Certificate message.
 enum class MessageForm : std::uint8_t {
   kTls12,
   /// With a context, which is empty unless a client is asked after the handshake, and with
-  /// extensions of each, which a peer may have only if it was asked for them: we ask for none.
+  /// extensions for each certificate, which a peer may send only if asked: we ask for none.
   kTls13,
 };
 
-/// The same of the body of a Certificate message. One without certificates has no flaw.
+/// Judges the body of a Certificate message. One without certificates has no flaw.
 ///
 /// Source: RFC 5246, 7.4.2; RFC 8446, 4.4.2.
 [[nodiscard]] CertificateFlaw FlawOfMessage(MessageForm form, Bytes body);

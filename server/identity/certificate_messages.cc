@@ -8,10 +8,10 @@
 namespace uplink::identity {
 namespace {
 
-/// Bytes of a message's head: its type, and three of its length.
+/// Bytes of a message's head: one for its type, three for its length.
 constexpr std::size_t kMessageHeadBytes = 4;
-/// Neither form of a Certificate message begins with it: it announces a context that nobody was
-/// asked for, or a list that is longer than a message.
+/// No valid Certificate message begins with this byte: it announces a context that we never asked
+/// for, or a list that is longer than a message.
 constexpr std::uint8_t kUnreadable = 0xFF;
 
 }  // namespace
@@ -39,7 +39,7 @@ void CertificateMessages::OnMessage(int written, int version, int type, const vo
   if (written != 0 || type != SSL3_RT_HANDSHAKE) return;
   auto& self = *static_cast<CertificateMessages*>(messages);
   ++self.count_;
-  // The library's own buffer, which it reads once this returns.
+  // OpenSSL's own buffer, which it reads after this returns.
   auto* const own = static_cast<std::uint8_t*>(const_cast<void*>(bytes));
   self.Judge(version, std::span(own, size));
 }

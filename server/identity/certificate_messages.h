@@ -11,34 +11,33 @@
 
 namespace uplink::identity {
 
-/// The gate for certificates on one connection of TLS: every Certificate message of the peer is
-/// judged before OpenSSL reads it, also one that comes after the handshake, of a client and of a
-/// server, by TLS 1.2 and 1.3.
+/// The gate for certificates on one connection of TLS. It judges every Certificate message of the
+/// peer, a client or a server, by TLS 1.2 or 1.3, before OpenSSL reads it, also one that comes
+/// after the handshake.
 ///
-/// OpenSSL reports a whole message and cannot be told to stop: a message with a flaw is made
-/// unreadable where it stands, so that the handshake, or the next call that reads,
-/// fails (OpenSslMessages, a test, holds that OpenSSL reads the message only then, and there).
+/// OpenSSL reports a whole message and cannot be told to stop. So a message with a flaw is
+/// overwritten in OpenSSL's buffer, and the handshake, or the next call that reads,
+/// fails (a test, OpenSslMessages, checks that OpenSSL reads the message only then, and there).
 ///
 /// Limits:  kShown... of certificate_gate.h.
 /// Thread:  confined to that of the connection.
 class CertificateMessages final {
  public:
-  /// All that the gate needs: it takes the connection's message callback, bounds the message's
-  /// bytes, and turns off what would let certificates pass by it (compressed ones, and TLS 1.2's
-  /// second handshake). Before the first byte; the connection makes no more calls once this is
-  /// gone.
+  /// Takes the connection's message callback, bounds the message's bytes, and turns off what would
+  /// let certificates bypass the gate (compressed ones, and TLS 1.2's second handshake). Make it
+  /// before the first byte; do not call the connection after it is destroyed.
   explicit CertificateMessages(SSL* connection);
   CertificateMessages(const CertificateMessages&) = delete;
   CertificateMessages& operator=(const CertificateMessages&) = delete;
 
-  /// What is wrong with certificates that the peer showed; kNone if nothing was.
+  /// What is wrong with the certificates that the peer showed; kNone if nothing is.
   [[nodiscard]] CertificateFlaw flaw() const { return flaw_; }
-  /// A call on the connection failed; `error` is the earliest in OpenSSL's queue. It may say that a
-  /// Certificate message is larger than kShownBytesMax: OpenSSL does not read such a message, so
-  /// the gate never sees it.
+  /// A call on the connection failed; `error` is the earliest in OpenSSL's queue. If it says that a
+  /// Certificate message is larger than kShownBytesMax, that is the flaw: OpenSSL does not read
+  /// such a message, so the gate never sees it.
   void NoteFailure(unsigned long error);  // NOLINT(google-runtime-int): the library's type
-  /// Whole messages of the handshake's kind that came since the last call: once the handshake is
-  /// over, new keys mostly.
+  /// How many handshake messages came since the last call. Once the handshake is over, they are
+  /// mostly new keys.
   [[nodiscard]] std::uint32_t TakeCount() { return std::exchange(count_, 0); }
 
  private:

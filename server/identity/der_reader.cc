@@ -3,12 +3,12 @@
 namespace uplink::identity {
 namespace {
 
-/// A tag with these bits goes on in further bytes.
+/// A tag with these bits continues in further bytes.
 constexpr std::uint8_t kLongTag = 0x1F;
-/// A length of this value and above says in how many bytes the length follows.
+/// A first byte of the length from this value on says how many bytes of length follow.
 constexpr std::uint8_t kLongLength = 0x80;
 constexpr std::size_t kLengthBytesMax = 3;
-/// A sequence and a set without the bit of a content that is elements.
+/// The tags of a sequence and a set without the constructed bit.
 constexpr std::uint8_t kPrimitiveSequence = 0x10;
 constexpr std::uint8_t kPrimitiveSet = 0x11;
 

@@ -9,7 +9,7 @@ namespace uplink::identity {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Tags of DER that certificates have.
+/// The tags of DER in certificates.
 enum class DerTag : std::uint8_t {
   kBoolean = 0x01,
   kInteger = 0x02,
@@ -21,7 +21,8 @@ enum class DerTag : std::uint8_t {
   kTime = 0x18,
   kSequence = 0x30,
   kSet = 0x31,
-  /// Of a context: around an element with a tag of its own, or in place of its tag.
+  /// Context tags: explicit ones enclose an element with its own tag, implicit ones replace its
+  /// tag.
   kExplicit0 = 0xA0,
   kImplicit1 = 0x81,
   kImplicit2 = 0x82,
@@ -29,9 +30,9 @@ enum class DerTag : std::uint8_t {
 };
 
 /// Takes elements of DER one after the other. It is stricter than OpenSSL, which reads BER too: an
-/// element has a tag of one byte, and a definite length in its shortest form that ends within what
-/// is read; a sequence or set has the bit that says so, which OpenSSL does not ask for in a list.
-/// So what is taken here is one element for OpenSSL too, with the same content.
+/// element has a tag of one byte, and a definite length in its shortest form that ends within the
+/// bytes; a sequence or set has the constructed bit, which OpenSSL does not require in a list.
+/// So an element that is taken here is one element for OpenSSL too, with the same content.
 ///
 /// Limits: lengths below 2^24, as a Certificate message of TLS has them. Nothing is allocated.
 /// Thread: confined to one; a view of the bytes, which outlive it.
@@ -45,7 +46,7 @@ class DerReader final {
     Bytes content;
   };
 
-  /// The next element; nothing if there is none, or it is no DER.
+  /// The next element; nothing if there is none, or if it is not DER.
   [[nodiscard]] std::optional<Element> Take();
   /// The content of the next element; nothing if that has another tag.
   [[nodiscard]] std::optional<Bytes> Take(DerTag tag);

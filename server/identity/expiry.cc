@@ -30,7 +30,7 @@ absl::StatusOr<SystemTime> ExpiryOfFile(const std::string& pem_file) {
 
 std::string ExpiryText(SystemTime expiry) {
   if (expiry >= kNoExpiry) return "never";
-  // Not by std::chrono::system_clock: its nanoseconds end in the year 2262.
+  // Not std::chrono::system_clock: its nanoseconds end in the year 2262.
   const auto seconds = std::chrono::floor<std::chrono::seconds>(expiry.time_since_epoch());
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
                      fmt::gmtime(static_cast<std::time_t>(seconds.count())));

@@ -9,7 +9,7 @@
 
 namespace uplink::identity {
 
-/// What a certificate without an end says: 9999-12-31T23:59:59Z.
+/// The expiry of a certificate that never expires: 9999-12-31T23:59:59Z.
 ///
 /// Source: RFC 5280, 4.1.2.5.
 inline constexpr SystemTime kNoExpiry = FromUnixMs(253'402'300'799'000);
@@ -20,12 +20,12 @@ inline constexpr SystemTime kNoExpiry = FromUnixMs(253'402'300'799'000);
 /// Thread: pure; any thread, as below.
 [[nodiscard]] absl::StatusOr<SystemTime> ExpiryOf(const NamedPem& certificate);
 
-/// The same of a PEM file.
+/// ExpiryOf the text of a PEM file.
 ///
 /// Errors: also if the file cannot be read; they name it.
 [[nodiscard]] absl::StatusOr<SystemTime> ExpiryOfFile(const std::string& pem_file);
 
-/// For lines of the log: `2026-12-31T23:59:59Z`, or `never` for kNoExpiry.
+/// Text for the log: `2026-12-31T23:59:59Z`, or `never` for kNoExpiry.
 [[nodiscard]] std::string ExpiryText(SystemTime expiry);
 
 }  // namespace uplink::identity

@@ -6,19 +6,19 @@
 namespace uplink::identity {
 namespace {
 
-/// The bit of a tag whose content is elements.
+/// The bit that marks a tag whose content is elements.
 constexpr std::uint8_t kConstructed = 0x20;
 /// Bytes of the shortest element.
 constexpr std::size_t kElementBytesMin = 2;
-/// Elements within elements that are counted one by one: certificates have 8 at most.
+/// The deepest level at which elements are counted one by one: certificates have 8 levels at most.
 constexpr std::size_t kElementDepthMax = 16;
-/// Tags of a context without kConstructed, from the first of these to the last, may stand for a
-/// list: OpenSSL does not ask for that bit where a list has a context's tag. Those behind them
-/// stand for a text or an address alone.
+/// Context tags without kConstructed, from the first of these to the last, may mark a list: OpenSSL
+/// does not require that bit where a list has a context tag. The tags after them mark only a text
+/// or an address.
 constexpr std::uint8_t kFirstHiddenList = 0x80;
 constexpr std::uint8_t kLastHiddenList = 0x85;
 
-/// Identifiers of extensions, as the content of their element.
+/// Object identifiers of extensions, as the content of their element.
 using ShortOid = std::array<std::uint8_t, 3>;
 constexpr ShortOid kSubjectNames = {0x55, 0x1D, 0x11};
 constexpr ShortOid kIssuerNames = {0x55, 0x1D, 0x12};
@@ -26,7 +26,7 @@ constexpr ShortOid kNameConstraints = {0x55, 0x1D, 0x1E};
 constexpr ShortOid kDistributionPoints = {0x55, 0x1D, 0x1F};
 constexpr ShortOid kAuthorityKey = {0x55, 0x1D, 0x23};
 
-/// Of a distribution point: its name, in full or relative to its issuer's.
+/// Tags in a distribution point: its name, in full or relative to its issuer's.
 constexpr std::uint8_t kPointName = 0xA0;
 constexpr std::uint8_t kFullName = 0xA0;
 constexpr std::uint8_t kRelativeName = 0xA1;
@@ -37,9 +37,9 @@ constexpr std::uint8_t kPointIssuer = 0xA2;
 bool Is(Bytes content, const ShortOid& oid) { return std::ranges::equal(content, oid); }
 
 /// How many levels of an extension's value, from the outermost, may have a list whose tag does not
-/// say so. A GeneralName has none: what is primitive there is one text, one address or one
-/// identifier. The two extensions that have lists of GeneralNames under a context's tag have these
-/// right within their sequence. Of all others nothing is known.
+/// say so. A GeneralName has none: its primitive elements are one text, one address or one
+/// identifier. The two extensions with lists of GeneralNames under a context tag have these
+/// directly in their sequence. For all others every level may.
 ///
 /// Source: RFC 5280, 4.2.1.1, 4.2.1.6 and 4.2.1.10; GENERAL_NAME, NAME_CONSTRAINTS and
 /// AUTHORITY_KEYID in OpenSSL's crypto/x509.
@@ -48,10 +48,10 @@ std::size_t LevelsWithHiddenLists(Bytes oid) {
   return Is(oid, kNameConstraints) || Is(oid, kAuthorityKey) ? 2 : kElementDepthMax;
 }
 
-/// The elements of a value that lies within `level` others, of which the outermost `hidden_levels`
-/// may have hidden lists. What is no DER, or lies within kElementDepthMax others, counts as many as
-/// its bytes could be: what OpenSSL makes of it is not known. An element ends where the one around
-/// it does: one that claims to go on hides none behind it.
+/// The elements of a value at depth `level`; the outermost `hidden_levels` levels may have hidden
+/// lists. Bytes that are not DER, or lie at kElementDepthMax, count as the most elements that they
+/// could be, since we do not know what OpenSSL makes of them. An element cannot end after the one
+/// around it, so one that claims to hides no others.
 // NOLINTNEXTLINE(misc-no-recursion): at most kElementDepthMax deep
 std::size_t ElementsOf(Bytes value, std::size_t level, std::size_t hidden_levels) {
   if (level == kElementDepthMax) return value.size() / kElementBytesMin;
@@ -71,7 +71,7 @@ std::size_t ElementsOf(Bytes value, std::size_t level, std::size_t hidden_levels
   return count;
 }
 
-/// Whether the point names its list in full, if at all.
+/// Whether the point names its list in full or not at all.
 ExtensionFlaw FlawOfPoint(DerReader parts) {
   while (!parts.empty()) {
     const auto part = parts.Take();

@@ -7,9 +7,9 @@
 
 namespace uplink::identity {
 
-/// The elements of an extension's value, those within others too: as many as OpenSSL can make of
-/// it. What is no DER counts as many as its bytes could be, and so does a list whose tag does not
-/// say that it is one, where OpenSSL may read one.
+/// How many elements OpenSSL may make of an extension's value, nested ones too. Bytes that are not
+/// DER count as the most elements that they could be. So does the content of an element whose tag
+/// does not mark a list, but which OpenSSL may read as one.
 ///
 /// `oid` is the content of the extension's identifier, `value` that of its OCTET STRING.
 /// Thread: pure; any thread. Nothing is allocated. Time: linear in the bytes.
@@ -17,16 +17,16 @@ namespace uplink::identity {
 
 enum class ExtensionFlaw : std::uint8_t {
   kNone,
-  /// Not as its identifier has it.
+  /// Its value does not fit its identifier.
   kMalformed,
-  /// A CRL distribution point whose name is relative to its issuer's. For each OpenSSL copies the
-  /// issuer's whole name: 330 attributes and 330 points, which are 5.5 KB, cost 90 ms before
-  /// anything is verified (measured). Nobody here reads such lists.
+  /// A CRL distribution point with a name relative to its issuer's. OpenSSL copies the issuer's
+  /// whole name for each: 330 attributes and 330 points, which are 5.5 KB, cost 90 ms before
+  /// anything is verified (measured). This server reads no such lists.
   kRelativePoint,
 };
 
-/// What is wrong with an extension beside the number of its elements. Judges those alone whose
-/// content makes OpenSSL work. Parameters and thread as above.
+/// What is wrong with an extension besides the number of its elements. It judges only the extension
+/// whose content costs OpenSSL time. Parameters and thread as above.
 [[nodiscard]] ExtensionFlaw FlawOfExtension(Bytes oid, Bytes value);
 
 }  // namespace uplink::identity

@@ -11,7 +11,7 @@
 namespace uplink::identity {
 namespace {
 
-/// Bytes of a wrong name that a sentence repeats.
+/// How many bytes of a wrong name a message repeats.
 constexpr std::size_t kShownBytesMax = 128;
 
 }  // namespace

@@ -52,7 +52,7 @@ std::optional<std::string_view> HostOf(std::string_view uri) {
   return host;
 }
 
-/// Of ASCII, as hosts are.
+/// Hosts are ASCII.
 bool IsSame(std::string_view left, std::string_view right) {
   return std::ranges::equal(left, right, {}, absl::ascii_tolower, absl::ascii_tolower);
 }

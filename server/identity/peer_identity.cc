@@ -17,7 +17,7 @@
 namespace uplink::identity {
 namespace {
 
-/// Bytes of a certificate that a sentence repeats.
+/// How many bytes of a certificate a message repeats.
 constexpr std::size_t kShownBytesMax = 128;
 constexpr std::string_view kDefaultFleet = "default";
 
@@ -32,14 +32,14 @@ absl::Status Wrong(std::string_view sentence) {
 
 std::string Shown(std::string_view text) { return PrintableUtf8(text, kShownBytesMax); }
 
-/// The bytes of an ASN.1 string as they stand; a view into `text`.
+/// The raw bytes of an ASN.1 string; a view into `text`.
 std::string_view BytesOf(const ASN1_STRING* text) {
   // The library's bytes are unsigned char; looking at them as char is always allowed.
   return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
           static_cast<std::size_t>(ASN1_STRING_length(text))};
 }
 
-/// The attribute as UTF-8, whatever ASN.1 string type holds it; nothing if it does not convert.
+/// The attribute as UTF-8, from any ASN.1 string type; nothing if it cannot be converted.
 std::optional<std::string> Utf8Of(const ASN1_STRING* text) {
   unsigned char* bytes = nullptr;
   const int length = ASN1_STRING_to_UTF8(&bytes, text);
@@ -52,7 +52,7 @@ std::optional<std::string> Utf8Of(const ASN1_STRING* text) {
   return utf8;
 }
 
-/// An attribute of the subject that may stand there once at most.
+/// An attribute that the subject may have only once.
 absl::StatusOr<std::optional<std::string>> SubjectPart(const X509& certificate, int nid,
                                                        std::string_view name) {
   const X509_NAME* subject = X509_get_subject_name(&certificate);
@@ -82,7 +82,7 @@ absl::Status CheckKeyUsage(X509& certificate) {
   return absl::OkStatus();
 }
 
-/// The URI names that begin rcan://, each checked. Other names are of no interest.
+/// The URI names that begin rcan://, each checked. Other names are ignored.
 absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
   int critical = 0;
   const Names names(static_cast<GENERAL_NAMES*>(
@@ -125,7 +125,7 @@ absl::StatusOr<std::string> FleetOf(const std::optional<std::string>& organizati
   return *organization;
 }
 
-/// `count`: the RURIs of the certificate.
+/// `count`: how many RURIs the certificate has.
 absl::Status CheckRole(const PeerIdentity& identity, std::size_t count) {
   switch (identity.role) {
     case Role::kRobot:

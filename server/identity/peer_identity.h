@@ -12,7 +12,7 @@
 
 namespace uplink::identity {
 
-/// What a certificate's subject says its holder is (protocol: Certificates). Closed.
+/// The role of a certificate's holder, from its subject (protocol: Certificates). Closed.
 enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin };
 
 [[nodiscard]] std::string_view ToText(Role role);
@@ -20,7 +20,7 @@ enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin };
 /// Bytes of a subject that are kept; a longer one is cut.
 inline constexpr std::size_t kSubjectBytesMax = 256;
 
-/// Who stands behind a verified client certificate. Immutable after it was made.
+/// The holder of a verified client certificate. Immutable once made.
 struct PeerIdentity {
   Role role = Role::kRobot;
   /// Subject O; `default` if the certificate has none. `*` for operators that may see all fleets.
@@ -31,11 +31,11 @@ struct PeerIdentity {
   Gateway gateway = {};
 };
 
-/// The identity of a certificate that the TLS layer has verified, and holds. Reading its extensions
-/// caches them in it.
+/// The identity in a certificate that the TLS layer has verified and owns. Reading the extensions
+/// caches them in the certificate.
 ///
-/// Errors: kUnauthenticated with a sentence of its own for each way to be wrong; it repeats no more
-///         of the certificate than the invalid part, printable and cut.
+/// Errors: kUnauthenticated with a different sentence for each flaw; it repeats only the invalid
+///         part of the certificate, printable and cut.
 /// Thread: that of the certificate's connection.
 [[nodiscard]] absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate);
 

@@ -25,14 +25,14 @@ Certificate CertificateIn(const NamedPem& pem, const PemBlock& block) {
   return certificate;
 }
 
-/// The block of the one private key, null if there is none; others get a flaw.
+/// The block of the first private key, null if there is none; further keys get a flaw.
 PemBlock* KeyBlockOf(std::vector<PemBlock>& blocks) {
   PemBlock* found = nullptr;
   for (PemBlock& block : blocks) {
     if (!block.flaw.empty()) continue;
     if (block.kind == PemKind::kEncryptedKey) {
       block.flaw =
-          "is a private key behind a pass phrase, which nobody is asked for: write it without one "
+          "is a private key behind a pass phrase, which cannot be entered: write it without one "
           "(openssl pkey -in FILE)";
     } else if (block.kind == PemKind::kKey && found != nullptr) {
       block.flaw = fmt::format("is a second private key: block {} is one already", found->number);

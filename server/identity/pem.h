@@ -11,9 +11,9 @@
 
 #include "server/identity/pem_blocks.h"
 
-/// OpenSSL's objects with an owner, and the only functions that read them from PEM texts: at a
-/// start and whenever a file is read again, so that both take and refuse the same. They never ask
-/// the terminal for a pass phrase.
+/// OpenSSL's objects with an owner, and the only functions that read them from PEM texts: both at
+/// the start and when a file is read again, so that both accept the same. They never ask the
+/// terminal for a pass phrase.
 namespace uplink::identity {
 
 struct BioFree {
@@ -37,11 +37,11 @@ using Key = std::unique_ptr<EVP_PKEY, KeyFree>;
 using CertificateJudge = absl::FunctionRef<std::string(X509*)>;
 
 /// All certificates of a text in their order, at least one, also those with OpenSSL's own notes on
-/// their trust. Blocks of other kinds count for nothing.
+/// their trust. Blocks of other kinds are ignored.
 ///
 /// Errors: kFailedPrecondition as of BlocksOf and CheckBlocks, or if there is no certificate.
-/// Blocks
-///         that cannot be read, or in which the judge finds a flaw, are named too.
+///         Certificates that cannot be read, or in which the judge finds a flaw, are named
+///         too.
 /// Thread: any, as those below; OpenSSL's queue of errors is empty after it.
 [[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem);
 [[nodiscard]] absl::StatusOr<std::vector<Certificate>> ReadCertificates(const NamedPem& pem,
@@ -54,11 +54,11 @@ using CertificateJudge = absl::FunctionRef<std::string(X509*)>;
 ///         one behind a pass phrase, or one that cannot be read.
 [[nodiscard]] absl::StatusOr<Key> ReadKey(const NamedPem& pem);
 
-/// Has a context show the certificates of a text: its own first, those that lead to an authority
-/// behind it. False if one cannot be read or is refused.
+/// Makes a context show the certificates of a text: its own first, then those that lead to an
+/// authority. False if one cannot be read or is refused.
 [[nodiscard]] bool UseChain(SSL_CTX* context, std::string_view text);
 
-/// Has a context use the private key of a text, which must be that of its certificate.
+/// Makes a context use the private key of a text, which must be that of its certificate.
 [[nodiscard]] bool UseKey(SSL_CTX* context, std::string_view text);
 
 }  // namespace uplink::identity

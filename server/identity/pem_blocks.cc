@@ -19,7 +19,7 @@ constexpr std::string_view kEnd = "-----END ";
 constexpr std::string_view kDashes = "-----";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::string_view kRevocations = "X509 CRL";
-/// Bytes of a label that a sentence repeats.
+/// How many bytes of a label a message repeats.
 constexpr std::size_t kLabelShownMax = 64;
 
 struct Label {
@@ -50,7 +50,7 @@ std::optional<PemKind> KindOf(std::string_view label) {
   return found->kind;
 }
 
-/// What is between the dashes of a line that begins or ends a block.
+/// The text between the dashes of a line that begins or ends a block.
 std::optional<std::string_view> LabelOf(std::string_view line, std::string_view mark) {
   if (!line.starts_with(mark) || !line.ends_with(kDashes)) return std::nullopt;
   if (line.size() <= mark.size() + kDashes.size()) return std::nullopt;
@@ -67,9 +67,9 @@ std::string LettersOf(std::string_view line) {
   return letters;
 }
 
-/// True for a line that was meant to begin or end a certificate or a key and does not: its dashes
-/// are others or have blanks beside them, its letters are small. Lines that only speak of
-/// certificates, as `openssl x509 -text` writes them, say more than that.
+/// True for a line that should begin or end a certificate or a key and does not: it has other
+/// dashes, blanks beside them, or small letters. Lines that only mention certificates, as `openssl
+/// x509 -text` writes them, have further words.
 bool IsOtherwiseWritten(std::string_view line) {
   for (const std::string_view mark : {kBegin, kEnd}) {
     if (const auto label = LabelOf(line, mark); label && KindOf(*label)) return false;
@@ -85,8 +85,8 @@ bool IsOtherwiseWritten(std::string_view line) {
   return false;
 }
 
-/// True for a line that was meant to begin or end a block and does not: a dash is missing, or
-/// something stands before it.
+/// True for a line that should begin or end a block and does not: a dash is missing, or text comes
+/// before it.
 bool IsDamagedMark(std::string_view line) {
   for (const std::string_view part : {"CERTIFICATE-----", "PRIVATE KEY-----", "-BEGIN ", "-END "}) {
     if (line.find(part) != std::string_view::npos) return true;
@@ -101,12 +101,12 @@ bool IsBody(std::string_view line) {
   return at != std::string_view::npos && line.substr(at).starts_with("MII");
 }
 
-/// What OpenSSL wrote into a key of its own form that it encrypted.
+/// True for the line that OpenSSL writes into an encrypted key of its own format.
 bool SaysEncrypted(std::string_view line) {
   return line.starts_with("Proc-Type:") && line.find("ENCRYPTED") != std::string_view::npos;
 }
 
-/// Which end of a block a damaged line was meant to be, as far as it says so.
+/// Which end of a block a damaged line should be.
 enum class Side : std::uint8_t { kFirst, kLast, kEither };
 
 Side SideOf(std::string_view line) {
@@ -115,13 +115,13 @@ Side SideOf(std::string_view line) {
   return letters.find("END") != std::string::npos ? Side::kLast : Side::kEither;
 }
 
-/// Goes through the lines of a text. Confined to one call.
+/// Reads the lines of a text. Confined to one call.
 class Splitter final {
  public:
   explicit Splitter(const NamedPem& pem) : pem_(pem) {}
 
   absl::StatusOr<std::vector<PemBlock>> Split() && {
-    // One at the start of a file is what editors write there, and OpenSSL passes over it, too.
+    // Some editors write one at the start of a file; OpenSSL skips it too.
     std::size_t at = pem_.text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     while (at < pem_.text.size()) {
       const std::size_t end = std::min(pem_.text.find('\n', at), pem_.text.size());
@@ -172,7 +172,7 @@ class Splitter final {
     }
   }
 
-  /// A line that begins or ends a block, and is damaged.
+  /// Takes a damaged line that begins or ends a block.
   void TakeDamaged(std::size_t at, std::string_view line) {
     const Side side = SideOf(line);
     const bool ends = side == Side::kLast || (side == Side::kEither && begun_);
@@ -206,7 +206,7 @@ class Splitter final {
   }
 
   const NamedPem& pem_;
-  /// The last is the one that is begun, or was last.
+  /// The last one is the current one while `begun_`.
   std::vector<PemBlock> blocks_;
   std::size_t line_ = 0;
   bool begun_ = false;

@@ -12,7 +12,7 @@
 namespace uplink::identity {
 namespace {
 
-/// Bytes that are read at once.
+/// How many bytes are read at once.
 constexpr std::size_t kReadBytes = std::size_t{16} * 1024;
 
 absl::Status Unfit(const std::string& path, const std::string& text) {
@@ -28,7 +28,7 @@ absl::StatusOr<NamedPem> ReadOpen(const std::string& path, int file) {
   if (fstat(file, &info) != 0) return Unread(path, errno);
   if (!S_ISREG(info.st_mode)) return Unfit(path, "is not a regular file");
   NamedPem pem{path, {}};
-  // The text grows with the file: a small one takes little memory.
+  // The text grows as it is read: a small file takes little memory.
   std::array<char, kReadBytes> piece{};
   while (pem.text.size() <= kPemBytesMax) {
     const ssize_t n = read(file, piece.data(), piece.size());
@@ -42,7 +42,7 @@ absl::StatusOr<NamedPem> ReadOpen(const std::string& path, int file) {
 }  // namespace
 
 absl::StatusOr<NamedPem> ReadPem(const std::string& path) {
-  // Without waiting for a writer, if it is a pipe.
+  // If it is a pipe, do not wait for its writer.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return Unread(path, errno);
   absl::StatusOr<NamedPem> pem = ReadOpen(path, file);

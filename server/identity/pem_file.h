@@ -7,7 +7,7 @@
 
 namespace uplink::identity {
 
-/// One PEM text and how a sentence names it: a path, or what it is.
+/// One PEM text, and its name in messages: a path, or a description.
 struct NamedPem {
   std::string name;
   std::string text;

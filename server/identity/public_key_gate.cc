@@ -16,7 +16,7 @@ constexpr std::string_view kRsaPss("\x2A\x86\x48\x86\xF7\x0D\x01\x01\x0A", 9);
 constexpr std::string_view kEd25519("\x2B\x65\x70", 3);
 constexpr std::string_view kEd448("\x2B\x65\x71", 3);
 
-/// A curve and the bytes of an element of its field.
+/// A curve, and how many bytes an element of its field has.
 struct Curve {
   std::string_view oid;
   std::size_t field_bytes = 0;
@@ -28,7 +28,7 @@ constexpr std::array kCurves = {
 
 constexpr std::size_t kEd25519Bytes = 32;
 constexpr std::size_t kEd448Bytes = 57;
-/// Bytes of RSA-PSS's parameters: with the longest digest and all four they have 54.
+/// Bytes of RSA-PSS's parameters. All four, with the longest digest, have 54.
 constexpr std::size_t kPssParametersBytesMax = 128;
 
 constexpr std::uint8_t kCompressedEven = 2;
@@ -54,12 +54,12 @@ KeyFlaw FlawOfPoint(DerReader parameters, Bytes point) {
   return whole ? KeyFlaw::kNone : KeyFlaw::kMalformed;
 }
 
-/// Bits of a number over zero, in its shortest form; nothing if it is none.
+/// The bits of a positive number in its shortest form; nothing for other bytes.
 std::optional<std::size_t> BitsOf(Bytes number) {
   constexpr std::uint8_t kSign = 0x80;
   if (number.empty() || (number[0] & kSign) != 0) return std::nullopt;
   if (number[0] == 0) {
-    // A zero stands there for the sign alone.
+    // A leading zero is allowed only to keep the number positive.
     if (number.size() < 2 || (number[1] & kSign) == 0) return std::nullopt;
     number = number.subspan(1);
   }
@@ -98,7 +98,7 @@ KeyFlaw FlawOfKey(Bytes info) {
   const auto algorithm = parts.Take(DerTag::kSequence);
   const auto bits = parts.Take(DerTag::kBits);
   if (!algorithm || !bits || !parts.empty()) return KeyFlaw::kMalformed;
-  // The first byte says how many bits of the last one do not count: none.
+  // The first byte says how many bits of the last one are unused: it must be zero.
   if (bits->empty() || bits->front() != 0) return KeyFlaw::kMalformed;
   const Bytes key = bits->subspan(1);
   DerReader parameters(*algorithm);

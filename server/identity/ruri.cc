@@ -12,7 +12,7 @@
 namespace uplink::identity {
 namespace {
 
-/// Bytes of a RURI that a sentence repeats.
+/// How many bytes of a RURI a message repeats.
 constexpr std::size_t kShownBytesMax = 128;
 
 }  // namespace

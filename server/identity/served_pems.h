@@ -10,20 +10,21 @@
 
 namespace uplink::identity {
 
-/// What handshakes are served with, as it can be compared with the files on disk. A value.
+/// The PEM texts that handshakes use, in a form to compare with the files on disk. A value.
 struct ServedPems {
-  /// Of the server's certificate.
+  /// When the server's certificate expires.
   SystemTime expiry;
-  /// Of the whole texts, as `sha256sum` shows them. A new key has a new certificate.
+  /// Of the whole texts, as `sha256sum` shows them. There is none of the key: a new key has a new
+  /// certificate.
   std::string certificate_sha256;
   std::string client_ca_sha256;
-  /// Certificates in `client_ca`.
+  /// How many certificates `client_ca` has.
   std::size_t authorities = 0;
 
   friend bool operator==(const ServedPems&, const ServedPems&) = default;
 };
 
-/// Errors: kFailedPrecondition with the name of the certificate's text if that holds none.
+/// Errors: those of ExpiryOf for `certificate`. A `client_ca` that cannot be read counts 0.
 /// Thread: pure; any thread.
 [[nodiscard]] absl::StatusOr<ServedPems> ServedPemsOf(const NamedPem& certificate,
                                                       const NamedPem& client_ca);

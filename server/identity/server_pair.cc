@@ -24,7 +24,7 @@ void FreeBytes(std::uint8_t* bytes) { OPENSSL_free(bytes); }
 
 absl::Status Unfit(const std::string& text) { return absl::FailedPreconditionError(text); }
 
-/// TLS has signatures for keys of this kind, and OpenSSL makes them.
+/// Whether a TLS server can sign with a key of this kind.
 bool Signs(const Certificate& certificate) {
   std::uint8_t* bytes = nullptr;
   const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(certificate.get()), &bytes);
@@ -34,7 +34,7 @@ bool Signs(const Certificate& certificate) {
   return info && FlawOfKey(*info) != KeyFlaw::kKind;
 }
 
-/// The first certificate, if the key is its own and both are strong enough.
+/// The first certificate, if the key belongs to it and both are strong enough.
 absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const NamedPem& key_pem) {
   auto certificates = ReadCertificates(certificate_pem);
   if (!certificates.ok()) return certificates.status();

@@ -6,7 +6,7 @@
 
 namespace uplink::identity {
 
-/// Whether the text holds certificates that can be read, every one of them.
+/// Whether the text holds certificates, and all of them can be read.
 ///
 /// Errors: kFailedPrecondition as of ReadCertificates (pem.h).
 /// Thread: pure; any thread, as those below.
@@ -17,16 +17,16 @@ namespace uplink::identity {
 /// Errors: kFailedPrecondition as of ReadKey (pem.h).
 [[nodiscard]] absl::Status CheckKey(const NamedPem& key);
 
-/// Whether a TLS server can serve with the two: the first certificate is one that a server may
-/// show, the key is its own, and of a kind with which a TLS server signs; nothing is too weak
+/// Whether a TLS server can use the two: the first certificate is one for servers, the key belongs
+/// to it and is of a kind with which a TLS server signs, and nothing is too weak
 /// (CheckStrength).
 ///
-/// Errors: kFailedPrecondition with a sentence that names the one that is invalid; as of
-///         CheckCertificates and CheckKey, too.
+/// Errors: those of CheckCertificates, CheckKey and CheckStrength; kFailedPrecondition with a
+///         sentence that names the invalid one.
 [[nodiscard]] absl::Status CheckServerPair(const NamedPem& certificate, const NamedPem& key);
 
-/// Whether a TLS client can show the certificate: the key is its own, and nothing is too weak.
-/// Which use it must allow is for the server to say.
+/// Whether a TLS client can show the certificate: the key belongs to it, and nothing is too weak.
+/// Which extended key usage it needs is up to the server.
 ///
 /// Errors: as CheckServerPair.
 [[nodiscard]] absl::Status CheckClientPair(const NamedPem& certificate, const NamedPem& key);

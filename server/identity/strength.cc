@@ -14,7 +14,7 @@
 namespace uplink::identity {
 namespace {
 
-/// Bits of security that each level asks for (SSL_CTX_set_security_level(3)).
+/// Bits of security that each level requires (SSL_CTX_set_security_level(3)).
 constexpr auto kBitsOfLevel = std::to_array<int>({0, 80, 112, 128, 192, 256});
 
 struct ContextFree {

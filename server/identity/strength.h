@@ -9,19 +9,19 @@
 
 namespace uplink::identity {
 
-// Keys and signatures that are too weak for OpenSSL. Its security level says how strong they must
-// be. That is 2 unless the library's build or its openssl.cnf says otherwise: RSA from 2,048 bits
+// Checks for keys and signatures that are too weak for OpenSSL. Its security level sets the bound.
+// The level is 2 unless the library's build or its openssl.cnf sets another: RSA from 2,048 bits
 // on, and no SHA-1.
 
-/// What is wrong with the key of an authority that is too weak: no certificate behind it would be
-/// trusted. Empty if it is strong enough.
+/// Why the key of an authority is too weak, so that no certificate it signed would be trusted.
+/// Empty if it is strong enough.
 ///
 /// Thread: pure; any thread, as that below.
 [[nodiscard]] std::string WeaknessOf(X509& authority);
 
-/// Whether a TLS server or client may show this chain, and use this key, both of which can be read.
+/// Whether a TLS server or client may show this chain and use this key. Both must be readable.
 ///
-/// Errors: kFailedPrecondition with the one that OpenSSL refuses, and its words for why.
+/// Errors: kFailedPrecondition with the one that OpenSSL refuses, and OpenSSL's reason.
 [[nodiscard]] absl::Status CheckStrength(const NamedPem& certificate, const NamedPem& key);
 
 }  // namespace uplink::identity

@@ -7,7 +7,7 @@
 namespace uplink::identity {
 namespace {
 
-/// First and last.
+/// The first and the last character of a run.
 struct Run {
   char32_t first = 0;
   char32_t last = 0;
@@ -195,7 +195,7 @@ constexpr std::array<Run, 707> kUnseen{{
     {0x3134B, 0xEFFFF}, {0xFFFFE, 0xFFFFF}, {0x10FFFE, 0x10FFFF},
 }};
 
-/// The code point at the front of well-formed UTF-8, and its bytes.
+/// The first code point of well-formed UTF-8, and how many bytes it has.
 struct Point {
   char32_t code = 0;
   std::size_t bytes = 1;
