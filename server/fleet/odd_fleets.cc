@@ -1,11 +1,11 @@
 #include "server/fleet/odd_fleets.h"
 
-#include "server/identity/unseen_characters.h"
+#include "server/identity/invisible_characters.h"
 
 namespace uplink::fleet {
 
 void OddFleets::Know(std::string_view fleet) {
-  if (!identity::UnseenCharacter(fleet)) return;
+  if (!identity::InvisibleCharacter(fleet)) return;
   const std::lock_guard lock(mutex_);
   if (known_.size() < kOddFleetsMax) known_.emplace(fleet);
 }
@@ -16,7 +16,7 @@ void OddFleets::SetRead() {
 }
 
 OddFleets::Verdict OddFleets::Judge(std::string_view fleet) const {
-  if (!identity::UnseenCharacter(fleet)) return Verdict::kFits;
+  if (!identity::InvisibleCharacter(fleet)) return Verdict::kFits;
   const std::lock_guard lock(mutex_);
   if (known_.contains(fleet)) return Verdict::kFits;
   return read_ ? Verdict::kRefused : Verdict::kUnread;

@@ -13,9 +13,9 @@ namespace uplink::fleet {
 /// Odd names that are remembered; further ones in the store are refused like new ones.
 inline constexpr std::size_t kOddFleetsMax = 1'000;
 
-/// Which fleets may have an odd name, one with an invisible character (identity::UnseenCharacter):
-/// those whose robots the store has. A new fleet may not, since its name can look like another's. A
-/// name is odd by itself; it is never compared with others.
+/// Which fleets may have an odd name, one with an invisible character
+/// (identity::InvisibleCharacter): those whose robots the store has. A new fleet may not, since its
+/// name can look like another's. A name is odd by itself; it is never compared with others.
 ///
 /// Limits: kOddFleetsMax.
 /// Thread: thread-safe.

@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/utf8.h"
-#include "server/identity/unseen_characters.h"
+#include "server/identity/invisible_characters.h"
 
 namespace uplink::identity {
 namespace {
@@ -30,9 +30,9 @@ std::optional<std::string> FlawOfFleet(std::string_view fleet) {
 
 std::optional<std::string> FlawOfNewFleet(std::string_view fleet) {
   if (auto flaw = FlawOfFleet(fleet)) return flaw;
-  const std::optional<char32_t> unseen = UnseenCharacter(fleet);
-  if (!unseen) return std::nullopt;
-  return fmt::format("holds U+{:04X}, which is invisible", static_cast<std::uint32_t>(*unseen));
+  const std::optional<char32_t> invisible = InvisibleCharacter(fleet);
+  if (!invisible) return std::nullopt;
+  return fmt::format("holds U+{:04X}, which is invisible", static_cast<std::uint32_t>(*invisible));
 }
 
 }  // namespace uplink::identity

@@ -18,7 +18,7 @@ inline constexpr std::string_view kAllFleets = "*";
 /// Thread: pure; any thread.
 [[nodiscard]] std::optional<std::string> FlawOfFleet(std::string_view fleet);
 
-/// As FlawOfFleet, for a name that is chosen now: an invisible character (UnseenCharacter) is a
+/// As FlawOfFleet, for a name that is chosen now: an invisible character (InvisibleCharacter) is a
 /// flaw too. The relay takes such a name only for a fleet that already has robots in the store.
 /// `fleet` must be well-formed UTF-8.
 [[nodiscard]] std::optional<std::string> FlawOfNewFleet(std::string_view fleet);

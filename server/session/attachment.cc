@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "server/identity/unseen_characters.h"
+#include "server/identity/invisible_characters.h"
 #include "server/robot/outcome.h"
 
 namespace uplink::session {
@@ -49,11 +49,10 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
                       claim.gateway, claim.robot.ruri));
     case fleet::Refusal::kOddFleet:
       context_.probe.refused_identity_total.Add();
-      return absl::UnauthenticatedError(
-          fmt::format("client certificate: its O holds U+{:04X}, which is invisible, and the store "
-                      "has no robot "
-                      "of that fleet",
-                      static_cast<std::uint32_t>(*identity::UnseenCharacter(claim.robot.fleet))));
+      return absl::UnauthenticatedError(fmt::format(
+          "client certificate: its O holds U+{:04X}, which is invisible, and the store "
+          "has no robot of that fleet",
+          static_cast<std::uint32_t>(*identity::InvisibleCharacter(claim.robot.fleet))));
     case fleet::Refusal::kFleetsUnread:
       context_.probe.refused_identity_total.Add();
       return absl::UnavailableError(

@@ -10,6 +10,6 @@ namespace uplink::identity {
 /// assigned. Nothing if there is none. `text` must be well-formed UTF-8.
 ///
 /// Thread: pure; any thread.
-[[nodiscard]] std::optional<char32_t> UnseenCharacter(std::string_view text);
+[[nodiscard]] std::optional<char32_t> InvisibleCharacter(std::string_view text);
 
 }  // namespace uplink::identity

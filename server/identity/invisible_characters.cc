@@ -1,4 +1,4 @@
-#include "server/identity/unseen_characters.h"
+#include "server/identity/invisible_characters.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ struct Run {
 
 /// Ascending. Unicode 14.0: categories Cc, Cn, Zl and Zp, the property
 /// Default_Ignorable_Code_Point, and U+FFF9 to U+FFFB. Made from `unicodedata` of Python 3.11.
-constexpr std::array<Run, 707> kUnseen{{
+constexpr std::array<Run, 707> kInvisible{{
     {0x80, 0x9F},       {0xAD, 0xAD},       {0x34F, 0x34F},       {0x378, 0x379},
     {0x380, 0x383},     {0x38B, 0x38B},     {0x38D, 0x38D},       {0x3A2, 0x3A2},
     {0x530, 0x530},     {0x557, 0x558},     {0x58B, 0x58C},       {0x590, 0x590},
@@ -211,17 +211,17 @@ Point FrontOf(std::string_view text) {
   return {code, bytes};
 }
 
-bool IsUnseen(char32_t code) {
-  const auto* const run = std::ranges::lower_bound(kUnseen, code, {}, &Run::last);
-  return run != kUnseen.end() && code >= run->first;
+bool IsInvisible(char32_t code) {
+  const auto* const run = std::ranges::lower_bound(kInvisible, code, {}, &Run::last);
+  return run != kInvisible.end() && code >= run->first;
 }
 
 }  // namespace
 
-std::optional<char32_t> UnseenCharacter(std::string_view text) {
+std::optional<char32_t> InvisibleCharacter(std::string_view text) {
   while (!text.empty()) {
     const auto [code, bytes] = FrontOf(text);
-    if (IsUnseen(code)) return code;
+    if (IsInvisible(code)) return code;
     text.remove_prefix(bytes);
   }
   return std::nullopt;
