@@ -99,7 +99,7 @@ absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
     const std::string_view uri = BytesOf(name->d.uniformResourceIdentifier);
     if (!uri.starts_with(kRuriScheme)) continue;
     if (const auto flaw = FlawOfRuri(uri)) return Wrong(fmt::format("its rcan:// URI {}", *flaw));
-    if (IsTwins(uri)) {
+    if (NamesTwin(uri)) {
       return Wrong(
           fmt::format("its rcan:// URI {} is a twin's, and twins are heard through their "
                       "broker alone",

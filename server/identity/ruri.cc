@@ -30,6 +30,6 @@ std::optional<std::string> FlawOfRuri(std::string_view ruri) {
                      PrintableUtf8(ruri, kShownBytesMax));
 }
 
-bool IsTwins(std::string_view ruri) { return cyberwave::IsTwinRuri(schema::NormalRuri(ruri)); }
+bool NamesTwin(std::string_view ruri) { return cyberwave::IsTwinRuri(schema::NormalRuri(ruri)); }
 
 }  // namespace uplink::identity

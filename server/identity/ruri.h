@@ -19,6 +19,6 @@ inline constexpr std::string_view kRuriScheme = "rcan://";
 /// through their broker: no certificate may name one, and no gateway may speak for one.
 ///
 /// Thread: pure; any thread.
-[[nodiscard]] bool IsTwins(std::string_view ruri);
+[[nodiscard]] bool NamesTwin(std::string_view ruri);
 
 }  // namespace uplink::identity

@@ -14,7 +14,7 @@ std::optional<std::string> FlawOfUavTemplate(std::string_view ruri_template) {
   }
   const std::string example = UavRuri(ruri_template, "1");
   if (auto flaw = FlawOfRuri(example)) return flaw;
-  if (IsTwins(example)) return "names twins, which are heard through their broker alone";
+  if (NamesTwin(example)) return "names twins, which are heard through their broker alone";
   return std::nullopt;
 }
 

@@ -98,7 +98,7 @@ absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& pee
 /// A gateway may name any robot of its fleet except these. A certificate with such a RURI has no
 /// identity and does not get here.
 absl::Status CheckNoTwin(std::string_view ruri) {
-  if (!identity::IsTwins(ruri)) return absl::OkStatus();
+  if (!identity::NamesTwin(ruri)) return absl::OkStatus();
   return absl::PermissionDeniedError(
       fmt::format("hello.robot_ruri {} is a twin's, and twins are heard through their broker alone",
                   Shown(ruri)));

@@ -47,7 +47,7 @@ absl::StatusOr<fleet::Claim> SpeakerOf(const identity::PeerIdentity& peer, std::
                          : identity::UavRuri(ruri_template, uav_id);
   const identity::Gateway& gateway = peer.gateway;
   const std::optional<std::string> flaw = identity::FlawOfRuri(ruri);
-  if (flaw || identity::IsTwins(ruri) || !gateway.MaySpeakFor(ruri)) {
+  if (flaw || identity::NamesTwin(ruri) || !gateway.MaySpeakFor(ruri)) {
     absl::Status why = MayNot("gateway " + gateway.subject, uav_id);
     return absl::PermissionDeniedError(fmt::format(
         "{}: uncrew.ruri_template makes it {}{}", std::string(why.message()),

@@ -127,9 +127,9 @@ TEST(PeerIdentity, ATwinIsNamedByNoCertificate) {
 }
 
 TEST(Ruri, ATwinsShorthandIsWrittenOut) {
-  EXPECT_TRUE(IsTwins("cyberwave.twin.T"));
-  EXPECT_TRUE(IsTwins(kTwin));
-  EXPECT_FALSE(IsTwins("cyberwave.arm.T"));
+  EXPECT_TRUE(NamesTwin("cyberwave.twin.T"));
+  EXPECT_TRUE(NamesTwin(kTwin));
+  EXPECT_FALSE(NamesTwin("cyberwave.arm.T"));
 }
 
 TEST(PeerIdentity, RuriInAnotherCaseIsNone) {
