@@ -111,8 +111,8 @@ std::optional<std::string> UnverifiedBrokerText(const MqttConfig& mqtt) {
   const auto url = ParseBrokerUrl(mqtt.url);
   if (!url.ok() || url->tls || IsLoopbackHost(url->host)) return std::nullopt;
   return fmt::format(
-      "it is mqtt://, which has no TLS: {} need not prove that it is the broker, and whoever is on "
-      "the way reads {} and what twins say; write mqtts://",
+      "it is mqtt://, which has no TLS: {} need not prove that it is the broker, and others on the "
+      "network can read {} and what twins say; write mqtts://",
       PrintableUtf8(url->host, kBrokerHostBytesMax),
       mqtt.password_file.empty() ? "all topics" : "the password");
 }

@@ -13,7 +13,7 @@ namespace uplink::config {
 /// `mqtt.url` names one. Pure.
 [[nodiscard]] std::vector<Breach> CheckBroker(const Config& config);
 
-/// What is to be said of a broker that is reached over a network without TLS; nothing of any other.
+/// A warning if `mqtt.url` leads over a network without TLS; nothing otherwise.
 [[nodiscard]] std::optional<std::string> UnverifiedBrokerText(const MqttConfig& mqtt);
 
 }  // namespace uplink::config

@@ -64,7 +64,7 @@ struct IdentityConfig {
 };
 
 struct StoreConfig {
-  /// `sqlite:///absolute/path`, of which SqlitePath reads the path, or `postgresql://...`.
+  /// `sqlite:///absolute/path`, whose path SqlitePath reads, or `postgresql://...`.
   std::string url = "sqlite:///var/lib/uplinkd/uplinkd.db";
   /// Apply missing migrations at start; without it a store that needs one refuses the start. Where
   /// it is not set: true for SQLite, false for PostgreSQL.
@@ -257,8 +257,8 @@ struct DrainConfig {
   milliseconds timeout = std::chrono::seconds(20);
 };
 
-/// Everything an operator can set, judged whole: whoever holds a Config from LoadConfig need not
-/// check a bound again. A value; shared between threads as `shared_ptr<const Config>`.
+/// Everything an operator can set. LoadConfig has checked every bound, so that users of a Config
+/// need not. A value; shared between threads as `shared_ptr<const Config>`.
 struct Config {
   ListenConfig listen;
   TlsConfig tls;

@@ -11,7 +11,7 @@ namespace uplink::config {
 
 /// What the permissions of files allow to others than their owner. A value.
 struct FileModes {
-  /// Files that everybody may write: whoever is on the machine chooses the secret, or whom the
+  /// Files that everybody may write: anyone on the machine could choose the secret, or whom the
   /// server trusts.
   std::vector<Problem> problems;
   /// Files with secrets that everybody may read, or that the group may write.

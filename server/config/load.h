@@ -52,7 +52,7 @@ struct LoadResult {
   /// Present only if `problems` is empty.
   std::optional<Config> config;
   /// What could be read beside the problems: invalid keys hold their defaults. Absent if the text
-  /// does not parse. For checks that shall report their problems together with those.
+  /// does not parse. For checks that report their problems together with those.
   std::optional<Config> readable;
   /// All of them, in the order of the file, then of the environment, then relations.
   std::vector<Problem> problems;

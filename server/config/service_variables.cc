@@ -58,7 +58,7 @@ bool IsServiceVariable(std::string_view name, std::string_view value) {
       name.starts_with("UPLINKD_SERVICE_")) {
     return true;
   }
-  // Of a Service that is named uplinkd-..., of which nothing else is known.
+  // Set for a Service uplinkd-..., with a name that we do not know further.
   if (!name.starts_with(kPrefix)) return false;
   const std::string_view rest = name.substr(kPrefix.size());
   return IsOfHost(rest) || IsOfUrl(rest, value) || IsOfPortNumber(rest, value);

@@ -7,8 +7,8 @@
 
 namespace uplink::config {
 
-/// What is to be said of a store that is reached over a network and need not prove who it is
-/// (storage/postgres/link/verified.h); nothing of any other.
+/// A warning if the store is reached over a network and need not prove its identity
+/// (storage/postgres/link/verified.h); nothing otherwise.
 ///
 /// Thread: any; reads the environment as libpq does.
 [[nodiscard]] std::optional<std::string> UnverifiedStoreText(const StoreConfig& store);
