@@ -37,7 +37,7 @@ class App final {
     /// Reads the configuration again, for SIGHUP.
     std::function<config::LoadResult()> read_config;
     log::Logger& logger;
-    /// Of which the store's clock rounds tell the mark.
+    /// The clock whose mark the store's clock rounds set.
     store::MarkedClock& clock;
     const BootClock& boot_clock;
     /// Whether the kernel calls its civil clock synchronised. Any thread.

@@ -51,7 +51,7 @@ milliseconds Drain::Timeout() const {
 }
 
 void Drain::EndPresence() {
-  // Whoever takes a robot over goes on with its presence.
+  // Another server that takes a robot over continues its presence.
   if (context_.leave()) return;
   for (const fleet::RobotPtr& robot : context_.fleet.Sorted()) {
     if (robot->state.held_since() == 0) continue;

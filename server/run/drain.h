@@ -68,7 +68,7 @@ class Drain final {
  private:
   /// What the streams and the journals have from now on.
   [[nodiscard]] milliseconds Timeout() const;
-  /// Nobody listens any more: the histories of presence say so.
+  /// Notes presence unknown for robots that are online: this server no longer hears them.
   void EndPresence();
   void WaitForJournals(SteadyTime deadline);
   /// Messages that are not settled, of robots' streams and of the broker.

@@ -36,7 +36,7 @@ struct StopSteps {
   std::function<void()> stop_relay;
   /// Ends the writers, after the calls of the store that are under way.
   std::function<void()> stop_writers;
-  /// Nothing is due any more, and HTTP answers nobody.
+  /// Ends the timers and the answers of HTTP.
   std::function<void()> stop_loop;
   /// Ends the threads that wait for the store or write long texts.
   std::function<void()> end_readers;

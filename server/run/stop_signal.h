@@ -8,8 +8,8 @@
 
 namespace uplink::run {
 
-/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once (with
-/// a log that nobody reads: after log::kFlushWait).
+/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once (or
+/// after log::kFlushWait, if nothing reads the log).
 /// While the server starts the first does that, with 0: nothing is under way that a drain would
 /// settle.
 ///

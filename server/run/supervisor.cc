@@ -5,7 +5,7 @@
 namespace uplink::run {
 namespace {
 
-/// Nobody to tell, or one that does not take it, changes nothing for us.
+/// Works also without a manager, or with one that refuses the message.
 void Tell(const char* state) { static_cast<void>(sd_notify(0, state)); }
 
 }  // namespace

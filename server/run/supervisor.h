@@ -5,8 +5,8 @@
 
 namespace uplink::run {
 
-/// The service manager that started the process (systemd), which is told how the process fares if
-/// it asked for that by its environment: else nobody is.
+/// The service manager that started the process (systemd). It hears how the process fares if it
+/// asked for that through the environment.
 ///
 /// Thread-safe.
 class Supervisor final {
