@@ -196,7 +196,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void Answer(Response answer) {
     if (answer.closes) keep_alive_ = false;
     answered_any_ = true;
-    // Who is refused for want of a place has none to keep.
+    // A client that is refused because no place is free has no place to keep.
     Note(answer.closes ? Places::State::kIdle : Places::State::kAnswering);
     const auto took = context_->server.clock.Steady() - started_;
     context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
@@ -226,7 +226,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     stream_.expires_after(kAnswerWait);
     bhttp::async_write(stream_, message,
                        [self = shared_from_this()](beast::error_code error, std::size_t) {
-                         // What was shared is given back at once, whoever keeps the connection.
+                         // Release a shared answer at once, even if the connection is kept.
                          self->answer_.emplace<std::monostate>();
                          self->shared_body_.reset();
                          if (error) return;

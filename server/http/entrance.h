@@ -12,8 +12,8 @@
 namespace uplink::http {
 
 /// What a request meets before the site:
-/// - one of HTTP/1.1 names its host; 400 else. That of a target in absolute-form takes the place of
-///   the header's (RFC 9112, 3.2.2);
+/// - one of HTTP/1.1 must name its host, or it gets 400. The host of a target in absolute-form
+///   replaces the header's (RFC 9112, 3.2.2);
 /// - data are shown under known hosts alone (421), scrapes too if that is set, probes under any;
 /// - data are shown to no page of another site (403): not if the browser says that one asks
 ///   (Sec-Fetch-Site), nor if its Origin is foreign;

@@ -21,7 +21,7 @@ struct Sources {
   std::function<std::string(metrics::Format)> metrics;
   /// On the lane of scrapes alone.
   rcan::RobotScrape& robots;
-  /// Told what failed; clients are told of what kind it is.
+  /// Gets the details of a failure; clients get only its kind.
   const log::Logger& logger;
 };
 

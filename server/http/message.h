@@ -8,7 +8,7 @@
 
 namespace uplink::http {
 
-/// The method of a request, as far as we tell them apart.
+/// The methods of requests that we distinguish.
 enum class Method : std::uint8_t { kGet, kHead, kOther };
 
 /// A request as handlers see it; a body is never looked at. A value.
