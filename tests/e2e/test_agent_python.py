@@ -1,4 +1,4 @@
-"""The example of an agent, where its packages are at hand: what it reports is stored once, whoever is killed.
+"""The example of an agent, where its packages are at hand: what it reports is stored once, across kills of both sides.
 
 UPLINK_AGENT_PYTHON names an interpreter with grpcio, grpcio-tools and pycapnp (examples/agent-python/README.md).
 """

@@ -369,32 +369,38 @@ class ProseTest(RuleTest):
         for path in ("docs/a.md", "server/log/README.md", "CHANGELOG.md"):
             self.assert_clean(prose.avoided, {path: "\n".join(self.PLAIN) + "\n"})
 
-    def test_refuses_each_word_in_pages(self):
+    def test_refuses_each_word_in_pages_and_in_code(self):
         for phrase in self.AVOIDED:
-            for path in ("docs/a.md", "server/log/README.md", "CHANGELOG.md"):
-                with self.subTest(phrase):
-                    found = self.find(prose.avoided, {path: f"\n{phrase}\n"})
+            for path, before in (("docs/a.md", ""), ("server/log/README.md", ""), ("CHANGELOG.md", ""),
+                                 ("server/a.h", "/// "), ("tools/dev/a.sh", "# "), ("proto/a.proto", "// "),
+                                 ("deploy/a.toml", "# "), ("tests/e2e/a.py", "# "),
+                                 ("server/CMakeLists.txt", "# ")):  # fmt: skip
+                with self.subTest(phrase, path=path):
+                    found = self.find(prose.avoided, {path: f"\n{before}{phrase}\n"})
                     self.assertEqual(found, [(path, 2, "prose")])
 
     def test_every_word_has_a_case(self):
-        for pattern, _, _ in prose.PATTERNS:
+        for pattern, _ in prose.PATTERNS:
             self.assertTrue(any(pattern.search(each) for each in self.AVOIDED), pattern.pattern)
 
-    def test_refuses_in_comments_and_texts_of_code_what_code_is_rid_of(self):
-        self.assert_clean(prose.avoided, {"server/a.cc": "// Nobody sends.\nint whilst;\n"})
+    def test_looks_at_the_comments_and_texts_of_cpp_alone(self):
+        self.assert_clean(prose.avoided, {"server/a.cc": "int nobody;  // none\nint whilst;\n"})
         for source in ("// It waits whilst it runs.", 'Log("whilst");', "/* a\n whilst */"):
             found = self.find(prose.avoided, {"server/a.cc": f"int a;\n\n{source}\n"})
             line = 3 + source.count("\n")
             self.assertEqual(found, [("server/a.cc", line, "prose")])
-        found = self.find(prose.avoided, {"tools/dev/a.sh": "# whilst\n"})
-        self.assertEqual(found, [("tools/dev/a.sh", 1, "prose")])
 
-    def test_leaves_alone_what_is_listed_quoted_or_generated(self):
-        files = {path: "nobody\n" for path in prose.EXEMPT}
+    def test_finds_a_phrase_that_goes_on_in_the_next_line(self):
+        for path, lines in (("docs/a.md", "robots of\nwhich two"), ("server/a.h", "/// robots of\n/// which two"),
+                            ("a.sh", "# robots of\n  # which two"), ("a.py", "robots of\n    which two")):  # fmt: skip
+            self.assertEqual(self.find(prose.avoided, {path: f"{lines}\n"}), [(path, 1, "prose")])
+        self.assert_clean(prose.avoided, {"docs/a.md": "robots it knows of\n\nwhich two?\n"})
+
+    def test_leaves_alone_what_is_listed_or_quoted(self):
+        files = {path if path.endswith(".md") else f"{path}0001_a.sql": "-- nobody\n" for path in prose.EXEMPT}
         files["docs/a.md"] = "```\n# whoever\n```\n"
-        files["docs/operate/configuration.md"] = "| `a.b` | characters that nobody sees |\n"
         self.assert_clean(prose.avoided, files)
-        found = self.find(prose.avoided, {"docs/operate/configuration.md": "Nobody sees them.\n"})
+        found = self.find(prose.avoided, {"docs/operate/configuration.md": "| `a.b` | Nobody sees them. |\n"})
         self.assertEqual(found, [("docs/operate/configuration.md", 1, "prose")])
 
 
