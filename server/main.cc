@@ -16,6 +16,7 @@
 #include "schema/base/clock.h"
 #include "server/config/flags.h"
 #include "server/config/load.h"
+#include "server/config/version.h"
 #include "server/health/process.h"
 #include "server/log/journal_stream.h"
 #include "server/log/logger.h"
@@ -23,6 +24,7 @@
 #include "server/run/app.h"
 #include "server/run/deadline.h"
 #include "server/run/from_config.h"
+#include "server/run/greeting.h"
 #include "server/run/process_setup.h"
 #include "server/store/clock_judge.h"
 #include "server/store/marked_clock.h"
@@ -108,7 +110,7 @@ std::unique_ptr<log::Logger> MakeLogger(const config::LogConfig& config, const C
 
 /// Serves until it is told to stop; the exit code.
 int ServeBy(const Arguments& arguments, const config::LoadResult& loaded,
-            const Clock& machine_clock, log::Logger& logger) {
+            const Clock& machine_clock, log::Logger& logger, run::Greeting& greeting) {
   store::MarkedClock clock(machine_clock);
   const SystemBootClock boot_clock;
   for (const config::Note& note : loaded.notes) {
@@ -123,7 +125,8 @@ int ServeBy(const Arguments& arguments, const config::LoadResult& loaded,
                               .kernel_clock_synchronised = store::KernelClockSynchronised,
                               .process = DrawProcessId(),
                               .random = [&random] { return random(); },
-                              .version = UPLINK_VERSION});
+                              .version = std::string(config::Version()),
+                              .greeting = greeting});
   if (!app.ok()) {
     logger.Error("start_failed", {{"error", std::string(app.status().message())}});
     return kExitFailed;
@@ -138,10 +141,16 @@ int Serve(const Arguments& arguments) {
   const std::size_t descriptors = run::SetUpProcess();
   const SystemClock machine_clock;
   auto logger = MakeLogger(loaded.config->log, machine_clock);
-  logger->Info("starting", {{"version", UPLINK_VERSION},
+  run::Greeting greeting({.logger = *logger,
+                          .config = *loaded.config,
+                          .config_file = arguments.config_file,
+                          .clock = machine_clock,
+                          .descriptor = STDERR_FILENO});
+  greeting.Begin();
+  logger->Info("starting", {{"version", config::Version()},
                             {"descriptors_max", descriptors},
                             {"memory_bytes_max", health::MemoryMax()}});
-  const int code = ServeBy(arguments, loaded, machine_clock, *logger);
+  const int code = ServeBy(arguments, loaded, machine_clock, *logger, greeting);
   // The log's end waits for its reader for kFlushWait; in a write that blocks (WriteAll) for ever.
   const run::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
   logger.reset();
@@ -149,7 +158,7 @@ int Serve(const Arguments& arguments) {
 }
 
 int Main(int argc, char** argv) {
-  config::Flags flags("Telemetry ingestion for robot fleets", "uplinkd", UPLINK_VERSION);
+  config::Flags flags("Telemetry ingestion for robot fleets", "uplinkd", config::VersionText());
   Arguments arguments;
   flags.Add({"--config", "The configuration file"}, arguments.config_file);
   flags.AddSwitch({"--check-config", "Report every problem of the configuration; exit 0 or 2"},

@@ -1,9 +1,13 @@
 #include "server/config/flags.h"
 
 #include <cstdio>
+#include <span>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
+
+#include "server/config/flag_errors.h"
+#include "server/config/nearest.h"
 
 namespace uplink::config {
 namespace {
@@ -11,6 +15,38 @@ namespace {
 constexpr int kExitWrongUse = 2;
 
 void Print(const std::string& text, std::FILE* file) { std::fputs(text.c_str(), file); }
+
+/// Without the zeros that std::to_string has behind a fraction.
+std::string NumberText(double number) {
+  std::ostringstream text;
+  text.precision(15);
+  text << number;
+  return text.str();
+}
+
+/// The library's own validators name neither the limits nor a near word.
+template <typename Number>
+CLI::Validator InRange(Number min, Number max) {
+  const std::string range =
+      NumberText(static_cast<double>(min)) + " to " + NumberText(static_cast<double>(max));
+  return CLI::Validator(
+      [min, max, range](const std::string& text) {
+        Number number{};
+        const bool good = CLI::detail::lexical_cast(text, number) && number >= min && number <= max;
+        return good ? std::string() : text + " is not allowed; it must be a number from " + range;
+      },
+      CLI::Range(min, max).get_description());
+}
+
+CLI::Validator OneOf(const std::vector<std::string>& choices) {
+  return CLI::Validator(
+      [choices](const std::string& text) {
+        if (std::find(choices.begin(), choices.end(), text) != choices.end()) return std::string();
+        return text + " is not allowed" +
+               DidYouMean(text, choices, "; it must be one of " + CLI::detail::join(choices, ", "));
+      },
+      CLI::IsMember(choices).get_description());
+}
 
 }  // namespace
 
@@ -57,7 +93,7 @@ template <typename Number>
 void Flags::Add(const Flag& flag, Number& value, const FlagRange& range) {
   const auto min = static_cast<Number>(range.min);
   const auto max = static_cast<Number>(range.max);
-  CLI::Option* const option = parser_->Add(flag, value)->check(CLI::Range(min, max));
+  CLI::Option* const option = parser_->Add(flag, value)->check(InRange(min, max));
   if (value < min || value > max) option->default_str("");
 }
 template void Flags::Add(const Flag&, int&, const FlagRange&);
@@ -70,12 +106,12 @@ void Flags::Add(const Flag& flag, std::string& value, const FlagForm& form) {
 
 void Flags::AddChoice(const Flag& flag, std::string& value,
                       const std::vector<std::string>& choices) {
-  parser_->Add(flag, value)->check(CLI::IsMember(choices));
+  parser_->Add(flag, value)->check(OneOf(choices));
 }
 
 void Flags::AddChoices(const Flag& flag, std::vector<std::string>& values,
                        const std::vector<std::string>& choices) {
-  parser_->Add(flag, values)->check(CLI::IsMember(choices));
+  parser_->Add(flag, values)->check(OneOf(choices));
 }
 
 void Flags::AddSwitch(const Flag& flag, bool& value) {
@@ -112,20 +148,30 @@ const Flags* Flags::Command(std::string_view name) const {
   return nullptr;
 }
 
+void Flags::Example(const std::string& line) {
+  const std::string before = parser_->app->get_footer();
+  parser_->app->footer((before.empty() ? "Examples:" : before) + "\n  " + line);
+}
+
 std::optional<int> Flags::Parse(int argc, const char* const* argv, const Complain& complain) {
+  CLI::App& app = *parser_->app;
+  const std::span<const char* const> arguments(argv, static_cast<std::size_t>(argc));
+  if (app.get_name().empty()) app.name(arguments.front());
+  std::string wrong = UnknownName(app, arguments.subspan(1));
   try {
-    parser_->app->parse(argc, argv);
+    if (wrong.empty()) app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::ostringstream asked;
-    std::ostringstream wrong;
-    if (parser_->app->exit(error, asked, wrong) == 0) {
+    if (app.exit(error, asked, asked) == 0) {
       Print(asked.str(), stdout);
       return 0;
     }
-    complain ? complain(wrong.str()) : Print(wrong.str(), stderr);
-    return kExitWrongUse;
+    wrong = WrongUseText(app, error);
   }
-  return parser_->RunChosen();
+  if (wrong.empty()) return parser_->RunChosen();
+  const std::string line = app.get_name() + ": " + wrong + "\n";
+  complain ? complain(line) : Print(line, stderr);
+  return kExitWrongUse;
 }
 
 bool Flags::Given(const std::string& name) const {

@@ -32,9 +32,9 @@ struct FlagForm {
   std::function<std::string(const std::string& text)> problem;
 };
 
-/// The flags and commands of a program. Only flags.cc includes the library that reads them, which
-/// costs as much to compile as a small program's own code. A value that is added is its flag's
-/// default, which the help shows, and outlives Parse.
+/// The flags and commands of a program. Only flags.cc and flag_errors.cc include the library that
+/// reads them, which costs as much to compile as a small program's own code. A value that is added
+/// is its flag's default, which the help shows, and outlives Parse.
 ///
 /// Thread: confined to one thread.
 class Flags final {
@@ -74,6 +74,9 @@ class Flags final {
                     std::function<int()> run = {});
   /// The command of that name, or null.
   [[nodiscard]] const Flags* Command(std::string_view name) const;
+
+  /// A line that the help shows below the flags: a call as it is typed.
+  void Example(const std::string& line);
 
   using Complain = std::function<void(const std::string& text)>;
   /// Sets the values, and runs the command that is chosen. The exit code where the program is to

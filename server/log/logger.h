@@ -111,6 +111,9 @@ class Logger final {
     Write(Level::kError, event, fields);
   }
 
+  /// Writes a line as it is, whatever the level: for a person at a terminal.
+  void WritePlain(std::string_view line) const { sink_->Write(Level::kInfo, line); }
+
   /// To be asked before a line of level debug, so that its fields cost nothing while that is off.
   [[nodiscard]] bool Enabled(Level level) const { return level >= level_.load(); }
   /// Lines below `level` are left out from now on.

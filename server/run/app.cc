@@ -10,6 +10,7 @@
 #include "server/run/broker_side.h"
 #include "server/run/drain.h"
 #include "server/run/from_config.h"
+#include "server/run/greeting.h"
 #include "server/run/groundwork.h"
 #include "server/run/health_side.h"
 #include "server/run/relay_side.h"
@@ -61,7 +62,12 @@ class App::Impl {
                              ground_.OnReload([this] { reload_.Run(); });
                            },
                        .tell_ready = [this] { TellReady(); },
-                       .begin_work = [this] { ground_.Repeat(WorkToDo()); }});
+                       .begin_work =
+                           [this] {
+                             ground_.Repeat(WorkToDo());
+                             // Behind the first round, which tells of certificates.
+                             ground_.loop().Post([this] { options_.greeting.End(); });
+                           }});
   }
 
   int Run() {
@@ -118,6 +124,11 @@ class App::Impl {
                                        {"http", config::ToText(ground_.http_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
+    options_.greeting.TellReady({.store = store::NameOf(options_.config.store),
+                                 .robots = fleet_.size(),
+                                 .robots_unread = store_.robots_unread(),
+                                 .relay = relay_.Target().address,
+                                 .http = ground_.http_address()});
     Supervisor::NoteReady();
   }
 

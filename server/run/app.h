@@ -23,6 +23,7 @@ class MarkedClock;
 
 namespace uplink::run {
 
+class Greeting;
 class Groundwork;
 
 /// The server: constructs the components and connects them. The only place that knows them all;
@@ -47,6 +48,7 @@ class App final {
     /// Evenly drawn numbers, for the backoff's jitter; called by one thread at a time.
     std::function<std::uint64_t()> random;
     std::string version;
+    Greeting& greeting;
   };
 
   /// Answers probes, opens the store, reads the fleet, then serves robots and the rest of HTTP, and

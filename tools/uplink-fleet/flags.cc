@@ -10,6 +10,7 @@
 #include "schema/model/ids.h"
 #include "server/config/flags.h"
 #include "server/config/units.h"
+#include "server/config/version.h"
 #include "tools/uplink-fleet/clients.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/twin_flags.h"
@@ -232,7 +233,7 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   config::Flags flags(
       "Synthetic robots: load, faults, and the comparison of what they sent with what the "
       "server counted and stored",
-      "uplink-fleet", UPLINK_VERSION);
+      "uplink-fleet", config::VersionText());
   RunFlags run_flags(flags);
   ScenarioFlags scenario_flags(flags);
   TwinFlags twin_flags(flags);

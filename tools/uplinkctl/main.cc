@@ -1,12 +1,11 @@
-#include <cstddef>
 #include <cstdio>
 #include <iostream>
-#include <span>
 #include <string>
 #include <string_view>
 
 #include <fmt/core.h>
 
+#include "server/config/version.h"
 #include "tools/uplinkctl/command.h"
 
 namespace uplink::ctl {
@@ -26,28 +25,11 @@ bool SaysYes(std::string_view question) {
 
 namespace {
 
-/// What the first arguments name wrongly: the library would say that a noun or a verb is missing.
-std::string WrongName(const config::Flags& program, std::span<char* const> arguments) {
-  if (arguments.empty() || arguments[0][0] == '-') return {};
-  const std::string noun = arguments[0];
-  const config::Flags* const verbs = program.Command(noun);
-  if (verbs == nullptr) return "no such noun: " + noun + " (uplinkctl --help names them)";
-  if (arguments.size() < 2 || arguments[1][0] == '-') return {};
-  const std::string verb = arguments[1];
-  if (verbs->Command(verb) != nullptr) return {};
-  return noun + " has no verb " + verb + " (uplinkctl " + noun + " --help names them)";
-}
-
 int Run(int argc, char** argv) {
-  config::Flags program("Operate uplinkd and look into it", "uplinkctl", UPLINK_VERSION);
+  config::Flags program("Operate uplinkd and look into it", "uplinkctl", config::VersionText());
   AddPki(program);
   AddConfig(program);
   AddStore(program);
-  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
-  if (const std::string wrong = WrongName(program, arguments.subspan(1)); !wrong.empty()) {
-    fmt::print(stderr, "uplinkctl: {}\n", wrong);
-    return kExitWrongUse;
-  }
   return program.Parse(argc, argv).value_or(kExitWrongUse);
 }
 

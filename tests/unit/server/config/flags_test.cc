@@ -38,6 +38,17 @@ TEST(FlagsTest, AFlagThatIsGivenReplacesItsDefault) {
   EXPECT_EQ(store, "fake");
 }
 
+/// What Parse complains of.
+template <typename... Arguments>
+std::string WrongUse(Flags& flags, Arguments... arguments) {
+  const std::array<const char*, sizeof...(arguments) + 1> all = {"program", arguments...};
+  std::string wrong;
+  EXPECT_EQ(flags.Parse(static_cast<int>(all.size()), all.data(),
+                        [&wrong](const std::string& text) { wrong = text; }),
+            kWrongUse);
+  return wrong;
+}
+
 TEST(FlagsTest, ANumberKeepsToItsRange) {
   int days = 30;
   std::uint64_t series = 1;
@@ -184,6 +195,77 @@ TEST(FlagsTest, ParseRunsTheCommandThatIsChosenWithItsFlags) {
   EXPECT_EQ(Parse(flags), kWrongUse);
   EXPECT_EQ(Parse(flags, "noun"), kWrongUse);
   ::testing::internal::GetCapturedStderr();
+}
+
+TEST(FlagsTest, AnUnknownFlagIsToldTheNearestOrWhereTheListIs) {
+  std::string url;
+  Flags flags("About", "program");
+  flags.Add({"--url", "Where it is", Flag::Need::kRequired}, url);
+  EXPECT_EQ(WrongUse(flags, "--ulr", "here"),
+            "program: --ulr: unknown flag; did you mean --url?\n");
+  EXPECT_EQ(WrongUse(flags, "--nonsense=1"),
+            "program: --nonsense: unknown flag; program --help lists those that it has\n");
+  EXPECT_EQ(Parse(flags, "--url", "--nonsense"), std::nullopt) << "a value may look like a flag";
+}
+
+TEST(FlagsTest, AnUnknownCommandIsToldTheNearestOrWhereTheListIs) {
+  std::string url;
+  std::string file;
+  Flags flags("About", "program");
+  Flags& noun = flags.AddCommand("robots", "Robots");
+  Flags& verb = noun.AddCommand("show", "Show them", [] { return 0; });
+  verb.Add({"--url"}, url);
+  verb.Add({"--file"}, file);
+  verb.ExactlyOne("target", {"--url", "--file"});
+  EXPECT_EQ(WrongUse(flags, "robot"), "program: robot: unknown command; did you mean robots?\n");
+  EXPECT_EQ(WrongUse(flags, "robots", "destroy"),
+            "program: robots destroy: unknown command; program robots --help lists those that it "
+            "has\n");
+  EXPECT_EQ(WrongUse(flags, "robots", "show", "--flie", "x"),
+            "program: --flie: unknown flag; did you mean --file?\n");
+  EXPECT_EQ(WrongUse(flags, "robots"),
+            "program: a command is missing; program robots --help shows what it takes\n");
+}
+
+TEST(FlagsTest, WrongUseSaysWhatIsAllowed) {
+  std::string url;
+  std::string file;
+  std::string what = "relay";
+  int days = 30;
+  double rate = 1;
+  bool check = false;
+  bool print = false;
+  Flags flags("About", "program");
+  flags.Add({"--days"}, days, {1, 250});
+  flags.Add({"--rate"}, rate, {0.1, 1'000'000});
+  flags.AddChoice({"--what"}, what, {"relay", "memory"});
+  flags.Add({"--url"}, url);
+  flags.Add({"--file"}, file);
+  flags.ExactlyOne("target", {"--url", "--file"});
+  flags.AddSwitch({"--check"}, check);
+  flags.AddSwitch({"--print"}, print);
+  flags.AtMostOne({"--check", "--print"});
+  EXPECT_THAT(WrongUse(flags, "--days", "251"),
+              HasSubstr("--days: 251 is not allowed; it must be a number from 1 to 250"));
+  EXPECT_THAT(WrongUse(flags, "--rate", "none"), HasSubstr("a number from 0.1 to 1000000"));
+  EXPECT_THAT(WrongUse(flags, "--what", "memroy"), HasSubstr("; did you mean memory?"));
+  EXPECT_THAT(WrongUse(flags, "--what", "disk"), HasSubstr("it must be one of relay, memory"));
+  EXPECT_THAT(WrongUse(flags), HasSubstr("--url or --file is required, and only one of them"));
+  EXPECT_THAT(WrongUse(flags, "--url", "a", "--file", "b"), HasSubstr("only one of them"));
+  EXPECT_THAT(WrongUse(flags, "--url", "a", "--check", "--print"),
+              HasSubstr("--check excludes --print: give one of the two"));
+  EXPECT_THAT(WrongUse(flags, "--url"), HasSubstr("--url: a value is missing behind it"));
+}
+
+TEST(FlagsTest, HelpEndsWithTheExamples) {
+  Flags flags("About", "program");
+  Flags& verb = flags.AddCommand("verb", "A verb", [] { return 0; });
+  verb.Example("program verb --count 3");
+  verb.Example("program verb --count 4");
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(Parse(flags, "verb", "--help"), 0);
+  EXPECT_THAT(::testing::internal::GetCapturedStdout(),
+              HasSubstr("Examples:\n  program verb --count 3\n  program verb --count 4\n"));
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "schema/base/clock.h"
+#include "server/config/address.h"
+#include "server/config/config.h"
+#include "server/log/logger.h"
+
+namespace uplink::run {
+
+/// What a server that is ready says of itself. A value.
+struct Ready {
+  /// Without a password: a path, or host and database.
+  std::string store;
+  /// Robots that the store knows; not read yet while it is away.
+  std::size_t robots = 0;
+  bool robots_unread = false;
+  /// As they were really bound.
+  config::ListenAddress relay;
+  config::ListenAddress http;
+};
+
+/// What its certificate says. A value.
+struct ShownCertificate {
+  std::vector<std::string> hosts;
+  SystemTime expiry{};
+};
+
+/// Hosts of a certificate that a line names; what it leaves out it counts.
+inline constexpr std::size_t kHostsShownMax = 3;
+
+/// `localhost, 127.0.0.1; 364 days left, until 2027-11-28T15:08:44Z`. Pure.
+[[nodiscard]] std::string CertificateText(const ShownCertificate& certificate, SystemTime now);
+
+/// Lines below the first one: store, listeners, certificate, what to try next; a broker and drones
+/// where the configuration has them. They hold no secret. Pure.
+[[nodiscard]] std::vector<std::string> ReadyLines(const config::Config& config, const Ready& ready,
+                                                  const std::string& certificate);
+
+/// Tells a person at a terminal in a few lines that the server starts, in place of the log's info
+/// events. Does nothing unless standard error is a terminal and the log is text of level info.
+/// Warnings and errors are logged meanwhile.
+///
+/// Thread: main; End from any.
+class Greeting final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    log::Logger& logger;
+    const config::Config& config;
+    /// As the program was called with it.
+    std::string config_file;
+    const Clock& clock;
+    /// Where the log goes: another one in tests.
+    int descriptor;
+  };
+  explicit Greeting(Context context);
+
+  /// The first line. No info event is logged from now on.
+  void Begin();
+  /// The other lines.
+  void TellReady(const Ready& ready);
+  /// The start is over: info events are logged again.
+  void End();
+
+ private:
+  const Context context_;
+  const bool active_;
+};
+
+}  // namespace uplink::run
