@@ -167,6 +167,8 @@ int Main(int argc, char** argv) {
                   arguments.print_config);
   flags.AddSwitch({"--print-metrics", "Print the metrics as a table"}, arguments.print_metrics);
   flags.AtMostOne({"--check-config", "--print-config", "--print-metrics"});
+  flags.Example("uplinkd --config /etc/uplinkd/uplinkd.toml");
+  flags.Example("uplinkd --config /etc/uplinkd/uplinkd.toml --check-config");
   const auto complain = [](std::string_view text) { Complain(log::Level::kError, text); };
   if (const auto code = flags.Parse(argc, argv, complain)) return *code;
   if (arguments.print_metrics) {

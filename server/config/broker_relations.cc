@@ -21,10 +21,11 @@ constexpr std::size_t kShownBytesMax = 100;
 /// Why a text cannot stand in a field of CONNECT, as the end of a sentence; empty if it can.
 std::string FlawOfField(std::string_view text, std::size_t bytes_max) {
   if (text.size() > bytes_max) {
-    return fmt::format("it has {} bytes, at most {}", text.size(), bytes_max);
+    return fmt::format("it has {} bytes; it must have at most {}", text.size(), bytes_max);
   }
   const bool one_line = text.find_first_of("\t\r\n") == std::string_view::npos;
-  if (!one_line || CountControls(text) != std::size_t{0}) return "it holds control characters";
+  if (!one_line || CountControls(text) != std::size_t{0})
+    return "it holds control characters; remove them";
   return {};
 }
 
@@ -35,7 +36,11 @@ void CheckUrl(const MqttConfig& mqtt, std::vector<Breach>& breaches) {
     std::string_view text(url.status().message().data(), url.status().message().size());
     // The key stands before the text already.
     if (text.starts_with("mqtt.url")) text.remove_prefix(text.find(' ') + 1);
-    breaches.push_back({"mqtt", "url", fmt::format("it {}", text)});
+    const bool says_remedy = text.find(": ") != std::string_view::npos;
+    breaches.push_back(
+        {"mqtt", "url",
+         fmt::format("it {}{}", text,
+                     says_remedy ? "" : "; write mqtts://HOST or mqtts://HOST:PORT")});
     return;
   }
   const bool has_files = !mqtt.ca_file.empty() || !mqtt.client_certificate_file.empty() ||
@@ -78,7 +83,8 @@ void CheckPrefixes(const std::vector<std::string>& prefixes, std::vector<Breach>
     const std::string_view flaw = cyberwave::PrefixError(prefix);
     if (flaw.empty()) continue;
     breaches.push_back({"cyberwave", "topic_prefixes",
-                        fmt::format("\"{}\": {}", PrintableUtf8(prefix, kShownBytesMax), flaw)});
+                        fmt::format("\"{}\": {}; write what stands before cyberwave/ in topics",
+                                    PrintableUtf8(prefix, kShownBytesMax), flaw)});
   }
 }
 
@@ -86,7 +92,7 @@ void CheckFleet(const std::string& fleet, std::vector<Breach>& breaches) {
   if (const auto flaw = identity::FlawOfNewFleet(fleet)) {
     breaches.push_back({"cyberwave", "fleet", fmt::format("it {}", *flaw)});
   } else if (fleet == identity::kAllFleets) {
-    breaches.push_back({"cyberwave", "fleet", "it is *, which is no fleet's name"});
+    breaches.push_back({"cyberwave", "fleet", "it is *, which means all fleets; name one"});
   }
 }
 
@@ -99,8 +105,8 @@ std::vector<Breach> CheckBroker(const Config& config) {
   CheckPrefixes(config.cyberwave.topic_prefixes, breaches);
   if (config.cyberwave.robots_max > config.limits.robots_max) {
     breaches.push_back({"cyberwave", "robots_max",
-                        fmt::format("{} is over limits.robots_max, {}", config.cyberwave.robots_max,
-                                    config.limits.robots_max)});
+                        fmt::format("{} is over limits.robots_max, {}; lower it or raise that",
+                                    config.cyberwave.robots_max, config.limits.robots_max)});
   }
   CheckFleet(config.cyberwave.fleet, breaches);
   return breaches;

@@ -1,17 +1,15 @@
 // What only the file system can answer about a configuration.
-#include <cerrno>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
-#include <sys/stat.h>
 
 #include "server/config/file_modes.h"
+#include "server/config/file_text.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
 #include "server/identity/expiry.h"
@@ -21,32 +19,22 @@
 namespace uplink::config {
 namespace {
 
-/// Bytes that are read of a file with a password.
+/// Bytes that are read of the database's password file.
 constexpr std::size_t kTextBytesMax = 1 * kMiB;
+constexpr const char* kNoPassword = "is empty; write the password into its first line";
 
-/// The file's text, or a sentence about why it cannot be had.
-struct FileText {
-  std::string text;
-  std::string problem;
-};
+/// Refuses a pipe: the server reads the password at each connect.
+FileText ReadPassword(const std::string& path, std::size_t bytes_max) {
+  std::error_code error;
+  if (std::filesystem::is_fifo(path, error)) return {{}, "is a pipe; name a regular file"};
+  return ReadFileText(path, bytes_max);
+}
 
-FileText ReadFile(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) {
-    const std::error_code error(errno, std::generic_category());
-    return {{}, fmt::format("{}: {}", path, error.message())};
-  }
-  if (!S_ISREG(status.st_mode)) {
-    return {{}, fmt::format("{} is not a regular file", path)};
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    return {{}, fmt::format("{} cannot be opened for reading", path)};
-  }
-  std::string text(kTextBytesMax, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return {std::move(text), {}};
+/// What a function says of a file, without its path, which stands before it already.
+std::string WithoutPath(const std::string& path, const absl::Status& status) {
+  const std::string text(status.message());
+  const std::string before = path + ": ";
+  return text.starts_with(before) ? text.substr(before.size()) : text;
 }
 
 /// The file's text, if `check` finds nothing wrong with it; nothing if no file is named.
@@ -57,7 +45,7 @@ std::optional<identity::NamedPem> ReadGood(const std::string& key, const std::st
   auto pem = identity::ReadPem(path);
   const absl::Status good = pem.ok() ? check(*pem) : pem.status();
   if (good.ok()) return *std::move(pem);
-  problems.push_back({path, key, std::string(good.message())});
+  problems.push_back({path, key, WithoutPath(path, good)});
   return std::nullopt;
 }
 
@@ -77,7 +65,8 @@ void CheckPair(const Pair& pair, std::vector<Problem>& problems) {
   if (!certificate || !key) return;
   const absl::Status fit = pair.check(*certificate, *key);
   if (fit.ok()) return;
-  problems.push_back({pair.certificate_file, pair.certificate_key, std::string(fit.message())});
+  problems.push_back(
+      {pair.certificate_file, pair.certificate_key, WithoutPath(pair.certificate_file, fit)});
 }
 
 void CheckAuthorities(const std::string& key, const std::string& path,
@@ -93,23 +82,22 @@ void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) 
   std::error_code error;
   const std::filesystem::path folder = path.parent_path();
   if (!std::filesystem::is_directory(folder, error)) {
-    problems.push_back(
-        {path.string(), "store.url", fmt::format("the folder {} does not exist", folder.string())});
+    problems.push_back({path.string(), "store.url",
+                        fmt::format("the folder {} does not exist; make it, and let this user "
+                                    "write there",
+                                    folder.string())});
   } else if (std::filesystem::is_directory(path, error)) {
-    problems.push_back(
-        {path.string(), "store.url", fmt::format("{} is a folder, not a file", path.string())});
+    problems.push_back({path.string(), "store.url", "is a folder; name the database file in it"});
   }
 }
 
 void CheckPasswordFile(const StoreConfig& store, std::vector<Problem>& problems) {
   const std::string& path = store.password_file;
   if (path.empty() || !IsPostgres(store)) return;
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line) || line.empty()) {
-    problems.push_back(
-        {path, "store.password_file", fmt::format("{} cannot be read, or is empty", path)});
-  }
+  const FileText file = ReadPassword(path, kTextBytesMax);
+  std::string flaw = file.problem;
+  if (flaw.empty() && file.text.substr(0, file.text.find('\n')).empty()) flaw = kNoPassword;
+  if (!flaw.empty()) problems.push_back({path, "store.password_file", std::move(flaw)});
 }
 
 void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
@@ -120,13 +108,10 @@ void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
             problems);
   const std::string& path = mqtt.password_file;
   if (path.empty()) return;
-  const FileText file = ReadFile(path);
+  const FileText file = ReadPassword(path, kMqttPasswordBytesMax);
   std::string flaw = file.problem;
   const bool line_end_alone = file.text.find_first_not_of("\r\n") == std::string::npos;
-  if (flaw.empty() && line_end_alone) flaw = fmt::format("{} is empty", path);
-  if (flaw.empty() && file.text.size() > kMqttPasswordBytesMax) {
-    flaw = fmt::format("{} has over {} bytes", path, kMqttPasswordBytesMax);
-  }
+  if (flaw.empty() && line_end_alone) flaw = kNoPassword;
   if (!flaw.empty()) problems.push_back({path, "mqtt.password_file", std::move(flaw)});
 }
 
@@ -174,7 +159,8 @@ std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now) {
     const auto expiry = identity::ExpiryOf(*certificate);
     if (!expiry.ok() || *expiry > now) return;
     const auto ago = std::chrono::duration_cast<std::chrono::hours>(now - *expiry);
-    problems.push_back({path, key, fmt::format("the certificate expired {} h ago", ago.count())});
+    problems.push_back(
+        {path, key, fmt::format("the certificate expired {} h ago; replace it", ago.count())});
   };
   check("tls.certificate_file", config.tls.certificate_file);
   check("mqtt.client_certificate_file", config.mqtt.client_certificate_file);

@@ -1,10 +1,10 @@
 #include "server/config/load.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 #include <variant>
 
 #include <fmt/core.h>
@@ -13,11 +13,13 @@
 #include "schema/base/utf8.h"
 #include "server/config/broker_relations.h"
 #include "server/config/file_modes.h"
+#include "server/config/file_text.h"
 #include "server/config/relations.h"
 #include "server/config/removed.h"
 #include "server/config/service_variables.h"
 #include "server/config/settings.h"
 #include "server/config/store_tls.h"
+#include "server/config/unknown.h"
 #include "server/config/value.h"
 
 namespace uplink::config {
@@ -57,7 +59,7 @@ class Loader {
         const Removed* const removed = FindRemovedByEnvironment(name);
         problems_.push_back({std::string(kEnvironment), Shown(name),
                              removed == nullptr
-                                 ? "no setting has this variable (UPLINKD_<SECTION>_<KEY>)"
+                                 ? UnknownVariableText(name)
                                  : fmt::format("{}: unset this variable", removed->text)});
         continue;
       }
@@ -137,11 +139,12 @@ class Loader {
   void ReadSection(const std::string& section, const toml::node& node) {
     const std::uint32_t line = node.source().begin.line;
     const auto known = [&](const Section& each) { return each.name == section; };
+    const toml::table* const table = node.as_table();
     if (std::none_of(Sections().begin(), Sections().end(), known)) {
-      located_.push_back({line, {At(line), Shown(section), "unknown section"}});
+      std::string text = table == nullptr ? KeyOutsideText(section) : UnknownSectionText(section);
+      located_.push_back({line, {At(line), Shown(section), std::move(text)}});
       return;
     }
-    const toml::table* const table = node.as_table();
     if (table == nullptr) {
       located_.push_back({line, {At(line), section, fmt::format("write [{}], a table", section)}});
       return;
@@ -166,7 +169,7 @@ class Loader {
       located_.push_back(
           {line,
            {At(line), fmt::format("{}.{}", section, Shown(key)),
-            removed == nullptr ? "unknown key"
+            removed == nullptr ? UnknownKeyText(section, key)
                                : fmt::format("{}: delete this line", removed->text)}});
       return;
     }
@@ -259,8 +262,9 @@ LoadResult ParseConfig(std::string_view toml, const std::string& name,
   } catch (const toml::parse_error& error) {
     // Nothing of the file was read, so its required keys are not missing but unread: one problem.
     LoadResult result;
-    result.problems.push_back(
-        {loader.At(error.source().begin.line), {}, std::string(error.description())});
+    result.problems.push_back({loader.At(error.source().begin.line),
+                               {},
+                               fmt::format("not TOML from here on: {}", error.description())});
     return result;
   }
   loader.ReadEnvironment(environment);
@@ -268,21 +272,13 @@ LoadResult ParseConfig(std::string_view toml, const std::string& name,
 }
 
 LoadResult LoadConfig(const std::string& path, const Environment& environment) {
-  LoadResult unread;
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kConfigBytesMax + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad() || (!file.eof() && file.gcount() == 0)) {
-    unread.problems.push_back({path, {}, "the file cannot be read"});
+  const FileText file = ReadFileText(path, kConfigBytesMax);
+  if (!file.problem.empty()) {
+    LoadResult unread;
+    unread.problems.push_back({path, {}, file.problem});
     return unread;
   }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kConfigBytesMax) {
-    unread.problems.push_back(
-        {path, {}, fmt::format("the file is larger than {} bytes", kConfigBytesMax)});
-    return unread;
-  }
-  LoadResult result = ParseConfig(text, path, environment);
+  LoadResult result = ParseConfig(file.text, path, environment);
   if (const absl::Status writers = CheckWriters(path); !writers.ok()) {
     result.problems.push_back({path, {}, std::string(writers.message())});
     result.config.reset();

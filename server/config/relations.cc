@@ -49,12 +49,15 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
   }
   if (listen.http.port != 0 && listen.http.port == listen.relay.port) {
     breaches.Add("listen", "http",
-                 fmt::format("port {} is also the port of listen.relay", listen.http.port));
+                 fmt::format("port {} is also the port of listen.relay; give one of them another",
+                             listen.http.port));
   }
 }
 
 void CheckTls(const TlsConfig& tls, Breaches& breaches) {
-  constexpr std::string_view kWhy = "it is required: the relay serves mutual TLS only";
+  constexpr std::string_view kWhy =
+      "it is required, since the relay serves mutual TLS only; "
+      "name a PEM file (uplinkctl pki makes them)";
   if (tls.certificate_file.empty()) {
     breaches.Add("tls", "certificate_file", std::string(kWhy));
   }
@@ -85,22 +88,22 @@ void CheckLimits(const LimitsConfig& limits, Breaches& breaches) {
   if (limits.message_bytes_max > limits.payload_bytes_max) {
     breaches.Add(
         "limits", "message_bytes_max",
-        fmt::format("{} is over limits.payload_bytes_max, {}", BytesText(limits.message_bytes_max),
-                    BytesText(limits.payload_bytes_max)));
+        fmt::format("{} is over limits.payload_bytes_max, {}; lower it or raise that",
+                    BytesText(limits.message_bytes_max), BytesText(limits.payload_bytes_max)));
   }
   if (limits.payload_bytes_max > limits.frame_bytes_max) {
     breaches.Add(
         "limits", "payload_bytes_max",
-        fmt::format("{} is over limits.frame_bytes_max, {}", BytesText(limits.payload_bytes_max),
-                    BytesText(limits.frame_bytes_max)));
+        fmt::format("{} is over limits.frame_bytes_max, {}; lower it or raise that",
+                    BytesText(limits.payload_bytes_max), BytesText(limits.frame_bytes_max)));
   }
 }
 
 void CheckJournal(const JournalConfig& journal, Breaches& breaches) {
   if (journal.batch_records_max > journal.records_max) {
     breaches.Add("journal", "batch_records_max",
-                 fmt::format("{} is over journal.records_max, {}", journal.batch_records_max,
-                             journal.records_max));
+                 fmt::format("{} is over journal.records_max, {}; lower it or raise that",
+                             journal.batch_records_max, journal.records_max));
   }
 }
 
@@ -119,8 +122,9 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
   for (const auto& spec : metrics::rcan::AllSeries()) {
     const std::string name = metrics::rcan::ShortName(spec, word);
     if (names.insert(name).second) continue;
-    breaches.Add("rcan", "subsystem",
-                 fmt::format("\"{}\" would name two series rcan_{}", word, name));
+    breaches.Add(
+        "rcan", "subsystem",
+        fmt::format("\"{}\" would name two series rcan_{}; take another word", word, name));
   }
   for (const std::string& field : rcan.fields) {
     const bool known = std::ranges::any_of(metrics::rcan::AllSeries(), [&](const auto& spec) {
@@ -177,7 +181,9 @@ std::vector<Breach> CheckRelations(const Config& config) {
   CheckHttp(config.http, breaches);
   for (Breach& breach : CheckBroker(config)) breaches.Add(std::move(breach));
   if (const auto flaw = identity::FlawOfUavTemplate(config.uncrew.ruri_template)) {
-    breaches.Add("uncrew", "ruri_template", fmt::format("it {}", *flaw));
+    breaches.Add(
+        "uncrew", "ruri_template",
+        fmt::format("it {}; write one such as \"{}\"", *flaw, UncrewConfig().ruri_template));
   }
   return breaches.Take();
 }

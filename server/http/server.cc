@@ -109,8 +109,10 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& co
   auto listener = std::make_shared<Listener>(context, options);
   if (!error) error = listener->Open(tcp::endpoint(address, options.address.port));
   if (error) {
-    return absl::UnavailableError(fmt::format("listen.http: {} cannot be bound: {}",
-                                              config::ToText(options.address), error.message()));
+    return absl::UnavailableError(
+        fmt::format("listen.http: {} cannot be bound: {}; set an address of this machine and a "
+                    "free port",
+                    config::ToText(options.address), error.message()));
   }
   auto server = std::unique_ptr<HttpServer>(new HttpServer(listener));
   listener->Accept();

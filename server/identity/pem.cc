@@ -12,7 +12,8 @@ namespace uplink::identity {
 namespace {
 
 absl::Status Lacks(const NamedPem& pem, std::string_view what) {
-  return absl::FailedPreconditionError(fmt::format("{}: holds no PEM {}", pem.name, what));
+  return absl::FailedPreconditionError(
+      fmt::format("{}: holds no PEM {}; name the file that does", pem.name, what));
 }
 
 /// Null if it cannot be read.
@@ -32,10 +33,11 @@ PemBlock* KeyBlockOf(std::vector<PemBlock>& blocks) {
     if (!block.flaw.empty()) continue;
     if (block.kind == PemKind::kEncryptedKey) {
       block.flaw =
-          "is a private key behind a pass phrase, which cannot be entered: write it without one "
-          "(openssl pkey -in FILE)";
+          "is a private key behind a pass phrase, and the server asks for none: write it without "
+          "one (openssl pkey -in FILE)";
     } else if (block.kind == PemKind::kKey && found != nullptr) {
-      block.flaw = fmt::format("is a second private key: block {} is one already", found->number);
+      block.flaw = fmt::format("is a second private key: block {} is one already; keep one of them",
+                               found->number);
     } else if (block.kind == PemKind::kKey) {
       found = &block;
     }

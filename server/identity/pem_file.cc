@@ -2,12 +2,13 @@
 
 #include <array>
 #include <cerrno>
-#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "schema/base/unread.h"
 
 namespace uplink::identity {
 namespace {
@@ -20,13 +21,13 @@ absl::Status Unfit(const std::string& path, const std::string& text) {
 }
 
 absl::Status Unread(const std::string& path, int error) {
-  return Unfit(path, fmt::format("cannot be read: {}", std::generic_category().message(error)));
+  return Unfit(path, UnreadText(path, error));
 }
 
 absl::StatusOr<NamedPem> ReadOpen(const std::string& path, int file) {
   struct stat info {};
   if (fstat(file, &info) != 0) return Unread(path, errno);
-  if (!S_ISREG(info.st_mode)) return Unfit(path, "is not a regular file");
+  if (!S_ISREG(info.st_mode)) return Unfit(path, "is not a regular file; name a PEM file");
   NamedPem pem{path, {}};
   // The text grows as it is read: a small file takes little memory.
   std::array<char, kReadBytes> piece{};
@@ -36,7 +37,7 @@ absl::StatusOr<NamedPem> ReadOpen(const std::string& path, int file) {
     if (n == 0) return pem;
     pem.text.append(piece.data(), static_cast<std::size_t>(n));
   }
-  return Unfit(path, fmt::format("is larger than {} bytes", kPemBytesMax));
+  return Unfit(path, fmt::format("is larger than {} bytes; name the right PEM file", kPemBytesMax));
 }
 
 }  // namespace

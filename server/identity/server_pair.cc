@@ -44,7 +44,8 @@ absl::StatusOr<Certificate> ParsePair(const NamedPem& certificate_pem, const Nam
   const bool match = X509_check_private_key(own.get(), key->get()) == 1;
   ERR_clear_error();
   if (!match)
-    return Unfit(fmt::format("{}: is not the key of {}", key_pem.name, certificate_pem.name));
+    return Unfit(fmt::format("{}: is not the key of {}; name two files that were issued together",
+                             key_pem.name, certificate_pem.name));
   if (absl::Status strong = CheckStrength(certificate_pem, key_pem); !strong.ok()) return strong;
   return own;
 }
@@ -63,14 +64,16 @@ absl::Status CheckServerPair(const NamedPem& certificate_pem, const NamedPem& ke
   const bool serves = X509_check_purpose(certificate->get(), X509_PURPOSE_SSL_SERVER, 0) == 1;
   ERR_clear_error();
   if (!serves) {
-    return Unfit(fmt::format("{}: is no certificate of a server (extended key usage serverAuth)",
-                             certificate_pem.name));
+    return Unfit(fmt::format(
+        "{}: is no certificate of a server (extended key usage serverAuth); issue one, as "
+        "uplinkctl pki server does",
+        certificate_pem.name));
   }
   if (!Signs(*certificate)) {
-    return Unfit(
-        fmt::format("{}: its key is of a kind with which no TLS server signs: taken are curves "
-                    "P-256, P-384 and P-521, RSA, Ed25519 and Ed448",
-                    certificate_pem.name));
+    return Unfit(fmt::format(
+        "{}: its key is of a kind with which no TLS server signs; issue one with P-256, "
+        "P-384, P-521, RSA, Ed25519 or Ed448",
+        certificate_pem.name));
   }
   return absl::OkStatus();
 }

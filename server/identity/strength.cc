@@ -55,8 +55,9 @@ absl::Status CheckStrength(const NamedPem& certificate, const NamedPem& key) {
   const char* why = ERR_reason_error_string(ERR_peek_last_error());
   ERR_clear_error();
   if (refused == nullptr) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      fmt::format("{}: OpenSSL refuses it: {}", refused->name, why == nullptr ? "no reason" : why));
+  return absl::FailedPreconditionError(fmt::format("{}: OpenSSL refuses it: {}; issue another",
+                                                   refused->name,
+                                                   why == nullptr ? "no reason" : why));
 }
 
 }  // namespace uplink::identity

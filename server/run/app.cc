@@ -65,8 +65,7 @@ class App::Impl {
                        .begin_work =
                            [this] {
                              ground_.Repeat(WorkToDo());
-                             // Behind the first round, which tells of certificates.
-                             ground_.loop().Post([this] { options_.greeting.End(); });
+                             EndGreeting();
                            }});
   }
 
@@ -130,6 +129,13 @@ class App::Impl {
                                  .relay = relay_.Target().address,
                                  .http = ground_.http_address()});
     Supervisor::NoteReady();
+  }
+
+  /// Behind the first round of the work, whose info events belong to the start: it is posted by a
+  /// job that was posted before this one.
+  void EndGreeting() {
+    loop::EventLoop& loop = ground_.loop();
+    loop.Post([this, &loop] { loop.Post([this] { options_.greeting.End(); }); });
   }
 
   [[nodiscard]] PeriodicWork WorkToDo() {

@@ -58,7 +58,9 @@ absl::Status CheckListenable(const config::ListenAddress& address) {
   const std::string reason = TryBind(ListenHost(address), address.port);
   if (reason.empty()) return absl::OkStatus();
   return absl::UnavailableError(
-      fmt::format("cannot listen on {}: {}", config::ToText(address), reason));
+      fmt::format("listen.relay: cannot listen on {}: {}; set an address of this machine and a "
+                  "free port",
+                  config::ToText(address), reason));
 }
 
 }  // namespace uplink::transport

@@ -22,8 +22,10 @@ constexpr int kProgressSteps = 1000;
 constexpr std::size_t kSqlShownBytes = 80;
 
 absl::Status CannotOpen(const std::string& path) {
-  return absl::FailedPreconditionError("cannot open " + path + ": " +
-                                       std::generic_category().message(errno));
+  const int error = errno;
+  return absl::FailedPreconditionError(
+      "cannot open " + path + ": " + std::generic_category().message(error) +
+      "; this user must be able to read and write the file, and its folder");
 }
 
 /// Makes a new file, for its owner alone, and says why a file that is there cannot be used: SQLite

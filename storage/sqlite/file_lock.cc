@@ -50,7 +50,8 @@ absl::Status Failed(const char* doing, const std::string& name, int cause) {
 
 absl::Status InUse(const std::string& path, const std::string& what) {
   absl::Status status = absl::FailedPreconditionError(
-      "store " + path + " is in use by another process, which holds " + what);
+      "store " + path + " is in use by another process, which holds " + what +
+      "; stop that one first, or name another file");
   status.SetPayload({kInUse.data(), kInUse.size()}, absl::Cord());
   return status;
 }

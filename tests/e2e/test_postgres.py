@@ -108,8 +108,8 @@ class Schema(EndToEnd):
     def test_wrong_use_ends_with_2(self):
         url = self.cluster.url("uplinkd")
         for flags, text in (
-            (["store", "status"], "--config,--url"),
-            (["store", "status", "--url", url, "--config", "x"], "--config,--url"),
+            (["store", "status"], "give either --config or --url"),
+            (["store", "status", "--url", url, "--config", "x"], "give either --config or --url"),
             (["store", "status", "--url", "sqlite:///x.db"], "status is for PostgreSQL; an SQLite file is checked when uplinkd starts"),
             (["store", "migrate", "--url", "sqlite:///x.db"], "the server migrates it when it starts"),
             (["store", "status", "--url", "foo"], "the URL is of no store"),

@@ -172,7 +172,8 @@ absl::StatusOr<std::unique_ptr<Authority>> Authority::Load(const Credentials& cr
       std::make_unique<Handles>(Handles{*std::move(key), std::move(certificates->front())});
   if (X509_check_private_key(handles->certificate.get(), handles->key.get()) != 1) {
     ERR_clear_error();
-    return absl::InvalidArgumentError("the authority's key does not belong to its certificate");
+    return absl::InvalidArgumentError(
+        "ca.key is not the key of ca.crt; bring back the two that were made together");
   }
   return std::unique_ptr<Authority>(new Authority(std::move(handles), credentials));
 }

@@ -18,8 +18,9 @@ constexpr mode_t kFileMode = 0600;
 constexpr mode_t kFolderMode = 0700;
 
 absl::Status SystemError(const std::string& path, const char* doing, int error) {
-  const std::string text =
-      fmt::format("{}: cannot be {}: {}", path, doing, std::generic_category().message(error));
+  const char* const remedy = error == EACCES || error == EPERM ? "; let this user do it" : "";
+  const std::string text = fmt::format("{}: cannot be {}: {}{}", path, doing,
+                                       std::generic_category().message(error), remedy);
   if (error == ENOENT) return absl::NotFoundError(text);
   if (error == EACCES || error == EPERM) return absl::PermissionDeniedError(text);
   return absl::InternalError(text);
@@ -80,7 +81,8 @@ absl::StatusOr<std::string> ReadFile(const std::string& path) {
   close(fd);
   if (n < 0) return SystemError(path, "read", error);
   if (size > kPemBytesMax) {
-    return absl::InvalidArgumentError(fmt::format("{}: larger than {} bytes", path, kPemBytesMax));
+    return absl::InvalidArgumentError(
+        fmt::format("{}: larger than {} bytes; name the right folder (--dir)", path, kPemBytesMax));
   }
   text.resize(size);
   return text;
@@ -107,7 +109,8 @@ absl::Status Directory::Prepare() const {
     return SystemError(path_, "made", errno);
   }
   if (!std::filesystem::is_directory(folder, error)) {
-    return absl::InvalidArgumentError(fmt::format("{}: it is not a folder", path_));
+    return absl::InvalidArgumentError(
+        fmt::format("{}: it is not a folder; name another (--dir)", path_));
   }
   return absl::OkStatus();
 }
@@ -141,6 +144,11 @@ absl::StatusOr<Credentials> Directory::Read(const std::string& name) const {
 
 absl::StatusOr<std::unique_ptr<Authority>> Directory::LoadAuthority() const {
   const absl::StatusOr<Credentials> credentials = Read(kAuthorityName);
+  if (absl::IsNotFound(credentials.status())) {
+    return absl::NotFoundError(
+        fmt::format("{}; make the authority first (uplinkctl pki init --dir {})",
+                    std::string(credentials.status().message()), path_));
+  }
   if (!credentials.ok()) return credentials.status();
   absl::StatusOr<std::unique_ptr<Authority>> authority = Authority::Load(*credentials);
   if (!authority.ok()) {

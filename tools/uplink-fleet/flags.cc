@@ -237,6 +237,8 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   RunFlags run_flags(flags);
   ScenarioFlags scenario_flags(flags);
   TwinFlags twin_flags(flags);
+  flags.Example("uplink-fleet --robots 100 --for 1m");
+  flags.Example("uplink-fleet --scenario rough --target localhost:7443 --pki ./pki");
   if (const auto ended = flags.Parse(argc, argv)) {
     code = *ended;
     return std::nullopt;

@@ -40,9 +40,10 @@ int Check(const std::string& path) {
 void AddConfig(config::Flags& program) {
   config::Flags& noun = program.AddCommand("config", "The server's configuration file");
   const auto path = std::make_shared<std::string>();
-  noun.AddCommand("check", "Report every problem of a file at once",
-                  [path] { return Check(*path); })
-      .Add({"FILE", "The configuration file", config::Flag::Need::kRequired}, *path);
+  config::Flags& check = noun.AddCommand("check", "Report every problem of a file at once",
+                                         [path] { return Check(*path); });
+  check.Add({"FILE", "The configuration file", config::Flag::Need::kRequired}, *path);
+  check.Example("uplinkctl config check /etc/uplinkd/uplinkd.toml");
 }
 
 }  // namespace uplink::ctl

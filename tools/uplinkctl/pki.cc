@@ -83,7 +83,9 @@ absl::Status Issue(const Request& request, const absl::StatusOr<pki::Profile>& p
 
 absl::Status IssueRobots(const Request& request) {
   if (request.count == 0) {
-    if (request.ruri.empty()) return absl::InvalidArgumentError("--ruri is required");
+    if (request.ruri.empty())
+      return absl::InvalidArgumentError(
+          "--ruri is required: the robot's rcan://..., or --count N for N robots");
     return Issue(request, pki::RobotProfile(request.ruri, request.fleet, request.name));
   }
   const auto authority = pki::Directory(request.directory).LoadAuthority();
@@ -123,8 +125,10 @@ void AddInit(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
   request->days = pki::kAuthorityDaysDefault;
   request->name = "uplinkd development authority";
-  AddVerb(noun, request, {"init", "Make an authority: ca.crt and ca.key", Init})
-      .Add({"--common-name", "The authority's name, for people"}, request->name);
+  config::Flags& flags =
+      AddVerb(noun, request, {"init", "Make an authority: ca.crt and ca.key", Init});
+  flags.Add({"--common-name", "The authority's name, for people"}, request->name);
+  flags.Example("uplinkctl pki init --dir pki");
 }
 
 void AddServer(config::Flags& noun) {
@@ -137,6 +141,7 @@ void AddServer(config::Flags& noun) {
   flags.Add({"--host", "DNS name or IP address that robots dial (repeatable)",
              config::Flag::Need::kRequired},
             request->hosts);
+  flags.Example("uplinkctl pki server --dir pki --host uplink.example.org --host 192.0.2.7");
 }
 
 void AddRobot(config::Flags& noun) {
@@ -150,6 +155,8 @@ void AddRobot(config::Flags& noun) {
   flags.Add({"--count", "Make that many: robot-0001, robot-0002, ..."}, request->count,
             {1, kCountMax});
   flags.AtMostOne({"--count", "--name"});
+  flags.Example("uplinkctl pki robot --dir pki --ruri rcan://example.org/a/b/1.0/r1 --name r1");
+  flags.Example("uplinkctl pki robot --dir pki --count 20");
 }
 
 void AddGateway(config::Flags& noun) {
@@ -162,6 +169,7 @@ void AddGateway(config::Flags& noun) {
   flags.Add({"--fleet", "Fleet of the gateway's robots"}, request->fleet);
   flags.Add({"--ruri", "Robot that it may speak for (repeatable); none: all of the fleet"},
             request->ruris);
+  flags.Example("uplinkctl pki gateway --dir pki --fleet north --name gateway-1");
 }
 
 void AddOperator(config::Flags& noun) {
@@ -173,7 +181,9 @@ void AddOperator(config::Flags& noun) {
       AddVerb(noun, request, {"operator", "Make an operator's certificate", work});
   AddName(flags, *request, "operator");
   flags.Add({"--fleet", "Fleet that the operator may see; *: all"}, request->fleet);
-  flags.Add({"--role", "viewer, operator or admin"}, request->role);
+  flags.AddChoice({"--role", "What the operator may do"}, request->role,
+                  {"viewer", "operator", "admin"});
+  flags.Example("uplinkctl pki operator --dir pki --role viewer --fleet north");
 }
 
 }  // namespace

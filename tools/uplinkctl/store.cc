@@ -131,23 +131,30 @@ void AddStore(config::Flags& program) {
   };
   constexpr const char* kDatabase = "postgresql://owner@host:port/database";
   constexpr const char* kAny = "postgresql://owner@host:port/database, or sqlite:///path";
-  add("migrate", "Apply the steps that are missing, as the owner", kDatabase, Migrate)
-      .Add(
-          {"--grant-to", "The role that the server logs in as: it may read and write, and no more"},
-          arguments->grant_to);
+  config::Flags& migrate =
+      add("migrate", "Apply the steps that are missing, as the owner", kDatabase, Migrate);
+  migrate.Add(
+      {"--grant-to", "The role that the server logs in as: it may read and write, and no more"},
+      arguments->grant_to);
+  migrate.Example("uplinkctl store migrate --url postgresql://owner@db/uplinkd --grant-to uplinkd");
   add("status", "Show the server and the schema of a PostgreSQL database; 1 if steps are missing",
-      kDatabase, Status);
+      kDatabase, Status)
+      .Example("uplinkctl store status --config /etc/uplinkd/uplinkd.toml");
   config::Flags& clock =
       add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny, Clock);
   clock.AddSwitch({"--confirm", "Vouch for it: the store's mark becomes this machine's time"},
                   arguments->confirm);
   clock.AddSwitch({"--yes", "Do not ask first"}, arguments->yes);
+  clock.Example("uplinkctl store clock --config /etc/uplinkd/uplinkd.toml");
+  clock.Example("uplinkctl store clock --config /etc/uplinkd/uplinkd.toml --confirm");
   config::Flags& forget =
       add("forget", "Delete all that the store has of a robot; 1 if the robot stays", kAny, Forget);
   forget.Add({"ruri", "The robot: rcan://...", config::Flag::Need::kRequired}, arguments->ruri);
   forget.AddSwitch({"--end-stream", "End the robot's stream first, and wait for its records"},
                    arguments->end_stream);
   forget.AddSwitch({"--yes", "Do not ask first"}, arguments->yes);
+  forget.Example(
+      "uplinkctl store forget --config /etc/uplinkd/uplinkd.toml rcan://example.org/a/b/1.0/r1");
 }
 
 }  // namespace uplink::ctl

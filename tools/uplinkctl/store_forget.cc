@@ -261,7 +261,7 @@ int StoreForget(const StoreForgetRequest& request) {
   const auto counts = target->store->removal().Count(request.ruri);
   if (!counts.ok()) return ExitOf(counts.status());
   if (counts->empty()) {
-    fmt::print(stderr, "uplinkctl: the store has nothing of {}\n",
+    fmt::print(stderr, "uplinkctl: the store has nothing of {}; /api/v1/robots lists its robots\n",
                PrintableUtf8(request.ruri, kNameBytesMax));
     return kExitFailed;
   }

@@ -25,8 +25,9 @@ absl::StatusOr<std::string> ReadPassword(const std::string& path) {
   std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line)) {
-    return absl::FailedPreconditionError("store.password_file " + path +
-                                         " cannot be read, or is empty");
+    return absl::FailedPreconditionError(
+        "store.password_file " + path +
+        " cannot be read, or is empty; write the password into its first line");
   }
   if (line.ends_with('\r')) line.pop_back();
   return line;

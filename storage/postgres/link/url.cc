@@ -51,7 +51,7 @@ absl::Status FillPlaces(const std::vector<std::pair<std::string, std::string>>& 
     if (parts.size() != places && parts.size() != 1) {
       return absl::InvalidArgumentError("store.url names " + std::to_string(places) +
                                         " hosts and " + std::to_string(parts.size()) + " of " +
-                                        keyword);
+                                        keyword + "; name one, or one for each host");
     }
     for (std::size_t i = 0; i < places; ++i) {
       const std::string& part = parts[parts.size() == 1 ? 0 : i];
@@ -69,7 +69,7 @@ bool IsPostgresUrl(std::string_view url) {
 
 absl::StatusOr<Url> ParseUrl(std::string_view url) {
   if (!IsPostgresUrl(url)) {
-    return absl::InvalidArgumentError("store.url does not begin with postgresql://");
+    return absl::InvalidArgumentError("store.url does not begin with postgresql://HOST/DATABASE");
   }
   char* error = nullptr;
   const std::unique_ptr<PQconninfoOption, FreeOptions> options(

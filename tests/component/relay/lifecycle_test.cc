@@ -52,8 +52,10 @@ TEST(Lifecycle, AMissingFileIsNamed) {
       kAnyPort,
       transport::PemFiles{"/no/such/server.crt", "/no/such/server.key", "/no/such/ca.crt"});
   ASSERT_FALSE(started.ok());
-  EXPECT_EQ(std::string(started.status().message()),
-            "/no/such/server.crt: cannot be read: No such file or directory");
+  EXPECT_EQ(
+      std::string(started.status().message()),
+      "/no/such/server.crt: cannot be read: No such file or directory; correct the path, or make "
+      "the file");
 }
 
 TEST(Lifecycle, StartsAndStopsWithoutARobot) {

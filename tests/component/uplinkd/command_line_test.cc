@@ -129,12 +129,16 @@ TEST(CommandLine, VersionIsOneLine) {
   const UplinkdFolder folder;
   const Ended ended = RunToEnd(folder, {"--version"});
   EXPECT_EQ(ended.code, 0);
-  EXPECT_THAT(ended.text, ::testing::MatchesRegex("uplinkd [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(ended.text, ::testing::MatchesRegex(
+                              "uplinkd [0-9]+\\.[0-9]+\\.[0-9]+ \\(commit [0-9A-Za-z]+\\)\n"));
 }
 
 TEST(CommandLine, WrongUseIsTwo) {
   const UplinkdFolder folder;
   EXPECT_EQ(RunToEnd(folder, {"--no-such-flag"}).code, 2);
+  const Ended near = RunToEnd(folder, {"--confg", folder.Path("uplinkd.toml")});
+  EXPECT_EQ(near.code, 2);
+  EXPECT_EQ(near.text, "uplinkd: --confg: unknown flag; did you mean --config?\n");
   EXPECT_EQ(RunToEnd(folder, {"--check-config", "--print-config"}).code, 2);
 }
 

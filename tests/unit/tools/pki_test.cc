@@ -192,7 +192,7 @@ TEST(Authority, RefusesAKeyOfAnother) {
   EXPECT_TRUE(Authority::Load((*one)->credentials()).ok());
   const auto mixed =
       Authority::Load({(*one)->credentials().certificate_pem, (*two)->credentials().key_pem});
-  EXPECT_THAT(Message(mixed.status()), HasSubstr("does not belong"));
+  EXPECT_THAT(Message(mixed.status()), HasSubstr("is not the key of"));
   EXPECT_FALSE(Authority::Load({"no PEM", (*two)->credentials().key_pem}).ok());
   EXPECT_FALSE(Authority::Load({(*one)->credentials().certificate_pem, ""}).ok());
 }

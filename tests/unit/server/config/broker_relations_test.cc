@@ -64,9 +64,9 @@ TEST(BrokerRelationsTest, NotesABrokerOverTheNetworkThatHasNoTls) {
   };
   EXPECT_THAT(note("mqtt://broker.example.org"),
               AllOf(HasSubstr("u.toml:6: mqtt.url: it is mqtt://, which has no TLS"),
-                    HasSubstr("broker.example.org"), HasSubstr("reads all topics")));
+                    HasSubstr("broker.example.org"), HasSubstr("read all topics")));
   EXPECT_THAT(note("mqtt://[2001:db8::1]", "username = \"u\"\npassword_file = \"p\"\n"),
-              AllOf(HasSubstr("2001:db8::1"), HasSubstr("reads the password")));
+              AllOf(HasSubstr("2001:db8::1"), HasSubstr("read the password")));
   EXPECT_THAT(note("mqtt://127.example.org"), HasSubstr("127.example.org"));
   for (const char* good : {"mqtts://broker.example.org", "mqtt://127.0.0.1", "mqtt://[::1]:1883",
                            "mqtt://localhost", ""}) {

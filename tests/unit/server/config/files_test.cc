@@ -14,6 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 class ValidateFilesTest : public ::testing::Test {
  protected:
@@ -82,7 +83,7 @@ TEST_F(ValidateFilesTest, SaysWhenTheCertificateHasExpired) {
   EXPECT_THAT(ExpiredFiles(config_, now), IsEmpty());
   const std::vector<Problem> problems = ExpiredFiles(config_, now + std::chrono::hours(5));
   ASSERT_THAT(problems, SizeIs(1));
-  EXPECT_THAT(problems[0].text, HasSubstr("expired 3 h ago"));
+  EXPECT_THAT(problems[0].text, HasSubstr("expired 3 h ago; replace it"));
   EXPECT_THAT(ValidateFiles(config_), IsEmpty()) << "a server starts all the same";
 }
 
@@ -124,9 +125,9 @@ TEST_F(ValidateFilesTest, ReadsEveryCertificateOfAnAuthorityFile) {
   const std::vector<Problem> problems = ValidateFiles(config_);
   ASSERT_THAT(problems, SizeIs(2));
   EXPECT_EQ(problems[0].key, "tls.client_ca_file");
-  EXPECT_THAT(problems[0].text, HasSubstr("/ca.crt: PEM block 2"));
+  EXPECT_THAT(problems[0].text, StartsWith("PEM block 2"));
   EXPECT_EQ(problems[1].key, "tls.operator_ca_file");
-  EXPECT_THAT(problems[1].text, HasSubstr("/operators.crt: PEM block 2"));
+  EXPECT_THAT(problems[1].text, StartsWith("PEM block 2"));
 }
 
 TEST_F(ValidateFilesTest, KnowsACertificateFromAKey) {
@@ -151,7 +152,7 @@ TEST_F(ValidateFilesTest, RequiresTheFolderOfTheStore) {
   config_.store.url = "sqlite://" + folder_ + "/gone/uplinkd.db";
   const std::vector<Problem> problems = ValidateFiles(config_);
   ASSERT_THAT(problems, SizeIs(1));
-  EXPECT_THAT(problems[0].text, HasSubstr("/gone does not exist"));
+  EXPECT_THAT(problems[0].text, HasSubstr("/gone does not exist; make it"));
 }
 
 TEST_F(ValidateFilesTest, LooksAtTheFilesForABroker) {

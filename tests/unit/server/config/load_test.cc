@@ -59,13 +59,14 @@ TEST(ParseConfigTest, ReportsEveryProblemAtOnceInTheOrderOfTheFile) {
       "min_version = \"1.1\"\n[presence]\ntimeout = 10\n[limits]\nrobots_max = 0\n"
       "robot_max = 5\n[ratios]\n[journal]\nbytes_max = \"1KB\"\n");
   EXPECT_FALSE(result.ok());
-  EXPECT_THAT(result.problems,
-              ElementsAre(IsProblem("u.toml:5", "tls.min_version", "\"1.1\" is not allowed"),
-                          IsProblem("u.toml:7", "presence.timeout", "a duration"),
-                          IsProblem("u.toml:9", "limits.robots_max", "0 is not allowed"),
-                          IsProblem("u.toml:10", "limits.robot_max", "unknown key"),
-                          IsProblem("u.toml:11", "ratios", "unknown section"),
-                          IsProblem("u.toml:13", "journal.bytes_max", "\"1KB\" is not allowed")));
+  EXPECT_THAT(
+      result.problems,
+      ElementsAre(IsProblem("u.toml:5", "tls.min_version", "\"1.1\" is not allowed"),
+                  IsProblem("u.toml:7", "presence.timeout", "a duration"),
+                  IsProblem("u.toml:9", "limits.robots_max", "0 is not allowed"),
+                  IsProblem("u.toml:10", "limits.robot_max", "did you mean limits.robots_max?"),
+                  IsProblem("u.toml:11", "ratios", "unknown section"),
+                  IsProblem("u.toml:13", "journal.bytes_max", "\"1KB\" is not allowed")));
 }
 
 TEST(ParseConfigTest, NamesValueAndLimitOfAnOutOfBoundsNumber) {
@@ -116,7 +117,7 @@ TEST(ParseConfigTest, RefusesAValueOfTheWrongType) {
 
 TEST(ParseConfigTest, RefusesAKeyOutsideItsSection) {
   EXPECT_THAT(ParseConfig("robots_max = 5\n" + std::string(kMinimal), "u.toml", {}).problems,
-              ElementsAre(IsProblem("u.toml:1", "robots_max", "unknown section")));
+              ElementsAre(IsProblem("u.toml:1", "robots_max", "such as [limits]")));
 }
 
 TEST(ParseConfigTest, RefusesASectionThatIsNoTable) {
@@ -357,7 +358,8 @@ TEST(LoadConfigTest, ReadsFilesUpToTheBoundAndNotPastIt) {
 
 TEST(LoadConfigTest, ReportsAFileThatIsNotThereOrAFolder) {
   EXPECT_THAT(LoadConfig("/no/such/file.toml", {}).problems,
-              ElementsAre(IsProblem("/no/such/file.toml", "", "cannot be read")));
+              ElementsAre(IsProblem("/no/such/file.toml", "",
+                                    "cannot be read: No such file or directory; correct")));
   EXPECT_THAT(LoadConfig("/", {}).problems, ElementsAre(IsProblem("/", "", "cannot be read")));
 }
 

@@ -213,8 +213,9 @@ TEST_F(AuthoritiesTest, LinesThatSpeakOfCertificatesAreComments) {
 }
 
 TEST_F(AuthoritiesTest, NoneAtAllIsAnError) {
-  EXPECT_EQ(ErrorOf(""), "ca.crt: holds no PEM certificate");
-  EXPECT_EQ(ErrorOf(one_.Issue(testing::ServerSpec()).key), "ca.crt: holds no PEM certificate");
+  EXPECT_EQ(ErrorOf(""), "ca.crt: holds no PEM certificate; name the file that does");
+  EXPECT_EQ(ErrorOf(one_.Issue(testing::ServerSpec()).key),
+            "ca.crt: holds no PEM certificate; name the file that does");
 }
 
 }  // namespace

@@ -57,10 +57,11 @@ TEST_F(ReadPemTest, AFileThatIsNotThereIsNamed) {
 TEST_F(ReadPemTest, AFolderAndAPipeAreNamedWithoutWaitingForAWriter) {
   const std::string pipe = folder_.File("pipe.pem");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(ReadPem(pipe).status().message(), pipe + ": is not a regular file");
+  EXPECT_EQ(ReadPem(pipe).status().message(), pipe + ": is not a regular file; name a PEM file");
   const std::string folder = folder_.File("folder");
   std::filesystem::create_directory(folder);
-  EXPECT_EQ(ReadPem(folder).status().message(), folder + ": is not a regular file");
+  EXPECT_EQ(ReadPem(folder).status().message(),
+            folder + ": is not a regular file; name a PEM file");
 }
 
 }  // namespace

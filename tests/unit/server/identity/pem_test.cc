@@ -95,9 +95,11 @@ TEST_F(PemTest, ASecondKeyIsNamed) {
 }
 
 TEST_F(PemTest, ATextWithoutAKeyAndABrokenKeyAreNamed) {
-  EXPECT_EQ(SaidOfKey(""), "a.pem: holds no PEM private key");
-  EXPECT_EQ(SaidOfKey(pair_.certificate), "a.pem: holds no PEM private key");
-  EXPECT_EQ(SaidOfKey(testing::BlockOf("EC PARAMETERS")), "a.pem: holds no PEM private key");
+  EXPECT_EQ(SaidOfKey(""), "a.pem: holds no PEM private key; name the file that does");
+  EXPECT_EQ(SaidOfKey(pair_.certificate),
+            "a.pem: holds no PEM private key; name the file that does");
+  EXPECT_EQ(SaidOfKey(testing::BlockOf("EC PARAMETERS")),
+            "a.pem: holds no PEM private key; name the file that does");
   EXPECT_THAT(SaidOfKey(testing::BlockOf("EC PARAMETERS") + testing::BlockOf("PRIVATE KEY")),
               HasSubstr("a.pem: PEM block 2, from line 3, is broken"));
   EXPECT_THAT(SaidOfKey(testing::BlockOf("PRIVATE KEY", "AAAA\n")), HasSubstr("is broken"));

@@ -51,13 +51,13 @@ TEST(ServerPair, IsStrongEnoughForOpenSsl) {
   testing::CertificateSpec spec = testing::ServerSpec();
   spec.key = "RSA-1024";
   const testing::KeyPair weak = authority.Issue(spec);
-  const std::string refused = "s.crt: OpenSSL refuses it: ee key too small";
+  const std::string refused = "s.crt: OpenSSL refuses it: ee key too small; issue another";
   EXPECT_EQ(CheckServerPair({"s.crt", weak.certificate}, {"s.key", weak.key}).message(), refused);
   EXPECT_EQ(CheckClientPair({"s.crt", weak.certificate}, {"s.key", weak.key}).message(), refused);
   const testing::KeyPair good = authority.Issue(testing::ServerSpec());
   EXPECT_EQ(CheckServerPair({"s.crt", good.certificate + weak.certificate}, {"s.key", good.key})
                 .message(),
-            "s.crt: OpenSSL refuses it: ca key too small");
+            "s.crt: OpenSSL refuses it: ca key too small; issue another");
 }
 
 }  // namespace

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace uplink::config {
+
+/// A file's text, or why it cannot be had: a sentence without the path.
+struct FileText {
+  std::string text;
+  std::string problem;
+};
+
+/// Reads a regular file, or a pipe, of at most `bytes_max`.
+///
+/// Thread: any.
+[[nodiscard]] FileText ReadFileText(const std::string& path, std::size_t bytes_max);
+
+}  // namespace uplink::config
