@@ -5,6 +5,7 @@ import sys
 import tempfile
 import unittest
 
+import alerts
 import includes
 import prose
 import questions
@@ -402,6 +403,31 @@ class ProseTest(RuleTest):
         self.assert_clean(prose.avoided, files)
         found = self.find(prose.avoided, {"docs/operate/configuration.md": "| `a.b` | Nobody sees them. |\n"})
         self.assertEqual(found, [("docs/operate/configuration.md", 1, "prose")])
+
+
+class AlertsTest(RuleTest):
+    PATH = "deploy/prometheus/alerts.rules.yml"
+
+    def rules(self, summary, description):
+        return {
+            self.PATH: "groups:\n      - alert: A\n"
+            f'          summary: "{summary}"\n          description: "{description}"\n'
+        }
+
+    def test_takes_texts_within_their_words(self):
+        place = "{{ $value | printf `%.0f` }}"
+        self.assert_clean(alerts.short, self.rules(place + " a" * 10, "a " * 39))
+        self.assert_clean(alerts.short, {"deploy/a.yml": 'summary: "' + "a " * 99 + '"\n'})
+
+    def test_refuses_a_word_more(self):
+        found = self.find(alerts.short, self.rules("a " * 12, "a"))
+        self.assertEqual(found, [(self.PATH, 3, "alert-text")])
+        found = self.find(alerts.short, self.rules("a", "a " * 40))
+        self.assertEqual(found, [(self.PATH, 4, "alert-text")])
+
+    def test_refuses_an_alert_without_a_text(self):
+        found = self.find(alerts.short, {self.PATH: '      - alert: A\n          summary: "a"\n'})
+        self.assertEqual(found, [(self.PATH, 1, "alert-text")])
 
 
 class BuiltTest(RuleTest):

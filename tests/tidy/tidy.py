@@ -9,6 +9,7 @@ import argparse
 import pathlib
 import sys
 
+import alerts
 import includes
 import prose
 import questions
@@ -32,6 +33,7 @@ RULES = (
     text.words,
     prose.avoided,
     questions.answered,
+    alerts.short,
     whole.built,
     whole.targets,
     whole.settings,

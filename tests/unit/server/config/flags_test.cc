@@ -248,7 +248,7 @@ TEST(FlagsTest, WrongUseSaysWhatIsAllowed) {
   EXPECT_THAT(WrongUse(flags, "--days", "251"),
               HasSubstr("--days: 251 is not allowed; it must be a number from 1 to 250"));
   EXPECT_THAT(WrongUse(flags, "--rate", "none"), HasSubstr("a number from 0.1 to 1000000"));
-  EXPECT_THAT(WrongUse(flags, "--what", "memroy"), HasSubstr("; did you mean memory?"));
+  EXPECT_THAT(WrongUse(flags, "--what", "mem0ry"), HasSubstr("; did you mean memory?"));
   EXPECT_THAT(WrongUse(flags, "--what", "disk"), HasSubstr("it must be one of relay, memory"));
   EXPECT_THAT(WrongUse(flags), HasSubstr("--url or --file is required, and only one of them"));
   EXPECT_THAT(WrongUse(flags, "--url", "a", "--file", "b"), HasSubstr("only one of them"));

@@ -45,7 +45,7 @@ TEST(NearestNameTest, ComparesNamesUpToTheBoundAndNotPastIt) {
 }
 
 TEST(DidYouMeanTest, EndsASentenceEitherWay) {
-  EXPECT_EQ(DidYouMean("log.levl", kNames, "; see the list"), "; did you mean log.level?");
+  EXPECT_EQ(DidYouMean("log.lev3l", kNames, "; see the list"), "; did you mean log.level?");
   EXPECT_EQ(DidYouMean("nonsense", kNames, "; see the list"), "; see the list");
 }
 

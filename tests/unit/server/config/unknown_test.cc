@@ -13,7 +13,7 @@ using ::testing::StartsWith;
 
 TEST(UnknownTest, AKeyIsToldTheNearest) {
   EXPECT_EQ(UnknownKeyText("limits", "robot_max"), "unknown key; did you mean limits.robots_max?");
-  EXPECT_EQ(UnknownKeyText("store", "retention.histroy"),
+  EXPECT_EQ(UnknownKeyText("store", "retention.hist0ry"),
             "unknown key; did you mean store.retention.history?");
 }
 
