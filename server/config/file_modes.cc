@@ -43,13 +43,15 @@ void CheckSecret(const std::string& key, const std::string& path, FileModes& mod
   if ((mode & S_IROTH) != 0) {
     modes.notes.push_back({{path, key,
                             fmt::format("everybody on this machine may read {} (mode {:04o}); the "
-                                        "server's user is enough",
-                                        path, mode)},
+                                        "server's user is enough: chmod o-r {}",
+                                        path, mode, path)},
                            "secret_readable"});
   }
   if ((mode & S_IWGRP) != 0) {
     modes.notes.push_back(
-        {{path, key, fmt::format("the file's group may write {} (mode {:04o})", path, mode)},
+        {{path, key,
+          fmt::format("the file's group may write {} (mode {:04o}); take that away: chmod g-w {}",
+                      path, mode, path)},
          "secret_writable"});
   }
 }

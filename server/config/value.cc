@@ -82,7 +82,7 @@ Interpreted InterpretList(const Setting& setting, std::vector<std::string> items
   if (items.size() > kListItemsMax) return Bad(setting, fmt::format("{} strings", items.size()));
   for (const std::string& item : items) {
     if (std::ranges::count(items, item) > 1) {
-      return BadValue{fmt::format("{} stands in it twice", Shown(item))};
+      return BadValue{fmt::format("{} stands in it twice; write it once", Shown(item))};
     }
     const bool empty = item.empty() && !setting.empty_items;
     if (empty || item.size() > kListItemBytesMax || !IsCleanUtf8(item)) {
