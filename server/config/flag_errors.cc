@@ -53,23 +53,28 @@ const CLI::App& ChosenOf(const CLI::App& app) {
   return app;
 }
 
-/// The flags of a group from which one must be given, as `--config or --url`.
-std::string Alternatives(const CLI::App& group) {
+/// The flags of a group from which one must be given.
+std::vector<const CLI::Option*> AlternativesIn(const CLI::App& group) {
+  return group.get_options(
+      [&group](const CLI::Option* option) { return option != group.get_help_ptr(); });
+}
+
+std::string OneOfText(const std::vector<const CLI::Option*>& options) {
   std::string text;
-  for (const CLI::Option* option : group.get_options()) {
+  for (const CLI::Option* option : options) {
     text += (text.empty() ? "" : " or ") + option->get_name();
   }
-  return text;
+  return "give either " + text;
 }
 
 /// What is missing; the library says which flag.
 std::string MissingText(const CLI::App& chosen, const std::string& library_says) {
   for (const CLI::App* group : PartsOf(chosen, false)) {
-    const auto options = group->get_options();
+    const auto options = AlternativesIn(*group);
     const auto given = std::ranges::count_if(
         options, [](const CLI::Option* option) { return option->count() > 0; });
     if (group->get_require_option_min() == 1 && given != 1) {
-      return Alternatives(*group) + " is required, and only one of them";
+      return OneOfText(options);
     }
   }
   if (!PartsOf(chosen, true).empty()) return "a command is missing";

@@ -23,9 +23,12 @@ constexpr std::size_t kSqlShownBytes = 80;
 
 absl::Status CannotOpen(const std::string& path) {
   const int error = errno;
-  return absl::FailedPreconditionError(
-      "cannot open " + path + ": " + std::generic_category().message(error) +
-      "; this user must be able to read and write the file, and its folder");
+  const char* const remedy =
+      error == ENOENT   ? "; correct the path, or make its folder"
+      : error == EISDIR ? "; name the file in it"
+                        : "; this user must be able to read and write the file, and its folder";
+  return absl::FailedPreconditionError("cannot open " + path + ": " +
+                                       std::generic_category().message(error) + remedy);
 }
 
 /// Makes a new file, for its owner alone, and says why a file that is there cannot be used: SQLite

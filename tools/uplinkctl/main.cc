@@ -27,6 +27,8 @@ namespace {
 
 int Run(int argc, char** argv) {
   config::Flags program("Operate uplinkd and look into it", "uplinkctl", config::VersionText());
+  program.Example("uplinkctl config check /etc/uplinkd/uplinkd.toml");
+  program.Example("uplinkctl store forget --help");
   AddPki(program);
   AddConfig(program);
   AddStore(program);

@@ -93,7 +93,7 @@ TEST(BrokerRelationsTest, APasswordNeedsAUser) {
 TEST(BrokerRelationsTest, AClientIdHasRoomForItsSuffixes) {
   EXPECT_EQ(OneProblem("[mqtt]\nclient_id = \"" + std::string(250, 'c') + "\"\n"), "");
   EXPECT_THAT(OneProblem("[mqtt]\nclient_id = \"" + std::string(251, 'c') + "\"\n"),
-              HasSubstr("mqtt.client_id: it has 251 bytes, at most 250"));
+              HasSubstr("mqtt.client_id: it has 251 bytes; it must have at most 250"));
   EXPECT_THAT(OneProblem("[mqtt]\nclient_id = \"\"\n"),
               HasSubstr("mqtt.client_id: it is empty; it must be 1 to 250 bytes"));
   for (const char* wrong : {"a\\nb", "a\\tb", "a\\u0007b"}) {
@@ -106,7 +106,7 @@ TEST(BrokerRelationsTest, AClientIdHasRoomForItsSuffixes) {
 TEST(BrokerRelationsTest, AUsernameHasALimit) {
   EXPECT_EQ(OneProblem("[mqtt]\nusername = \"" + std::string(1024, 'u') + "\"\n"), "");
   EXPECT_THAT(OneProblem("[mqtt]\nusername = \"" + std::string(1025, 'u') + "\"\n"),
-              HasSubstr("mqtt.username: it has 1025 bytes, at most 1024"));
+              HasSubstr("mqtt.username: it has 1025 bytes; it must have at most 1024"));
 }
 
 TEST(BrokerRelationsTest, ThereAreOneToEightGoodPrefixes) {

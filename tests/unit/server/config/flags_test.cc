@@ -250,8 +250,9 @@ TEST(FlagsTest, WrongUseSaysWhatIsAllowed) {
   EXPECT_THAT(WrongUse(flags, "--rate", "none"), HasSubstr("a number from 0.1 to 1000000"));
   EXPECT_THAT(WrongUse(flags, "--what", "mem0ry"), HasSubstr("; did you mean memory?"));
   EXPECT_THAT(WrongUse(flags, "--what", "disk"), HasSubstr("it must be one of relay, memory"));
-  EXPECT_THAT(WrongUse(flags), HasSubstr("--url or --file is required, and only one of them"));
-  EXPECT_THAT(WrongUse(flags, "--url", "a", "--file", "b"), HasSubstr("only one of them"));
+  EXPECT_THAT(WrongUse(flags), HasSubstr("program: give either --url or --file; program --help"));
+  EXPECT_THAT(WrongUse(flags, "--url", "a", "--file", "b"),
+              HasSubstr("give either --url or --file"));
   EXPECT_THAT(WrongUse(flags, "--url", "a", "--check", "--print"),
               HasSubstr("--check excludes --print: give one of the two"));
   EXPECT_THAT(WrongUse(flags, "--url"), HasSubstr("--url: a value is missing behind it"));

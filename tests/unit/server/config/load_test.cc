@@ -150,8 +150,8 @@ TEST(ParseConfigTest, ReportsWhatTheEnvironmentHasWrong) {
       "", {{"UPLINKD_LIMITS_ROBOTS_MAX", "many"}, {"UPLINKD_NO_SUCH", "1"}, {"UPLINKD_X", ""}});
   EXPECT_THAT(result.problems,
               ElementsAre(IsProblem("environment", "limits.robots_max", "\"many\" is not allowed"),
-                          IsProblem("environment", "UPLINKD_NO_SUCH", "no setting"),
-                          IsProblem("environment", "UPLINKD_X", "no setting")));
+                          IsProblem("environment", "UPLINKD_NO_SUCH", "no key has this variable"),
+                          IsProblem("environment", "UPLINKD_X", "no key has this variable")));
 }
 
 // What Kubernetes sets in each container where a Service is named uplinkd.

@@ -54,7 +54,7 @@ TEST(CertificateTextTest, CountsTheHostsThatItLeavesOut) {
 }
 
 TEST(CertificateTextTest, ShowsNoControlCharacters) {
-  EXPECT_THAT(CertificateText({{"a\x1b[2Jb"}, kNow}, kNow), StartsWith("a\\x1B[2Jb;"));
+  EXPECT_THAT(CertificateText({{"a\x1b[2Jb"}, kNow}, kNow), StartsWith("a\\x1b[2Jb;"));
 }
 
 TEST(ReadyLinesTest, AreFiveWithoutBrokerAndDrones) {
