@@ -1,6 +1,9 @@
 #include "server/config/address.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdint>
 #include <system_error>
 
 #include <arpa/inet.h>
@@ -18,6 +21,24 @@ std::optional<std::uint16_t> ParsePort(std::string_view text) {
     return std::nullopt;
   }
   return port;
+}
+
+using HostBytes = std::array<std::uint8_t, sizeof(in6_addr)>;
+
+/// An address of IPv4 as one of IPv6 (::ffff:a.b.c.d), but 0.0.0.0 stays apart from `::`.
+HostBytes BytesOf(const std::string& host) {
+  HostBytes bytes{};
+  if (::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1) return bytes;
+  bytes[10] = bytes[11] = 0xFF;
+  static_cast<void>(::inet_pton(AF_INET, host.c_str(), bytes.data() + 12));
+  return bytes;
+}
+
+/// Whether a listener on `all` hears what is sent to `host`.
+bool Covers(const HostBytes& all, const HostBytes& host) {
+  if (all == BytesOf("::")) return true;
+  const auto v4 = BytesOf("0.0.0.0");
+  return all == v4 && std::equal(v4.begin(), v4.begin() + 12, host.begin());
 }
 
 }  // namespace
@@ -43,9 +64,17 @@ std::optional<ListenAddress> ParseListenAddress(std::string_view text) {
 }
 
 std::string ToText(const ListenAddress& address) {
+  if (address.host.empty()) return {};
   const bool v6 = address.host.find(':') != std::string::npos;
   return v6 ? fmt::format("[{}]:{}", address.host, address.port)
             : fmt::format("{}:{}", address.host, address.port);
+}
+
+bool Collide(const ListenAddress& a, const ListenAddress& b) {
+  if (a.host.empty() || b.host.empty() || a.port == 0 || a.port != b.port) return false;
+  const HostBytes bytes_a = BytesOf(a.host);
+  const HostBytes bytes_b = BytesOf(b.host);
+  return bytes_a == bytes_b || Covers(bytes_a, bytes_b) || Covers(bytes_b, bytes_a);
 }
 
 bool IsLoopback(const ListenAddress& address) { return IsLoopbackHost(address.host); }

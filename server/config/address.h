@@ -10,7 +10,7 @@ namespace uplink::config {
 /// Where a listener binds: a literal IP address (never a name, so that start-up asks no resolver)
 /// and a port; port 0 takes any free one and the log names it. A value.
 struct ListenAddress {
-  /// Without brackets: `::`, `127.0.0.1`.
+  /// Without brackets: `::`, `127.0.0.1`. Empty: there is no listener.
   std::string host;
   std::uint16_t port = 0;
 
@@ -20,8 +20,12 @@ struct ListenAddress {
 /// Reads `127.0.0.1:7480` or `[::]:7443`; nothing if the text is neither.
 [[nodiscard]] std::optional<ListenAddress> ParseListenAddress(std::string_view text);
 
-/// The text that ParseListenAddress reads back.
+/// The text that ParseListenAddress reads back; empty if there is no listener.
 [[nodiscard]] std::string ToText(const ListenAddress& address);
+
+/// True if one socket cannot listen on `a` while another listens on `b`: the port is the same, and
+/// the hosts are, or one stands for all (`::` for those of IPv4 too). Never with port 0.
+[[nodiscard]] bool Collide(const ListenAddress& a, const ListenAddress& b);
 
 /// True if only this machine can reach the address (127.0.0.0/8 or ::1).
 [[nodiscard]] bool IsLoopback(const ListenAddress& address);

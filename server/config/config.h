@@ -45,6 +45,8 @@ struct ListenConfig {
   std::vector<Network> proxy_protocol_from;
   ListenAddress fleet{"127.0.0.1", 7444};
   ListenAddress http{"127.0.0.1", 7480};
+  /// Probes and scrapes for other machines; no address: on `http` alone.
+  ListenAddress metrics;
 };
 
 struct TlsConfig {

@@ -52,6 +52,13 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
                  fmt::format("port {} is also the port of listen.relay; give one of them another",
                              listen.http.port));
   }
+  const auto collides = [&](std::string_view key, const ListenAddress& other) {
+    if (!Collide(listen.metrics, other)) return;
+    breaches.Add("listen", "metrics",
+                 fmt::format("{} is taken by {}, {}", ToText(listen.metrics), key, ToText(other)));
+  };
+  collides("listen.relay", listen.relay);
+  collides("listen.http", listen.http);
 }
 
 void CheckTls(const TlsConfig& tls, Breaches& breaches) {

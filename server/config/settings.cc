@@ -133,6 +133,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kAddress,
      .text = "Probes, metrics and JSON, without authentication: a loopback address only.",
      UPLINK_BIND(listen, ListenConfig, http)},
+    {.section = "listen",
+     .key = "metrics",
+     .kind = Kind::kAddress,
+     .empty = "no such listener",
+     .text = "A further listener for probes and Prometheus on other machines: /livez, /readyz, "
+             "/metrics and /metrics/robots alone, under any name and without authentication. "
+             "listen.http answers them all the same.",
+     UPLINK_BIND(listen, ListenConfig, metrics)},
 
     {.section = "tls",
      .key = "certificate_file",
@@ -711,9 +719,9 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "http",
      .key = "hosts_cover_metrics",
      .kind = Kind::kSwitch,
-     .text = "Whether /metrics and /metrics/robots, too, may be asked for under addresses, "
-             "localhost and http.hosts alone. Then http.hosts needs the name by which Prometheus "
-             "asks.",
+     .text = "Whether /metrics and /metrics/robots, too, may be asked for on listen.http under "
+             "addresses, localhost and http.hosts alone. Then http.hosts needs the name by which "
+             "Prometheus asks.",
      UPLINK_BIND(http, HttpConfig, hosts_cover_metrics)},
 
     {.section = "log",

@@ -60,6 +60,8 @@ struct Setting {
   std::uint64_t max = 0;
   /// What zero means, if it is allowed below `min`.
   std::string_view zero{};
+  /// What an empty text means, if a kAddress setting may be empty.
+  std::string_view empty{};
   /// The words of a kChoice setting, in the order of its enumeration.
   std::span<const std::string_view> choices{};
   /// What it takes, for people, where this version takes less than `kind` and `choices` say.

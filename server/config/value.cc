@@ -116,6 +116,7 @@ Interpreted InterpretText(const Setting& setting, std::string_view text) {
     case Kind::kChoice:
       return Chosen(setting, text, shown);
     case Kind::kAddress:
+      if (text.empty() && !setting.empty.empty()) return Value(ListenAddress());
       if (const std::optional<ListenAddress> address = ParseListenAddress(text)) {
         return Value(*address);
       }

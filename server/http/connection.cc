@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,13 +46,13 @@ Method MethodOf(bhttp::verb verb) {
 class Connection final : public PlaceHolder, public std::enable_shared_from_this<Connection> {
  public:
   Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket)
-      : context_(std::move(context)), stream_(std::move(socket)) {
+      : context_(std::move(context)), stream_(std::move(socket)), incoming_(context_->limits) {
     place_ = context_->places.Take(*this, context_->server.clock.Steady());
-    context_->server.probe.connections.Add(1);
+    context_->probe().open.Add(1);
   }
   ~Connection() override {
     if (place_) context_->places.Leave(*place_);
-    context_->server.probe.connections.Add(-1);
+    context_->probe().open.Add(-1);
   }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -66,7 +67,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void ReadRequest() {
     if (answered_any_) Note(Places::State::kIdle);
     incoming_.Next();
-    stream_.expires_after(context_->idle_wait);
+    stream_.expires_after(context_->limits.idle_wait);
     begun_ = false;
     Advance();
   }
@@ -79,7 +80,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void Advance() {
     const Incoming::Step step = incoming_.Advance();
     if (step == Incoming::Step::kNothing) return ReadMore();
-    if (!std::exchange(begun_, true)) stream_.expires_after(context_->request_wait);
+    if (!std::exchange(begun_, true)) stream_.expires_after(context_->limits.request_wait);
     switch (step) {
       case Incoming::Step::kNothing:
       case Incoming::Step::kPart:
@@ -130,22 +131,27 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     }
     request.fetch_site = std::string(message["Sec-Fetch-Site"]);
     request.monitoring_only = place_ && (*place_)->monitoring_only;
+    request.listener = context_->listener;
     return request;
   }
 
-  [[nodiscard]] loop::ReadThread& ThreadOf(Lane lane) const {
+  /// Posts to the lane's thread; false if it takes no more.
+  [[nodiscard]] bool Post(Lane lane, std::function<void()> job) const {
+    const HttpServer::Context& server = context_->server;
     switch (lane) {
       case Lane::kMemory:
-        return context_->server.memory;
+        return server.memory.TryPost(std::move(job));
       case Lane::kMetrics:
-        return context_->server.metrics;
+        return server.metrics.TryPost(std::move(job));
       case Lane::kScrape:
-        return context_->server.scrapes;
+        // Scrapers on this machine go ahead of those on others.
+        return context_->listener == ListenerId::kHttp ? server.scrapes.TryPostAhead(std::move(job))
+                                                       : server.scrapes.TryPost(std::move(job));
       case Lane::kIo:
       case Lane::kRead:
         break;
     }
-    return context_->server.reads;
+    return server.reads.TryPost(std::move(job));
   }
 
   void OnRequest() {
@@ -157,11 +163,10 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     Note(IsScrape(resolved.lane) ? Places::State::kScraping : Places::State::kBusy);
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
-    loop::ReadThread& thread = ThreadOf(resolved.lane);
 
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =
-        thread.TryPost([self = shared_from_this(), run = std::move(resolved.run)]() mutable {
+        Post(resolved.lane, [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
           // For whom has given way meanwhile nothing is written.
           Response response = self->gave_way_ ? Response() : run();
           // The reference moves along, so that the connection always ends on the loop's thread.
@@ -223,7 +228,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
   template <typename Message>
   void Send(Message& message) {
-    stream_.expires_after(kAnswerWait);
+    stream_.expires_after(context_->limits.answer_wait);
     bhttp::async_write(stream_, message,
                        [self = shared_from_this()](beast::error_code error, std::size_t) {
                          // Release a shared answer at once, even if the connection is kept.

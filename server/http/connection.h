@@ -16,16 +16,20 @@ namespace uplink::http {
 struct ConnectionContext {
   ConnectionContext(const HttpServer::Context& all, const HttpServer::Options& options)
       : server(all),
-        request_wait(options.request_wait),
-        idle_wait(options.idle_wait),
-        places(options.connections_max) {}
+        listener(options.listener),
+        limits(options.limits),
+        places(options.limits.connections_max) {}
+
+  [[nodiscard]] ConnectionProbe& probe() const {
+    return server.probe.connections[PlaceOf(listener)];
+  }
 
   const HttpServer::Context server;
-  const milliseconds request_wait;
-  const milliseconds idle_wait;
+  const ListenerId listener;
+  const ListenerLimits limits;
   /// The value of Keep-Alive.
   const std::string keep_alive = fmt::format(
-      "timeout={}", std::chrono::duration_cast<std::chrono::seconds>(idle_wait).count());
+      "timeout={}", std::chrono::duration_cast<std::chrono::seconds>(limits.idle_wait).count());
   Places places;
 };
 

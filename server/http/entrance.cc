@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/http/errors.h"
@@ -24,6 +25,7 @@ Response AnswerOfStart(const Request& request, RouteId route) {
 }  // namespace
 
 std::optional<Response> Entrance::Refusal(const Request& request, RouteId route) const {
+  if (request.listener == ListenerId::kMetrics) return std::nullopt;
   const bool data = !IsMonitoring(route);
   const bool covered =
       data || (covered_ == Covered::kDataAndScrapes && IsScrape(Routes()[route.index].lane));
@@ -46,7 +48,11 @@ Resolved Entrance::Resolve(Request request) const {
     request.host = std::move(whole->authority);
     request.target = std::move(whole->target);
   }
-  const RouteId route = FindRoute(SplitTarget(request.target).path).id;
+  const std::string_view path = SplitTarget(request.target).path;
+  const RouteId route = FindRoute(path).id;
+  if (request.listener == ListenerId::kMetrics && !IsMonitoring(route)) {
+    return AtOnce(OtherRoute(), NoSuchPath(path));
+  }
   if (host_missing) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }

@@ -12,6 +12,7 @@
 namespace uplink::http {
 
 /// What a request meets before the site:
+/// - on listen.metrics only the paths of probes and scrapes exist (others: 404), under any host;
 /// - one of HTTP/1.1 must name its host, or it gets 400. The host of a target in absolute-form
 ///   replaces the header's (RFC 9112, 3.2.2);
 /// - data are shown under known hosts alone (421), scrapes too if that is set, probes under any;

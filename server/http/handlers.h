@@ -5,6 +5,7 @@
 
 #include "metrics/format.h"
 #include "server/health/monitor.h"
+#include "server/http/listeners.h"
 #include "server/http/message.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
@@ -32,6 +33,7 @@ struct RoutedRequest {
   std::string query;
   metrics::Format format = metrics::Format::kText;
   metrics::Coding coding = metrics::Coding::kPlain;
+  ListenerId listener = ListenerId::kHttp;
 };
 
 // The handlers of Routes(). Errors are answers too.

@@ -24,7 +24,7 @@ bool HasFoldedLine(std::string_view head) {
 
 void Incoming::Next() {
   parser_.emplace();
-  parser_->header_limit(kHeaderBytesMax);
+  parser_->header_limit(static_cast<std::uint32_t>(limits_.header_bytes_max));
   parser_->body_limit(boost::none);  // JudgeHead knows the length
   parsed_ = 0;
   empty_line_skipped_ = begun_ = head_taken_ = false;
@@ -59,7 +59,7 @@ Incoming::Step Incoming::TakeHead() {
   parsed_ += parser_->put(buffer_.data() + parsed_, error);
   const bool whole = parser_->is_header_done();
   if (error == bhttp::error::header_limit ||
-      (whole ? parsed_ > kHeaderBytesMax : buffer_.size() >= kHeaderBytesMax)) {
+      (whole ? parsed_ > limits_.header_bytes_max : buffer_.size() >= limits_.header_bytes_max)) {
     return Refuse(431, "the request's headers are too large");
   }
   if (error && error != bhttp::error::need_more) return Refuse(400, error.message());
@@ -76,7 +76,7 @@ Incoming::Step Incoming::JudgeHead(std::string_view head) {
     return Refuse(400, "Transfer-Encoding is not taken: give the body's Content-Length");
   }
   const std::uint64_t length = parser_->content_length().value_or(0);
-  if (length > kBodyBytesMax) return Refuse(413, "the request's body is too large");
+  if (length > limits_.body_bytes_max) return Refuse(413, "the request's body is too large");
   const bool expects = message().version() >= 11 && length > 0 &&
                        beast::iequals(message()[bhttp::field::expect], "100-continue");
   // A peer that sends its body already waits for nothing.

@@ -10,8 +10,8 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 
+#include "server/http/limits.h"
 #include "server/http/message.h"
-#include "server/http/server.h"
 
 namespace uplink::http {
 
@@ -19,6 +19,8 @@ namespace uplink::http {
 /// Confined to its connection.
 class Incoming final {
  public:
+  explicit Incoming(const ListenerLimits& limits) : limits_(limits) {}
+
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
 
   /// Begins the next request, with what came of it already.
@@ -56,7 +58,8 @@ class Incoming final {
   [[nodiscard]] Step TakeBody();
   [[nodiscard]] Step Refuse(int status, std::string_view what);
 
-  boost::beast::flat_buffer buffer_{kSentAheadBytesMax};
+  const ListenerLimits limits_;
+  boost::beast::flat_buffer buffer_{limits_.header_bytes_max + limits_.body_bytes_max};
   std::optional<Parser> parser_;
   /// What the parser took of the head, which the buffer still has.
   std::size_t parsed_ = 0;

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/http/listeners.h"
+
 namespace uplink::http {
 
 /// The methods of requests that we distinguish.
@@ -29,6 +31,8 @@ struct Request {
   bool host_required = false;
   /// The connection is kept for probes and scrapes.
   bool monitoring_only = false;
+  /// Where it came in.
+  ListenerId listener = ListenerId::kHttp;
 };
 
 inline constexpr std::string_view kJson = "application/json";

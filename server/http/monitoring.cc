@@ -1,5 +1,6 @@
 // The handlers of what supervisors and Prometheus ask: liveness, readiness, scrapes.
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,6 +35,11 @@ Response ReadyzResponse(const health::Readiness& readiness) {
   response.body = readiness.ready() ? view::WordsJson("degraded", readiness.degraded)
                                     : view::WordsJson("refuses", readiness.refuses);
   return response;
+}
+
+/// Scrapers on other machines leave a text to those on this one.
+std::size_t TextsMaxOf(ListenerId listener) {
+  return listener == ListenerId::kHttp ? rcan::kTextsMax : rcan::kTextsMax - rcan::kTextsReserved;
 }
 
 /// The head of a scrape.
@@ -83,7 +89,8 @@ Response GetMetrics(const Sources& sources, const RoutedRequest& request) {
 Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
   Response response = ScrapeResponse(request.format, request.coding);
-  response.shared_body = sources.robots.Text(request.format, request.coding);
+  response.shared_body =
+      sources.robots.Text(request.format, request.coding, TextsMaxOf(request.listener));
   if (response.shared_body == nullptr) return TooBusy();
   return response;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "metrics/cells.h"
+#include "server/http/listeners.h"
 #include "server/http/routes.h"
 
 namespace uplink::http {
@@ -13,15 +14,21 @@ namespace uplink::http {
 /// Answers are counted by their class: 2xx, 4xx, 5xx.
 inline constexpr std::array<std::string_view, 3> kCodeClasses = {"2xx", "4xx", "5xx"};
 
-/// What the HTTP server counts. Thread-safe.
+/// A listener's connections. Thread-safe.
+struct ConnectionProbe {
+  metrics::Cell open;
+  metrics::Cell refused;
+  metrics::Cell given_up;
+};
+
+/// What HTTP counts. Thread-safe.
 struct HttpProbe {
   /// By RouteId and code class.
   std::vector<std::array<metrics::Cell, kCodeClasses.size()>> requests =
       std::vector<std::array<metrics::Cell, kCodeClasses.size()>>(RouteIds());
   metrics::LatencyDistribution request_seconds{metrics::kLatencyBoundsSeconds};
-  metrics::Cell connections;
-  metrics::Cell connections_refused;
-  metrics::Cell connections_given_up;
+  /// By ListenerId.
+  std::array<ConnectionProbe, kListenerKeys.size()> connections;
   metrics::Cell reads_waiting;
   metrics::Cell reads_refused;
   /// Scrapes of /metrics that wait for their thread, and those that it did not take.

@@ -1,11 +1,21 @@
 #include "server/http/samples.h"
 
+#include <string_view>
+
 #include "server/http/routes.h"
 #include "server/loop/read_thread.h"
 
 namespace uplink::http {
 
-void AddSamples(const HttpProbe& probe, std::size_t connections_max, metrics::Exposition& page) {
+namespace {
+
+/// `http` of listen.http.
+std::string_view LabelOf(std::string_view key) { return key.substr(key.find('.') + 1); }
+
+}  // namespace
+
+void AddSamples(const HttpProbe& probe, const ConnectionsMax& connections_max,
+                metrics::Exposition& page) {
   using enum metrics::MetricId;
   for (std::size_t route = 0; route < probe.requests.size(); ++route) {
     for (std::size_t code = 0; code < kCodeClasses.size(); ++code) {
@@ -14,10 +24,14 @@ void AddSamples(const HttpProbe& probe, std::size_t connections_max, metrics::Ex
     }
   }
   page.Add(kHttpRequestSeconds, probe.request_seconds);
-  page.Add(kHttpConnections, probe.connections);
-  page.Add(kHttpConnectionsLimit, connections_max);
-  page.Add(kHttpConnectionsRefused, probe.connections_refused);
-  page.Add(kHttpConnectionsGivenUp, probe.connections_given_up);
+  for (std::size_t listener = 0; listener < kListenerKeys.size(); ++listener) {
+    const std::string_view label = LabelOf(kListenerKeys[listener]);
+    const ConnectionProbe& connections = probe.connections[listener];
+    page.Add(kHttpConnections, connections.open, {label});
+    page.Add(kHttpConnectionsLimit, connections_max[listener], {label});
+    page.Add(kHttpConnectionsRefused, connections.refused, {label});
+    page.Add(kHttpConnectionsGivenUp, connections.given_up, {label});
+  }
   page.Add(kHttpReadsWaiting, probe.reads_waiting);
   page.Add(kHttpReadsWaitingLimit, loop::kReadsWaitingMax);
   page.Add(kHttpReadsRefused, probe.reads_refused);

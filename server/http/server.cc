@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "server/http/connection.h"
+#include "server/http/limits.h"
 
 namespace uplink::http {
 namespace {
@@ -27,7 +28,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
  public:
   Listener(const Context& context, const Options& options)
       : context_(std::make_shared<ConnectionContext>(context, options)),
-        accepts_per_turn_(std::min(kAcceptsPerTurn, options.connections_max / 2)),
+        accepts_per_turn_(std::min(kAcceptsPerTurn, options.limits.connections_max / 2)),
         acceptor_(context.io),
         pause_(context.io) {}
 
@@ -73,15 +74,16 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
 
   void Admit(tcp::socket socket) {
     const HttpServer::Context& server = context_->server;
+    ConnectionProbe& probe = context_->probe();
     switch (context_->places.MakeRoom(server.clock.Steady())) {
       case Places::Room::kNone: {
-        server.probe.connections_refused.Add();
+        probe.refused.Add();
         error_code ignored;
         socket.close(ignored);
         return;
       }
       case Places::Room::kGivenWay:
-        server.probe.connections_given_up.Add();
+        probe.given_up.Add();
         break;
       case Places::Room::kFree:
         break;
@@ -110,9 +112,8 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& co
   if (!error) error = listener->Open(tcp::endpoint(address, options.address.port));
   if (error) {
     return absl::UnavailableError(
-        fmt::format("listen.http: {} cannot be bound: {}; set an address of this machine and a "
-                    "free port",
-                    config::ToText(options.address), error.message()));
+        fmt::format("{}: {} cannot be bound: {}; set an address of this machine and a free port",
+                    KeyOf(options.listener), config::ToText(options.address), error.message()));
   }
   auto server = std::unique_ptr<HttpServer>(new HttpServer(listener));
   listener->Accept();

@@ -22,7 +22,8 @@ Resolved Site::Resolve(const Request& request) const {
   if (request.method == Method::kOther) return AtOnce(found.id, MethodNotAllowed());
   const Route& route = Routes()[found.id.index];
   RoutedRequest routed{std::move(found.segment), std::string(target.query),
-                       FormatFor(request.accept), CodingFor(request.accept_encoding)};
+                       FormatFor(request.accept), CodingFor(request.accept_encoding),
+                       request.listener};
   const bool reads = route.reads_store != nullptr && route.reads_store(routed);
   return {found.id, reads ? Lane::kRead : route.lane,
           [this, &route, routed = std::move(routed)] { return Run(route, routed); }};

@@ -9,11 +9,11 @@
 namespace uplink::loop {
 
 ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
-                       std::size_t waiting_max)
+                       const JobBounds& bounds)
     : waiting_(waiting),
       refused_(refused),
       nice_(kind.nice),
-      waiting_max_(waiting_max),
+      bounds_(bounds),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {
   pthread_setname_np(thread_.native_handle(), kind.name);
 }
@@ -24,11 +24,11 @@ ReadThread::~ReadThread() {
 }
 
 bool ReadThread::TryPost(std::function<void()> job) {
-  return TryPost(jobs_, waiting_max_, std::move(job));
+  return TryPost(jobs_, bounds_.waiting_max, std::move(job));
 }
 
 bool ReadThread::TryPostAhead(std::function<void()> job) {
-  return TryPost(ahead_, kReadsAheadMax, std::move(job));
+  return TryPost(ahead_, bounds_.ahead_max, std::move(job));
 }
 
 bool ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()> job) {

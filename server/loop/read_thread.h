@@ -18,6 +18,12 @@ inline constexpr std::size_t kReadsWaitingMax = 64;
 /// Jobs that may wait ahead of those (TryPostAhead).
 inline constexpr std::size_t kReadsAheadMax = 1024;
 
+/// How many jobs may wait for such a thread.
+struct JobBounds {
+  std::size_t waiting_max = kReadsWaitingMax;
+  std::size_t ahead_max = kReadsAheadMax;
+};
+
 /// The name of a thread (at most 15 bytes), and its niceness (0 to 19).
 struct ThreadKind {
   const char* name;
@@ -28,16 +34,16 @@ struct ThreadKind {
 /// Jobs must not throw. Thread-safe. The destructor drops waiting jobs and joins.
 class ReadThread final {
  public:
-  /// `waiting` and `refused` count jobs and outlive the thread. `waiting_max`: jobs that wait.
+  /// `waiting` and `refused` count jobs and outlive the thread.
   ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
-             std::size_t waiting_max = kReadsWaitingMax);
+             const JobBounds& bounds = JobBounds());
   ~ReadThread();
   ReadThread(const ReadThread&) = delete;
   ReadThread& operator=(const ReadThread&) = delete;
 
-  /// False if `waiting_max` jobs wait: then the job is dropped.
+  /// False if JobBounds::waiting_max jobs wait: then the job is dropped.
   [[nodiscard]] bool TryPost(std::function<void()> job);
-  /// The same, ahead of all jobs of TryPost, with a bound of its own (kReadsAheadMax).
+  /// The same, ahead of all jobs of TryPost, with a bound of its own (ahead_max).
   [[nodiscard]] bool TryPostAhead(std::function<void()> job);
 
  private:
@@ -49,7 +55,7 @@ class ReadThread final {
   metrics::Cell& waiting_;
   metrics::Cell& refused_;
   const int nice_;
-  const std::size_t waiting_max_;
+  const JobBounds bounds_;
   std::mutex mutex_;
   std::condition_variable_any work_;
   Jobs ahead_;

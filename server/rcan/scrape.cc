@@ -208,14 +208,14 @@ void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOu
   if (named) known.named.Note(now);
 }
 
-std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format,
-                                                     metrics::Coding coding) {
+std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format, metrics::Coding coding,
+                                                     std::size_t texts_max) {
   const SteadyTime began = sources_.clock.Steady();
   scraped_at_.store(began);
   if (last_.format == format && last_.coding == coding && began - last_.at < kTextShared) {
     if (auto read = last_.text.lock()) return read;
   }
-  std::shared_ptr<std::string> text = texts_->Take(kTextsMax);
+  std::shared_ptr<std::string> text = texts_->Take(texts_max);
   if (text == nullptr) {
     sources_.probe.refused_total.Add();
     return nullptr;

@@ -31,6 +31,8 @@ namespace uplink::rcan {
 /// Texts that scrapers may read at a time. The memory of scrapes is at most so many texts, and the
 /// page from which they are made.
 inline constexpr std::size_t kTextsMax = 4;
+/// Of those, texts that scrapers on other machines (listen.metrics) cannot take.
+inline constexpr std::size_t kTextsReserved = 1;
 /// For so long, a text that a scraper reads also goes to others that ask for the same.
 inline constexpr std::chrono::seconds kTextShared{1};
 /// How often the log names a robot whose series are left out, and how many robots per minute at
@@ -67,9 +69,11 @@ class RobotScrape final {
   };
   explicit RobotScrape(const Sources& sources);
 
-  /// The text, which stays as it is while the scraper holds it. Null if too many are being read.
+  /// The text, which stays as it is while the scraper holds it. Null if `texts_max` or more are
+  /// being read.
   [[nodiscard]] std::shared_ptr<const std::string> Text(metrics::Format format,
-                                                        metrics::Coding coding);
+                                                        metrics::Coding coding,
+                                                        std::size_t texts_max = kTextsMax);
   /// Whether there was a scrape lately.
   [[nodiscard]] bool wanted() const;
   /// Whether the last scrape was lately, and left out series for lack of room.

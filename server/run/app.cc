@@ -121,6 +121,7 @@ class App::Impl {
   void TellReady() {
     options_.logger.Info("listening", {{"relay", config::ToText(relay_.Target().address)},
                                        {"http", config::ToText(ground_.http_address())},
+                                       {"metrics", config::ToText(ground_.metrics_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
     options_.greeting.TellReady({.store = store::NameOf(options_.config.store),
@@ -182,7 +183,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   const auto expiry = identity::ExpiryOfFile(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
   auto ground = std::make_unique<Groundwork>(
-      Groundwork::Context{options.clock, options.logger, config.listen.http, config.http});
+      Groundwork::Context{options.clock, options.logger, config.listen, config.http});
   if (absl::Status began = ground->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
   auto stores = store::OpenStores(config, options.process, options.clock.machine(), options.logger);

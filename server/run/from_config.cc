@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string_view>
 
 #include "schema/base/check.h"
@@ -120,6 +121,11 @@ std::size_t LiveBytesMaxOf(const config::LimitsConfig& limits, std::size_t memor
   return memory_max == 0 ? kMost : std::min(kMost, memory_max / 4);
 }
 
+http::ConnectionsMax HttpConnectionsMaxOf(const config::Config& config) {
+  const bool has_metrics = !config.listen.metrics.host.empty();
+  return {config.http.connections_max, has_metrics ? http::kMetricsLimits.connections_max : 0};
+}
+
 transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t memory_max) {
   transport::RelayOptions options;
   options.address = config.listen.relay;
@@ -129,7 +135,9 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.tls = {.minimum = config.tls.min_version, .groups = config::ServedGroups(config.tls)};
   options.queues = config.listen.relay_threads;
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
-  options.descriptors_reserved = transport::DescriptorsReserved(config.http.connections_max);
+  const http::ConnectionsMax http = HttpConnectionsMaxOf(config);
+  options.descriptors_reserved =
+      transport::DescriptorsReserved(std::accumulate(http.begin(), http.end(), std::size_t{0}));
   options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
   options.gateway_streams_max = config.limits.gateway_streams_max;
   options.connection_age_max = config.limits.connection_age_max;

@@ -7,6 +7,7 @@
 #include "schema/cyberwave/topic_kinds.h"
 #include "schema/limits.h"
 #include "server/config/config.h"
+#include "server/http/limits.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/limits.h"
 #include "server/log/logger.h"
@@ -30,6 +31,7 @@ namespace uplink::run {
 /// `memory_max`: what the process may use; 0 if that is not known.
 [[nodiscard]] std::size_t LiveBytesMaxOf(const config::LimitsConfig& limits,
                                          std::size_t memory_max);
+[[nodiscard]] http::ConnectionsMax HttpConnectionsMaxOf(const config::Config& config);
 /// `memory_max`: what the process may use; the transport gets half of it.
 [[nodiscard]] transport::RelayOptions RelayOptionsOf(const config::Config& config,
                                                      std::size_t memory_max);

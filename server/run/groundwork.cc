@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include "server/config/address.h"
+#include "server/http/limits.h"
 #include "server/http/server.h"
 
 namespace uplink::run {
@@ -20,8 +21,14 @@ Groundwork::Groundwork(Context context)
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
   // A connection has one request under way at most, so no scrape is refused.
   metrics_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMetricsThread,
-                   context_.http.connections_max);
-  scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread);
+                   loop::JobBounds{.waiting_max = context_.http.connections_max});
+  // Those of listen.http go ahead.
+  scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread,
+                   loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max,
+                                   .ahead_max = loop::kReadsWaitingMax});
+  if (context_.listen.metrics.host.empty()) return;
+  monitor_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMonitorThread,
+                   loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max});
 }
 
 Groundwork::~Groundwork() {
@@ -29,19 +36,35 @@ Groundwork::~Groundwork() {
   EndReaders();
 }
 
-absl::Status Groundwork::Begin() {
-  auto http = http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
-                                        *scrapes_, http_probe_, context_.clock, context_.logger},
-                                       {context_.address, context_.http.connections_max});
+absl::Status Groundwork::Listen() {
+  const auto listen = [this](loop::ReadThread& metrics, const http::HttpServer::Options& options) {
+    return http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
+                                     http_probe_, context_.clock, context_.logger},
+                                    options);
+  };
+  http::ListenerLimits limits = http::kHttpLimits;
+  limits.connections_max = context_.http.connections_max;
+  auto http = listen(*metrics_, {http::ListenerId::kHttp, context_.listen.http, limits});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
+  if (!monitor_) return absl::OkStatus();
+  auto monitoring = listen(
+      *monitor_, {http::ListenerId::kMetrics, context_.listen.metrics, http::kMetricsLimits});
+  if (!monitoring.ok()) return monitoring.status();
+  monitoring_ = *std::move(monitoring);
+  return absl::OkStatus();
+}
+
+absl::Status Groundwork::Begin() {
+  if (absl::Status listens = Listen(); !listens.ok()) return listens;
   loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
   loop_.OnSignals({SIGHUP}, [this](int) {
     reload_asked_ = !reload_;
     if (reload_) reload_();
   });
   loop_.Start();
-  context_.logger.Info("probes_answered", {{"http", config::ToText(http_address())}});
+  context_.logger.Info("probes_answered", {{"http", config::ToText(http_address())},
+                                           {"metrics", config::ToText(metrics_address())}});
   return absl::OkStatus();
 }
 
@@ -66,6 +89,7 @@ void Groundwork::Repeat(PeriodicWork work) {
 }
 
 void Groundwork::EndReaders() {
+  monitor_.reset();
   scrapes_.reset();
   metrics_.reset();
   memory_.reset();
@@ -73,5 +97,9 @@ void Groundwork::EndReaders() {
 }
 
 config::ListenAddress Groundwork::http_address() const { return http_->bound(); }
+
+config::ListenAddress Groundwork::metrics_address() const {
+  return monitoring_ ? monitoring_->bound() : config::ListenAddress();
+}
 
 }  // namespace uplink::run

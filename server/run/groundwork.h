@@ -36,7 +36,7 @@ class Groundwork final {
   struct Context {
     const Clock& clock;
     log::Logger& logger;
-    config::ListenAddress address;
+    config::ListenConfig listen;
     config::HttpConfig http;
   };
   explicit Groundwork(Context context);
@@ -44,8 +44,8 @@ class Groundwork final {
   Groundwork(const Groundwork&) = delete;
   Groundwork& operator=(const Groundwork&) = delete;
 
-  /// Listens for HTTP and hears signals from now on. Logs `probes_answered` with the address that
-  /// was really bound. Errors: as HttpServer::Listen.
+  /// Listens for HTTP and hears signals from now on. Logs `probes_answered` with the addresses that
+  /// were really bound. Errors: as HttpServer::Listen.
   [[nodiscard]] absl::Status Begin();
   /// The server has started: the site answers, and a signal begins a drain.
   void Open(const http::Site& site);
@@ -78,9 +78,14 @@ class Groundwork final {
   }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
+  /// The address that was really bound. After Begin.
   [[nodiscard]] config::ListenAddress http_address() const;
+  /// The same of listen.metrics; without a host if it is not set.
+  [[nodiscard]] config::ListenAddress metrics_address() const;
 
  private:
+  [[nodiscard]] absl::Status Listen();
+
   const Context context_;
   http::HttpProbe http_probe_;
   rcan::RcanProbe rcan_probe_;
@@ -93,8 +98,11 @@ class Groundwork final {
   std::optional<loop::ReadThread> reads_;
   std::optional<loop::ReadThread> metrics_;
   std::optional<loop::ReadThread> scrapes_;
+  /// Of listen.metrics, if that is set.
+  std::optional<loop::ReadThread> monitor_;
   loop::EventLoop loop_;
   std::unique_ptr<http::HttpServer> http_;
+  std::unique_ptr<http::HttpServer> monitoring_;
 };
 
 }  // namespace uplink::run

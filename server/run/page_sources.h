@@ -12,6 +12,7 @@
 #include "server/fleet/live_budget.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
+#include "server/http/limits.h"
 #include "server/http/probe.h"
 #include "server/journal/probe.h"
 #include "server/journal/shards.h"
@@ -45,7 +46,7 @@ struct PageParts {
   const store::LeaseProbe& leases;
   const forward::Forwarding& forwarding;
   const http::HttpProbe& http;
-  std::size_t http_connections_max = 0;
+  http::ConnectionsMax http_connections_max{};
   const rcan::RcanProbe& rcan;
   std::size_t rcan_series_max = 0;
   health::Monitor& monitor;

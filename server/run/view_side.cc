@@ -1,5 +1,6 @@
 #include "server/run/view_side.h"
 
+#include "server/run/from_config.h"
 #include "server/run/page_sources.h"
 
 namespace uplink::run {
@@ -37,7 +38,7 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
                         .leases = store.lease_probe(),
                         .forwarding = context.relay.forwarding(),
                         .http = context.ground.http_probe(),
-                        .http_connections_max = context.config.http.connections_max,
+                        .http_connections_max = HttpConnectionsMaxOf(context.config),
                         .rcan = context.ground.rcan_probe(),
                         .rcan_series_max = context.config.rcan.series_max,
                         .monitor = context.health.monitor(),

@@ -52,7 +52,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
 ServerWorld::~ServerWorld() = default;
 
 std::vector<metrics::PageSource> ServerWorld::PageSources() {
-  constexpr std::size_t kConnectionsMax = 4;
+  static constexpr http::ConnectionsMax kConnectionsMax{4, 2};
   return {
       [this](auto& page) { page.AddLedger(ledgers.Sum(model::MessageSource::kUplink)); },
       [this](auto& page) { session::AddSamples(sessions, page); },

@@ -25,7 +25,8 @@ class HttpServerTest : public ::testing::Test {
     http::HttpProbe& probe = world_.http_probe;
     memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
     reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
-    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread, kConnectionsMax);
+    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread,
+                     loop::JobBounds{.waiting_max = kConnectionsMax});
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
     world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
     entrance_.Open(world_.site);
@@ -40,15 +41,31 @@ class HttpServerTest : public ::testing::Test {
   }
 
   std::uint16_t Serve(const std::string& host = "127.0.0.1",
-                      milliseconds request_wait = kRequestWait,
-                      milliseconds idle_wait = kIdleWait) {
-    auto server = HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
-                                      *scrapes_, world_.http_probe, clock_, logger_},
-                                     {{host, 0}, kConnectionsMax, request_wait, idle_wait});
-    EXPECT_TRUE(server.ok()) << server.status();
-    server_ = *std::move(server);
+                      milliseconds request_wait = kHttpLimits.request_wait,
+                      milliseconds idle_wait = kHttpLimits.idle_wait) {
+    ListenerLimits limits = kHttpLimits;
+    limits.connections_max = kConnectionsMax;
+    limits.request_wait = request_wait;
+    limits.idle_wait = idle_wait;
+    server_ = Listen({ListenerId::kHttp, {host, 0}, limits});
     loop_.Start();
     return server_->bound().port;
+  }
+
+  std::unique_ptr<HttpServer> Listen(const HttpServer::Options& options) {
+    auto server = TryListen(options);
+    EXPECT_TRUE(server.ok()) << server.status();
+    return *std::move(server);
+  }
+
+  absl::StatusOr<std::unique_ptr<HttpServer>> TryListen(const HttpServer::Options& options) {
+    return HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_,
+                               world_.http_probe, clock_, logger_},
+                              options);
+  }
+
+  [[nodiscard]] const ConnectionProbe& Connections(ListenerId listener = ListenerId::kHttp) const {
+    return world_.http_probe.connections[PlaceOf(listener)];
   }
 
   testing::ServerWorld world_;

@@ -107,8 +107,8 @@ TEST_F(HttpRequestsTest, LineAndHeadersTogetherHaveOneBound) {
     const std::string end = "\r\n\r\n";
     return line + rest + std::string(bytes - line.size() - rest.size() - end.size(), 'x') + end;
   };
-  EXPECT_EQ(Ask(request(kHeaderBytesMax)).status, 400) << "no parameter of the path";
-  ExpectRefused(request(kHeaderBytesMax + 1), 431);
+  EXPECT_EQ(Ask(request(kHttpLimits.header_bytes_max)).status, 400) << "no parameter of the path";
+  ExpectRefused(request(kHttpLimits.header_bytes_max + 1), 431);
 }
 
 TEST_F(HttpRequestsTest, TheHostOfAnAbsoluteTargetTakesThePlaceOfTheHeader) {
@@ -146,11 +146,13 @@ TEST_F(HttpRequestsTest, WhoDoesNotWaitIsNotTold) {
   EXPECT_EQ(Ask(kLivez + expect + "Content-Length: 3\r\n\r\nabc").status, 200);
   EXPECT_EQ(Ask(kLivez + expect + "\r\n").status, 200) << "there is no body";
   EXPECT_EQ(Ask(kLivez + expect + "Content-Length: 0\r\n\r\n").status, 200);
-  const std::string most = std::to_string(kBodyBytesMax);
+  const std::string most = std::to_string(kHttpLimits.body_bytes_max);
   EXPECT_EQ(Ask(kLivez + expect + "Content-Length: " + most + "\r\n\r\n").status, 100);
-  ExpectRefused(
-      kLivez + expect + "Content-Length: " + std::to_string(kBodyBytesMax + 1) + "\r\n\r\n", 413);
-  EXPECT_EQ(Ask(kLivez + ("Content-Length: " + most + "\r\n\r\n") + std::string(kBodyBytesMax, 'x'))
+  ExpectRefused(kLivez + expect + "Content-Length: " +
+                    std::to_string(kHttpLimits.body_bytes_max + 1) + "\r\n\r\n",
+                413);
+  EXPECT_EQ(Ask(kLivez + ("Content-Length: " + most + "\r\n\r\n") +
+                std::string(kHttpLimits.body_bytes_max, 'x'))
                 .status,
             200);
   RawConnection old(port_);
@@ -238,7 +240,7 @@ TEST_F(HttpWaitsTest, AnIdleConnectionOutlivesTheTimeOfARequest) {
 }
 
 TEST_F(HttpWaitsTest, AConnectionWithoutARequestEndsAtItsTime) {
-  const std::uint16_t port = Serve("127.0.0.1", kRequestWait, kShort);
+  const std::uint16_t port = Serve("127.0.0.1", kHttpLimits.request_wait, kShort);
   RawConnection silent(port);
   EXPECT_TRUE(silent.AtEnd());
   RawConnection empty(port);

@@ -13,6 +13,7 @@
 
 #include "server/http/places.h"
 #include "tests/component/http/http_server_fixture.h"
+#include "tests/component/http/long_scrapes.h"
 #include "tests/support/eventually.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/server_world.h"
@@ -25,37 +26,6 @@ using testing::HttpGet;
 using testing::RawAnswer;
 using testing::RawConnection;
 
-/// More text of /metrics/robots than any kernel buffers for one connection.
-void AddRobotsOfManyWords(testing::ServerWorld& world) {
-  constexpr std::size_t kLong = 256;
-  for (int i = 0; i < 5; ++i) {
-    std::string ruri = "rcan://r/" + std::to_string(i);
-    ruri.resize(kLong, 'r');
-    model::RcanState state;
-    for (int joint = 0; joint < 256; ++joint) {
-      std::string name = "j" + std::to_string(joint) + "-";
-      name.resize(kLong, 'j');
-      state.joints.push_back({.joint = name,
-                              .position_rad = 1,
-                              .velocity_rad_s = 1,
-                              .position_m = 1,
-                              .velocity_m_s = 1,
-                              .effort_nm = 1,
-                              .temperature_c = 1,
-                              .error_flags = 1,
-                              .timestamp_us = 1});
-    }
-    world.AddRobot(ruri).state.Apply(std::move(state), world.clock.Steady());
-  }
-}
-
-std::uint64_t ScrapesWritten(const testing::ServerWorld& world) {
-  const auto& seconds = world.rcan_probe.scrape_seconds;
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i <= seconds.upper_bounds().size(); ++i) sum += seconds.count(i);
-  return sum;
-}
-
 TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
   RawConnection connection(Serve());
   for (const char* target : {"/livez", "/api/v1/status", "/nowhere", "/metrics", "/readyz"}) {
@@ -64,7 +34,7 @@ TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
     ASSERT_TRUE(answer) << target;
     EXPECT_EQ(answer->status, std::string(target) == "/nowhere" ? 404 : 200) << target;
   }
-  EXPECT_EQ(world_.http_probe.connections.value(), 1);
+  EXPECT_EQ(Connections().open.value(), 1);
 }
 
 TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
@@ -133,11 +103,11 @@ TEST_F(HttpServerTest, IdleConnectionsGiveWayToAProbe) {
     idle.back()->Send("GET /api");  // and no more of it
   }
   ASSERT_TRUE(testing::Eventually(
-      [&] { return world_.http_probe.connections.value() == static_cast<int>(kConnectionsMax); }));
+      [&] { return Connections().open.value() == static_cast<int>(kConnectionsMax); }));
   EXPECT_EQ(HttpGet(port, "/livez").status, 200);
   EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
-  EXPECT_GE(world_.http_probe.connections_given_up.value(), 1);
-  EXPECT_EQ(world_.http_probe.connections_refused.value(), 0);
+  EXPECT_GE(Connections().given_up.value(), 1);
+  EXPECT_EQ(Connections().refused.value(), 0);
   EXPECT_TRUE(idle.front()->AtEnd()) << "the first has waited for longest";
 }
 
@@ -183,7 +153,7 @@ TEST_F(HttpServerTest, ScrapesThatAreSentAheadAndNeverReadShutNoProbeOut) {
     EXPECT_EQ(HttpGet(port, "/livez").status, 200);
     EXPECT_EQ(HttpGet(port, "/readyz").status, 200);
   }
-  EXPECT_EQ(world_.http_probe.connections_refused.value(), 0);
+  EXPECT_EQ(Connections().refused.value(), 0);
   gate.set_value();
   EXPECT_EQ(HttpGet(port, "/metrics").status, 200);
   const std::optional<RawAnswer> answer = first.Read();
@@ -198,7 +168,7 @@ TEST_F(HttpServerTest, AcceptsManyInATurn) {
   std::promise<void> gate;
   std::promise<std::int64_t> counted;
   std::function<void(int)> turn = [&](int left) {
-    if (left == 0) return counted.set_value(world_.http_probe.connections.value());
+    if (left == 0) return counted.set_value(Connections().open.value());
     loop_.Post([&turn, left] { turn(left - 1); });
   };
   loop_.Post([&turn, opened = gate.get_future().share()] {

@@ -35,6 +35,30 @@ TEST(ListenAddressTextTest, ReadsBackToTheSameAddress) {
   }
 }
 
+TEST(ListenAddressTextTest, OfNoListenerIsEmpty) { EXPECT_EQ(ToText(ListenAddress()), ""); }
+
+TEST(CollideTest, OnePortOfOneHostIsTakenOnce) {
+  const auto collide = [](std::string_view a, std::string_view b) {
+    const ListenAddress first = ParseListenAddress(a).value();
+    const ListenAddress second = ParseListenAddress(b).value();
+    EXPECT_EQ(Collide(first, second), Collide(second, first)) << a << " and " << b;
+    return Collide(first, second);
+  };
+  EXPECT_TRUE(collide("192.0.2.7:9090", "192.0.2.7:9090"));
+  EXPECT_TRUE(collide("[2001:db8::7]:9090", "[2001:db8:0::7]:9090")) << "written otherwise";
+  EXPECT_TRUE(collide("[::ffff:192.0.2.7]:9090", "192.0.2.7:9090"));
+  EXPECT_TRUE(collide("0.0.0.0:9090", "192.0.2.7:9090"));
+  EXPECT_TRUE(collide("[::]:9090", "192.0.2.7:9090"));
+  EXPECT_TRUE(collide("[::]:9090", "0.0.0.0:9090"));
+  EXPECT_TRUE(collide("[::]:9090", "[2001:db8::7]:9090"));
+
+  EXPECT_FALSE(collide("192.0.2.7:9090", "192.0.2.7:9091"));
+  EXPECT_FALSE(collide("192.0.2.7:9090", "192.0.2.8:9090"));
+  EXPECT_FALSE(collide("0.0.0.0:9090", "[2001:db8::7]:9090"));
+  EXPECT_FALSE(collide("[::]:0", "[::]:0")) << "each takes a free one";
+  EXPECT_FALSE(Collide(ListenAddress(), ListenAddress())) << "no listener";
+}
+
 TEST(IsLoopbackTest, KnowsTheMachineFromTheNetwork) {
   EXPECT_TRUE(IsLoopback({"127.0.0.1", 1}));
   EXPECT_TRUE(IsLoopback({"127.9.9.9", 1}));

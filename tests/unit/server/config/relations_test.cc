@@ -54,6 +54,21 @@ TEST(RelationsTest, TwoListenersDoNotShareAPort) {
   EXPECT_EQ(OneProblem("[listen]\nhttp = \"127.0.0.1:0\"\nrelay = \"[::]:0\"\n"), "");
 }
 
+TEST(RelationsTest, MetricsListenOnAnyAddressThatNoOtherListenerHas) {
+  for (const char* const free :
+       {"", "127.0.0.1:9090", "0.0.0.0:9090", "[::]:9090", "192.0.2.7:7480", "[::]:0"}) {
+    EXPECT_EQ(OneProblem(std::string("[listen]\nmetrics = \"") + free + "\"\n"), "") << free;
+  }
+  EXPECT_THAT(OneProblem("[listen]\nmetrics = \"192.0.2.7:7443\"\n"),
+              HasSubstr("u.toml:6: listen.metrics: 192.0.2.7:7443 is taken by listen.relay, "
+                        "[::]:7443"));
+  for (const char* const taken : {"127.0.0.1:7480", "0.0.0.0:7480", "[::]:7480"}) {
+    EXPECT_THAT(OneProblem(std::string("[listen]\nmetrics = \"") + taken + "\"\n"),
+                HasSubstr("is taken by listen.http, 127.0.0.1:7480"))
+        << taken;
+  }
+}
+
 TEST(RelationsTest, ClosedRegistrationIsNotServed) {
   EXPECT_EQ(OneProblem("[identity]\nregistration = \"open\"\n"), "");
   EXPECT_THAT(OneProblem("[identity]\nregistration = \"closed\"\n"),

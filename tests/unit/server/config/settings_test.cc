@@ -87,6 +87,21 @@ TEST(SettingsTest, EachMemberIsBoundToItsOwnKey) {
   }
 }
 
+TEST(SettingsTest, AnAddressIsEmptyOnlyWhereThatMeansSomething) {
+  const Setting* const metrics = FindSetting("listen", "metrics");
+  const Setting* const http = FindSetting("listen", "http");
+  ASSERT_TRUE(metrics != nullptr && http != nullptr);
+  const Interpreted none = InterpretText(*metrics, "");
+  ASSERT_TRUE(std::holds_alternative<Value>(none));
+  EXPECT_EQ(std::get<Value>(none), Value(ListenAddress()));
+  EXPECT_EQ(ValueText(*metrics, std::get<Value>(none)), "\"\"");
+  EXPECT_NE(AllowedText(*metrics).find("or \"\": no such listener"), std::string::npos);
+  EXPECT_TRUE(std::holds_alternative<BadValue>(InterpretText(*http, "")));
+  for (const char* const bad : {" ", "9090", ":9090", "uplink.example:9090", "[::]", "::1:9090"}) {
+    EXPECT_TRUE(std::holds_alternative<BadValue>(InterpretText(*metrics, bad))) << bad;
+  }
+}
+
 TEST(SettingsTest, APasswordInAUrlIsMasked) {
   const Setting* const url = FindSetting("store", "url");
   ASSERT_NE(url, nullptr);

@@ -115,6 +115,41 @@ TEST_F(EntranceTest, ScrapesAreShownUnderKnownHostsAloneWhereThatIsSet) {
   }
 }
 
+TEST_F(EntranceTest, OnTheListenerOfMetricsThereAreProbesAndScrapesAlone) {
+  Request request{Method::kGet, ""};
+  request.listener = ListenerId::kMetrics;
+  request.host = "uplinkd.monitoring.svc:9090";
+  request.host_required = true;
+  Entrance strict{KnownHosts({"uplink.example.org"}), Entrance::Covered::kDataAndScrapes};
+  const auto ask = [&](const std::string& target) {
+    request.target = target;
+    return strict.Resolve(request);
+  };
+  const auto expect_no_data = [&] {
+    for (const char* target : {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/",
+                               "/nowhere", "/metrics/", "http://localhost/api/v1/status"}) {
+      const Resolved resolved = ask(target);
+      EXPECT_EQ(resolved.run().status, 404) << target;
+      EXPECT_EQ(RouteName(resolved.route), "other") << target;
+    }
+  };
+  expect_no_data();
+  EXPECT_EQ(ask("/readyz").run().body, R"({"refuses":["starting"]})");
+  EXPECT_EQ(ask("/metrics").run().status, 503);
+  strict.Open(world_.site);
+  expect_no_data();
+  for (const char* target :
+       {"/livez", "/readyz", "/metrics", "/metrics/robots", "http://elsewhere.example/livez"}) {
+    EXPECT_EQ(ask(target).run().status, 200) << target << " under any name, whatever is covered";
+  }
+  request.host.reset();
+  EXPECT_EQ(ask("/livez").run().status, 400) << "a request of HTTP/1.1 names its host all the same";
+  request.host = "x";
+  request.method = Method::kOther;
+  EXPECT_EQ(ask("/metrics").run().status, 405);
+  EXPECT_EQ(ask("/api/v1/status").run().status, 404);
+}
+
 TEST_F(EntranceTest, APageOfAnotherSiteIsShownNoData) {
   entrance_.Open(world_.site);
   Request request{Method::kGet, ""};

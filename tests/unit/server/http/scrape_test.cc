@@ -51,7 +51,9 @@ TEST(Scrape, ShowsLimitsBesideWhatTheyLimit) {
   const testing::ServerWorld world;
   ExpectLines(world.ScrapeText(),
               {"uplinkd_robots_limit 5", "uplinkd_journal_bytes_limit 268435456",
-               "uplinkd_http_connections_limit 4", "uplinkd_http_reads_waiting_limit 64"});
+               "uplinkd_http_connections_limit{listener=\"http\"} 4",
+               "uplinkd_http_connections_limit{listener=\"metrics\"} 2",
+               "uplinkd_http_reads_waiting_limit 64"});
 }
 
 TEST(Scrape, EveryWordOfDegradedHasItsSeries) {

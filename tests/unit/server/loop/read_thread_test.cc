@@ -25,7 +25,7 @@ TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
 TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
   metrics::Cell waiting;
   metrics::Cell refused;
-  ReadThread thread(waiting, refused, kKind, 1);
+  ReadThread thread(waiting, refused, kKind, {.waiting_max = 1});
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> done;

@@ -135,6 +135,19 @@ TEST_F(ScrapeTest, TextsAreUsedAgainWhenTheirReadersAreDone) {
   EXPECT_THAT(*again, EndsWith("# EOF\n"));
 }
 
+TEST_F(ScrapeTest, WhoMayTakeFewerTextsLeavesTheRestToOthers) {
+  Robot("rcan://a");
+  constexpr std::size_t kFewer = kTextsMax - kTextsReserved;
+  std::vector<std::shared_ptr<const std::string>> held;
+  for (std::size_t i = 0; i < kFewer; ++i) {
+    held.push_back(Scrape().Text(Format::kText, Coding::kPlain, kFewer));
+    ASSERT_NE(held.back(), nullptr);
+    clock_.Advance(kTextShared);
+  }
+  EXPECT_EQ(Scrape().Text(Format::kText, Coding::kPlain, kFewer), nullptr);
+  EXPECT_NE(Scrape().Text(Format::kText, Coding::kPlain), nullptr);
+}
+
 TEST_F(ScrapeTest, WhoAsksForTheSameWithinASecondReadsTheSameText) {
   Robot("rcan://a");
   const auto first = Scrape().Text(Format::kText, Coding::kPlain);

@@ -229,6 +229,15 @@ TEST(FromConfig, LiveStateGetsAQuarterOfTheMemoryAndAGibibyteAtMost) {
   EXPECT_EQ(LiveBytesMaxOf(limits, 4 * gib), 3 * gib);
 }
 
+TEST(FromConfig, TheListenerOfMetricsHasConnectionsOfItsOwn) {
+  config::Config config;
+  config.http.connections_max = 1000;
+  EXPECT_EQ(HttpConnectionsMaxOf(config), (http::ConnectionsMax{1000, 0}));
+  config.listen.metrics = {"::", 9090};
+  EXPECT_EQ(HttpConnectionsMaxOf(config), (http::ConnectionsMax{1000, 32}));
+  EXPECT_EQ(RelayOptionsOf(config, 1000).descriptors_reserved, 1160U);
+}
+
 TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config::Config config;
   config.limits.robots_max = 10;

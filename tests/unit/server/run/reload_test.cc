@@ -38,10 +38,12 @@ TEST(CompareConfigs, TakesTheLogLevelAndWhatRobotsMaySend) {
 TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
   config::Config read;
   read.listen.http.port = 1;
+  read.listen.metrics = {"::", 9090};
   read.presence.timeout = config::milliseconds(1);
   const Changes changes = CompareConfigs({}, read);
   EXPECT_THAT(changes.taken_over, IsEmpty());
-  EXPECT_THAT(changes.needs_restart, ElementsAre("listen.http", "presence.timeout"));
+  EXPECT_THAT(changes.needs_restart,
+              ElementsAre("listen.http", "listen.metrics", "presence.timeout"));
 }
 
 class ReloadTest : public ::testing::Test {

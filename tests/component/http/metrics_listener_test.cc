@@ -1,0 +1,176 @@
+// What listen.metrics shows, and what its clients cannot do to those of listen.http.
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/component/http/http_server_fixture.h"
+#include "tests/component/http/long_scrapes.h"
+#include "tests/support/eventually.h"
+#include "tests/support/raw_http.h"
+
+namespace uplink::http {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::HttpGet;
+using testing::RawAnswer;
+using testing::RawConnection;
+
+class MetricsListenerTest : public HttpServerTest {
+ protected:
+  ~MetricsListenerTest() override { loop_.Stop(); }
+
+  /// Both listeners; the port of listen.metrics.
+  std::uint16_t ServeBoth(const ListenerLimits& limits = kMetricsLimits) {
+    monitoring_ = Listen({ListenerId::kMetrics, {"127.0.0.1", 0}, limits});
+    http_port_ = Serve();
+    return monitoring_->bound().port;
+  }
+
+  [[nodiscard]] const ConnectionProbe& Metrics() const { return Connections(ListenerId::kMetrics); }
+
+  std::unique_ptr<HttpServer> monitoring_;
+  std::uint16_t http_port_ = 0;
+};
+
+std::string Ask(const std::string& line, const std::string& host, const std::string& rest = "") {
+  return line + " HTTP/1.1\r\nHost: " + host + "\r\n" + rest + "\r\n";
+}
+
+TEST_F(MetricsListenerTest, ShowsProbesAndScrapesUnderAnyNameAndNothingElse) {
+  RawConnection connection(ServeBoth());
+  for (const char* target : {"/livez", "/readyz", "/metrics", "/metrics/robots"}) {
+    connection.Send(Ask(std::string("GET ") + target, "uplinkd.example:9090"));
+    EXPECT_EQ(connection.Read()->status, 200) << target;
+  }
+  for (const char* target : {"/api/v1/status", "/api/v1/robots", "/", "/nowhere"}) {
+    connection.SendGet(target);
+    EXPECT_EQ(connection.Read()->status, 404) << target;
+  }
+  for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS"}) {
+    connection.Send(Ask(std::string(method) + " /metrics", "uplinkd.example"));
+    const std::optional<RawAnswer> answer = connection.Read();
+    ASSERT_TRUE(answer) << method;
+    EXPECT_EQ(answer->status, 405) << method;
+    EXPECT_THAT(answer->head, HasSubstr("Allow: GET, HEAD\r\n"));
+  }
+  EXPECT_EQ(HttpGet(http_port_, "/api/v1/status").status, 200);
+  EXPECT_EQ(HttpGet(http_port_, "/metrics").status, 200);
+}
+
+TEST_F(MetricsListenerTest, RequestsHaveBoundsOfTheirOwn) {
+  const std::uint16_t port = ServeBoth();
+  const auto status = [port](const std::string& request) {
+    RawConnection connection(port);
+    connection.Send(request);
+    return connection.Read().value_or(RawAnswer()).status;
+  };
+  const std::string least = Ask("GET /livez", "x", "X-Fill: \r\n");
+  const auto filled = [&](std::size_t bytes) {
+    return Ask("GET /livez", "x", "X-Fill: " + std::string(bytes - least.size(), 'x') + "\r\n");
+  };
+  EXPECT_EQ(status(filled(kMetricsLimits.header_bytes_max)), 200);
+  EXPECT_EQ(status(filled(kMetricsLimits.header_bytes_max + 1)), 431);
+  const auto body = [](std::size_t bytes) {
+    return Ask("POST /metrics", "x", "Content-Length: " + std::to_string(bytes) + "\r\n") +
+           std::string(bytes, 'x');
+  };
+  EXPECT_EQ(status(body(kMetricsLimits.body_bytes_max)), 405);
+  EXPECT_EQ(status(body(kMetricsLimits.body_bytes_max + 1)), 413);
+}
+
+TEST_F(MetricsListenerTest, ARequestThatIsNotWholeEndsAtItsTime) {
+  ListenerLimits limits = kMetricsLimits;
+  limits.request_wait = milliseconds(50);
+  RawConnection connection(ServeBoth(limits));
+  connection.Send("GET /livez HTTP/1.1\r\n");
+  EXPECT_TRUE(connection.AtEnd());
+}
+
+TEST_F(MetricsListenerTest, ConnectionsAreBoundedAndTakeNoPlaceOfTheOthers) {
+  const std::uint16_t port = ServeBoth();
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  for (std::size_t i = 0; i < kMetricsLimits.connections_max; ++i) {
+    slow.push_back(std::make_unique<RawConnection>(port));
+    slow.back()->Send("GET /metr");  // and no more of it
+  }
+  const auto most = static_cast<int>(kMetricsLimits.connections_max);
+  ASSERT_TRUE(testing::Eventually([&] { return Metrics().open.value() == most; }));
+  EXPECT_EQ(Metrics().given_up.value(), 0);
+  EXPECT_EQ(Connections().open.value(), 0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(HttpGet(http_port_, "/readyz").status, 200);
+    EXPECT_EQ(HttpGet(http_port_, "/api/v1/status").status, 200);
+  }
+  EXPECT_EQ(Connections().given_up.value(), 0);
+  EXPECT_EQ(HttpGet(port, "/metrics").status, 200) << "one that is idle gives way";
+  EXPECT_GE(Metrics().given_up.value(), 1);
+  EXPECT_TRUE(slow.front()->AtEnd());
+  const std::string page = HttpGet(http_port_, "/metrics").body;
+  EXPECT_THAT(page, HasSubstr("uplinkd_http_connections{listener=\"http\"} 1\n"));
+  EXPECT_THAT(page, HasSubstr("uplinkd_http_connections{listener=\"metrics\"} "));
+  EXPECT_THAT(page, HasSubstr("uplinkd_http_connections_given_up_total{listener=\"http\"} 0\n"));
+}
+
+TEST_F(MetricsListenerTest, ScrapersThatDoNotReadLeaveATextToThoseOfTheMachine) {
+  constexpr int kLittle = 4096;
+  AddRobotsOfManyWords(world_);
+  const std::uint16_t port = ServeBoth();
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  for (std::size_t i = 0; i < rcan::kTextsMax - rcan::kTextsReserved; ++i) {
+    slow.push_back(std::make_unique<RawConnection>(port, kLittle));
+    slow.back()->SendGet("/metrics/robots");
+    ASSERT_TRUE(testing::Eventually([&] { return ScrapesWritten(world_) == i + 1; }));
+    world_.clock.Advance(rcan::kTextShared);  // the next one gets a text of its own
+  }
+  EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503);
+  EXPECT_EQ(world_.rcan_probe.refused_total.value(), 1);
+  EXPECT_EQ(HttpGet(http_port_, "/metrics/robots").status, 200);
+}
+
+TEST_F(MetricsListenerTest, ScrapesThatWaitDelayNoneOfTheMachine) {
+  const std::uint16_t port = ServeBoth();
+  std::promise<void> gate;
+  std::promise<void> begun;
+  ASSERT_TRUE(scrapes_->TryPost([&begun, opened = gate.get_future().share()] {
+    begun.set_value();
+    opened.wait();
+  }));
+  begun.get_future().wait();
+  for (std::size_t i = 0; i < loop::kReadsWaitingMax; ++i) {
+    ASSERT_TRUE(scrapes_->TryPost([] {}));
+  }
+  EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503) << "no room behind those that wait";
+  RawConnection of_the_machine(http_port_);
+  of_the_machine.SendGet("/metrics/robots");
+  ASSERT_TRUE(testing::Eventually([&] {
+    return world_.http_probe.scrapes_waiting.value() ==
+           static_cast<int>(loop::kReadsWaitingMax + 1);
+  }));
+  gate.set_value();
+  EXPECT_EQ(of_the_machine.Read()->status, 200);
+}
+
+TEST_F(MetricsListenerTest, ListensOnBothFamiliesOfAnUnspecifiedAddress) {
+  monitoring_ = Listen({ListenerId::kMetrics, {"::", 0}, kMetricsLimits});
+  Serve();
+  EXPECT_EQ(HttpGet(monitoring_->bound().port, "/readyz").status, 200);
+  EXPECT_EQ(monitoring_->bound().host, "::");
+}
+
+TEST_F(MetricsListenerTest, AnAddressThatIsTakenIsNamedWithItsKey) {
+  ServeBoth();
+  const auto second = TryListen({ListenerId::kMetrics, monitoring_->bound(), kMetricsLimits});
+  ASSERT_FALSE(second.ok());
+  EXPECT_EQ(second.status().message(), "listen.metrics: " + config::ToText(monitoring_->bound()) +
+                                           " cannot be bound: Address already in use");
+}
+
+}  // namespace
+}  // namespace uplink::http
