@@ -20,17 +20,35 @@ def free_port():
         return taken.getsockname()[1]
 
 
+def deployed(target, alertmanager=None, through=None):
+    """The deployed configuration, but for the addresses and faster. `through`: the proxy that it asks."""
+    config = (DEPLOY / "prometheus.yml").read_text(encoding="utf-8")
+    assert "127.0.0.1:7480" in config
+    config = config.replace("127.0.0.1:7480", target)
+    config = re.sub(r"(scrape_interval|evaluation_interval|scrape_timeout): \w+", r"\1: 1s", config)
+    if alertmanager:
+        commented = re.search(r"(?m)^# alerting:\n(#  .*\n)+", config).group()
+        config = config.replace(commented, re.sub(r"(?m)^# ", "", commented))
+        assert "127.0.0.1:9093" in config
+        config = config.replace("127.0.0.1:9093", alertmanager)
+    if through:
+        config = re.sub(r"(?m)^( +)static_configs:", rf"\1proxy_url: http://{through}\n\1static_configs:", config)
+    return config
+
+
 class Prometheus:
-    def __init__(self, folder, server):
+    """`target`: what it scrapes, if not listen.http. With an Alertmanager alerts fire at once."""
+
+    def __init__(self, folder, server, target=None, alertmanager=None, through=None):
         self.folder = folder / "prometheus"
         self.folder.mkdir()
         self.address = f"127.0.0.1:{free_port()}"
-        config = (DEPLOY / "prometheus.yml").read_text(encoding="utf-8")
-        assert "127.0.0.1:7480" in config
-        config = config.replace("127.0.0.1:7480", server.http)
-        config = re.sub(r"(scrape_interval|evaluation_interval|scrape_timeout): \w+", r"\1: 1s", config)
+        config = deployed(target or server.http, alertmanager, through)
         for rules in DEPLOY.glob("*.rules.yml"):
-            (self.folder / rules.name).write_bytes(rules.read_bytes())
+            text = rules.read_text(encoding="utf-8")
+            if alertmanager:
+                text = re.sub(r"(?m)^( +for): \w+$", r"\1: 0s", text)
+            (self.folder / rules.name).write_text(text, encoding="utf-8")
         path = self.folder / "prometheus.yml"
         path.write_text(config, encoding="utf-8")
         self.log = (self.folder / "log").open("wb")
