@@ -1,7 +1,6 @@
 """Both scrapes, by Prometheus' own programs."""
 
 import gzip
-import json
 import pathlib
 import re
 import socket
@@ -10,6 +9,7 @@ import tempfile
 import unittest
 import urllib.request
 
+import dashboards
 from broker_messages import A, SETTINGS, event, topic
 from harness import BIN, SOURCE, EndToEnd, Server, run, wait_until
 from mosquitto import Mosquitto
@@ -38,7 +38,6 @@ for family in text_string_to_metric_families(sys.stdin.read()):
 OF_A_BROKER = "uplinkd_mqtt_"
 OF_DRONES = ("uplinkd_avatar_", "uplinkd_operator_request")
 DRONES = 2
-DASHBOARD = SOURCE / "deploy/grafana/uplinkd.json"
 GUIDE = SOURCE / "docs/operate/metrics.md"
 ALERTS = SOURCE / "docs/operate/alerts.md"
 
@@ -49,12 +48,6 @@ def scrape(server, path, **headers):
     )
     with urllib.request.urlopen(request, timeout=10) as answer:
         return answer.headers, answer.read()
-
-
-def expressions_of_the_dashboard():
-    dashboard = json.loads(DASHBOARD.read_text(encoding="utf-8"))
-    targets = [target for panel in dashboard["panels"] for target in panel.get("targets", [])]
-    return [target["expr"].replace("$instance", ".*") for target in targets]
 
 
 def expressions_of_the_guide():
@@ -210,9 +203,12 @@ class Scrapes(EndToEnd):
         self.assertEqual(
             {labels["ruri"].rsplit("/", 1)[1] for labels, _ in joints}, {f"robot-{n + 1:04}" for n in range(ROBOTS)}
         )
-        for expression in expressions_of_the_guide() + expressions_of_the_dashboard():
+        for expression in expressions_of_the_guide() + dashboards.expressions():
             with self.subTest(expression):
                 prometheus.wait_for(expression)
+        for series, label in dashboards.series_of_variables():
+            values = prometheus.get(f"/api/v1/label/{label}/values", **{"match[]": series})
+            self.assertEqual(values, [self.running.http], label)
         for rule in self.rules(prometheus, "recording"):
             with self.subTest(rule):
                 prometheus.wait_for(rule)
@@ -265,24 +261,6 @@ class Files(unittest.TestCase):
         for alert in alerts:
             self.assertIn(f"\n### {alert}\n", page)
             self.assertIn(f"docs/operate/alerts.md#{alert.lower()}\n", rules)
-
-    def test_the_dashboard_shows_what_is_lost_or_grows_without_an_error(self):
-        shown = " ".join(expressions_of_the_dashboard())
-        for name in ("live_bytes", "live_bytes_limit", "telemetry_over_rate_total", "store_wal_bytes",
-                     "log_lines_waiting", "log_lines_dropped_total"):  # fmt: skip
-            self.assertRegex(shown, rf"\buplinkd_{name}\{{")
-
-    def test_no_panel_of_the_dashboard_lies_on_another(self):
-        panels = json.loads(DASHBOARD.read_text(encoding="utf-8"))["panels"]
-        self.assertEqual(len({panel["id"] for panel in panels}), len(panels))
-        taken = {}
-        for panel in panels:
-            place = panel["gridPos"]
-            self.assertLessEqual(place["x"] + place["w"], 24, panel["title"])
-            for x in range(place["x"], place["x"] + place["w"]):
-                for y in range(place["y"], place["y"] + place["h"]):
-                    self.assertNotIn((x, y), taken, panel["title"])
-                    taken[x, y] = panel["title"]
 
     def test_the_tables_of_the_reference_are_the_programs(self):
         table = run(BIN / "uplinkd", "--print-metrics").stdout
