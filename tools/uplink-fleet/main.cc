@@ -3,8 +3,10 @@
 #include <csignal>
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "tools/uplink-fleet/flags.h"
+#include "tools/uplink-fleet/report/terminal.h"
 #ifdef UPLINK_WITH_GRPC
 #include "tools/uplink-fleet/run/drone_run.h"
 #endif
@@ -28,8 +30,10 @@ int main(int argc, char** argv) {
   // A server that closes a connection is no end of the fleet.
   std::signal(SIGPIPE, SIG_IGN);
   int code = uplink::synthetic::kExitDone;
-  const auto options = uplink::synthetic::ReadFlags(argc, argv, code);
+  auto options = uplink::synthetic::ReadFlags(argc, argv, code);
   if (!options) return code;
+  options->output = uplink::synthetic::TerminalOf(STDOUT_FILENO, environ);
+  options->errors = uplink::synthetic::TerminalOf(STDERR_FILENO, environ);
   if (options->twins) {
     uplink::synthetic::TwinRun run(*options);
     return run.Main();

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -65,31 +66,61 @@ std::optional<double> Quantile(const Buckets& before, const Buckets& after, doub
   return low;
 }
 
-std::string LiveSummary::Line(const Shared& shared, SteadyTime now,
+std::string LineOf(const LiveFigures& figures) {
+  const std::string own = fmt::format("{} acked, {} rejected, {} breaks", figures.acked,
+                                      figures.rejected, figures.breaks);
+  if (!figures.answers) {
+    return fmt::format("{:>4} s  the server does not answer  {}", figures.seconds, own);
+  }
+  return fmt::format("{:>4} s  {} online  {:.0f} messages/s  {} stored, {}  ack p50 {}, p99 {}",
+                     figures.seconds, figures.online, figures.messages_per_second, figures.stored,
+                     own, Milliseconds(figures.ack_p50_seconds),
+                     Milliseconds(figures.ack_p99_seconds));
+}
+
+LiveTable TableOf(const LiveFigures& figures, std::string heading) {
+  if (!figures.answers) heading += "; the server does not answer";
+  const auto server = [&figures](std::string text) {
+    return figures.answers ? std::move(text) : std::string("-");
+  };
+  return {std::move(heading),
+          {{"robots online", server(fmt::format("{}", figures.online))},
+           {"messages per second", server(fmt::format("{:.0f}", figures.messages_per_second))},
+           {"messages received", server(fmt::format("{}", figures.received))},
+           {"durable messages stored", server(fmt::format("{}", figures.stored))},
+           {"durable messages acked", fmt::format("{}", figures.acked)},
+           {"messages rejected", fmt::format("{}", figures.rejected)},
+           {"streams broken off", fmt::format("{}", figures.breaks)},
+           {"arrival to ack, p50", Milliseconds(figures.ack_p50_seconds)},
+           {"arrival to ack, p99", Milliseconds(figures.ack_p99_seconds)}}};
+}
+
+LiveFigures LiveSummary::Take(const Shared& shared, SteadyTime now,
                               const std::optional<v1::ServerStatus>& status,
                               const std::optional<std::string>& page) {
   if (!began_) began_ = now;
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - *began_).count();
-  const std::string own =
-      fmt::format("{} acked, {} rejected, {} breaks", shared.acked_durable.load(),
-                  shared.RejectsInAll(), shared.breaks.load());
-  if (!status) return fmt::format("{:>4} s  the server does not answer  {}", seconds, own);
-  const Reading reading{now, At(status->uplinks(), "received"),
+  LiveFigures figures;
+  figures.seconds = std::chrono::duration_cast<std::chrono::seconds>(now - *began_).count();
+  figures.acked = shared.acked_durable.load();
+  figures.rejected = shared.RejectsInAll();
+  figures.breaks = shared.breaks.load();
+  if (!status) return figures;
+  figures.answers = true;
+  figures.online = At(status->robots(), "online");
+  figures.received = At(status->uplinks(), "received");
+  figures.stored = At(status->uplinks(), "stored");
+  const Reading reading{now, figures.received,
                         page ? HistogramOf(*page, "uplinkd_ack_seconds") : Buckets()};
-  double rate = 0;
-  std::optional<double> p50;
-  std::optional<double> p99;
   if (last_ && now > last_->at) {
     const double span = std::chrono::duration<double>(now - last_->at).count();
     // Less than before: the server was started anew.
-    rate = std::max(0.0, static_cast<double>(reading.received - last_->received) / span);
-    p50 = Quantile(last_->ack_seconds, reading.ack_seconds, 0.5);
-    p99 = Quantile(last_->ack_seconds, reading.ack_seconds, 0.99);
+    figures.messages_per_second =
+        std::max(0.0, static_cast<double>(reading.received - last_->received) / span);
+    figures.ack_p50_seconds = Quantile(last_->ack_seconds, reading.ack_seconds, 0.5);
+    figures.ack_p99_seconds = Quantile(last_->ack_seconds, reading.ack_seconds, 0.99);
   }
   last_ = reading;
-  return fmt::format("{:>4} s  {} online  {:.0f} messages/s  {} stored, {}  ack p50 {}, p99 {}",
-                     seconds, At(status->robots(), "online"), rate, At(status->uplinks(), "stored"),
-                     own, Milliseconds(p50), Milliseconds(p99));
+  return figures;
 }
 
 }  // namespace uplink::synthetic

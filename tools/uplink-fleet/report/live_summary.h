@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "schema/base/clock.h"
+#include "tools/uplink-fleet/report/live_table.h"
 #include "tools/uplink-fleet/robot/shared.h"
 #include "uplink/v1/fleet.pb.h"
 
@@ -23,14 +24,37 @@ using Buckets = std::map<double, double>;
 [[nodiscard]] std::optional<double> Quantile(const Buckets& before, const Buckets& after,
                                              double quantile);
 
-/// What an operator would watch while a run goes on, line by line: the server's own counters
-/// since the line before, and the time from arrival to ack by the server's histogram.
+/// What an operator would watch at one moment of a run. A value.
+struct LiveFigures {
+  std::int64_t seconds = 0;
+  /// Of the robots.
+  std::uint64_t acked = 0;
+  std::uint64_t rejected = 0;
+  std::uint64_t breaks = 0;
+  /// False: the server does not answer, and the rest is not known.
+  bool answers = false;
+  std::int64_t online = 0;
+  std::int64_t received = 0;
+  std::int64_t stored = 0;
+  /// Since the moment before.
+  double messages_per_second = 0;
+  std::optional<double> ack_p50_seconds;
+  std::optional<double> ack_p99_seconds;
+};
+
+/// The figures as one line. Pure.
+[[nodiscard]] std::string LineOf(const LiveFigures& figures);
+/// The figures as a table below `heading`. Pure.
+[[nodiscard]] LiveTable TableOf(const LiveFigures& figures, std::string heading);
+
+/// The server's own counters since the moment before, and the time from arrival to ack by the
+/// server's histogram.
 ///
 /// Thread: confined to one thread.
 class LiveSummary final {
  public:
   /// `now` is when status and page were read; both may be missing when the server is away.
-  [[nodiscard]] std::string Line(const Shared& shared, SteadyTime now,
+  [[nodiscard]] LiveFigures Take(const Shared& shared, SteadyTime now,
                                  const std::optional<v1::ServerStatus>& status,
                                  const std::optional<std::string>& page);
 

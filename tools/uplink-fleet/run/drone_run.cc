@@ -1,5 +1,6 @@
 #include "tools/uplink-fleet/run/drone_run.h"
 
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -30,7 +31,8 @@ bool Agrees(const DroneScript& drone, const std::string& look) {
 DroneRun::DroneRun(const RunOptions& options)
     : options_(options),
       view_(options_.http, clock_),
-      context_{.clock = clock_, .signals = signals_, .shared = shared_} {
+      context_{.clock = clock_, .signals = signals_, .shared = shared_},
+      display_(options_.errors) {
   figures_.seed = options_.seed;
   figures_.run = RandomRun();
   for (Phase& phase : options_.swarm.scenario.phases) {
@@ -59,7 +61,7 @@ int DroneRun::Main() {
   measurement.Begin();
   (*swarm)->Start();
   if (absl::Status status = Send(); !status.ok()) {
-    line_.Clear();
+    display_.Clear();
     return CannotRun(status);
   }
   figures_.seconds = measurement.SinceBegin().seconds;
@@ -70,13 +72,21 @@ int DroneRun::Main() {
   const absl::Status gathered = Gather(**swarm);
   shared_.stage.store(DroneStage::kClose);
   (*swarm)->Finish();
-  line_.Clear();
+  display_.Clear();
   if (!gathered.ok()) return CannotRun(gathered);
   return Conclude(**swarm);
 }
 
+std::string DroneRun::Heading() const {
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(clock_.Steady() - began_).count();
+  return shared_.stage.load() == DroneStage::kSend
+             ? SendingHeading("drones", seconds, options_.run_for)
+             : SettlingHeading(seconds);
+}
+
 void DroneRun::Look() {
-  if (!line_.Due(clock_.Steady())) return;
+  if (!display_.Due(clock_.Steady())) return;
   std::optional<Conservation> counts;
   if (const auto status = view_.Status(); status.ok()) {
     counts = DroneMessagesIn(*status);
@@ -85,14 +95,24 @@ void DroneRun::Look() {
     // A server that does not answer counts nothing either.
     shared_.first_error.Keep(std::string(status.status().message()));
   }
-  line_.Show(fmt::format(
-      "{} calls, {} answered, {} again, {} links cut; server: {} received, {} in flight",
-      shared_.sent.load(), shared_.answered.load(), shared_.again.load(), shared_.cut.load(),
-      counts ? counts->received : 0, counts ? counts->in_flight : 0));
+  const std::uint64_t received = counts ? counts->received : 0;
+  const std::uint64_t in_flight = counts ? counts->in_flight : 0;
+  display_.Show(
+      fmt::format(
+          "{} calls, {} answered, {} again, {} links cut; server: {} received, {} in flight",
+          shared_.sent.load(), shared_.answered.load(), shared_.again.load(), shared_.cut.load(),
+          received, in_flight),
+      {Heading(),
+       {{"calls", fmt::format("{}", shared_.sent.load())},
+        {"calls answered", fmt::format("{}", shared_.answered.load())},
+        {"calls made again", fmt::format("{}", shared_.again.load())},
+        {"links cut", fmt::format("{}", shared_.cut.load())},
+        {"samples received by the server", fmt::format("{}", received)},
+        {"samples in flight", fmt::format("{}", in_flight)}}});
 }
 
 absl::Status DroneRun::Send() {
-  const SteadyTime start = clock_.Steady();
+  const SteadyTime start = began_ = clock_.Steady();
   while (clock_.Steady() - start < options_.run_for) {
     Look();
     if (signals_.Wait(kLook)) break;
@@ -182,7 +202,7 @@ absl::Status DroneRun::Gather(const DroneSwarm& swarm) {
       status = absl::CancelledError(fmt::format("told to stop after {} were compared", told));
       return;
     }
-    if (line_.Due(clock_.Steady())) line_.Show("compared " + told);
+    if (display_.Due(clock_.Steady())) display_.Show("compared " + told);
     status = CompareRows(drone);
   });
   return status;
@@ -198,8 +218,9 @@ int DroneRun::Conclude(const DroneSwarm& swarm) {
   figures_.latencies = swarm.TakeLatencies();
   figures_.first_error = shared_.first_error.Read();
   const std::vector<CheckRow> rows = VerifyDrones(evidence_);
-  return Concluded(options_.json ? JsonReport(figures_, rows, evidence_.findings)
-                                 : TextReport(figures_, rows, evidence_.findings),
+  return Concluded(options_.json
+                       ? JsonReport(figures_, rows, evidence_.findings)
+                       : TextReport(figures_, rows, evidence_.findings, Palette(options_.output)),
                    rows);
 }
 

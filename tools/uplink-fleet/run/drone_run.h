@@ -9,7 +9,7 @@
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/compare/verify_drones.h"
 #include "tools/uplink-fleet/drone/swarm.h"
-#include "tools/uplink-fleet/report/progress_line.h"
+#include "tools/uplink-fleet/report/live_display.h"
 #include "tools/uplink-fleet/report/run_figures.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "tools/uplink-fleet/run/run_options.h"
@@ -49,6 +49,7 @@ class DroneRun final {
   [[nodiscard]] absl::Status Gather(const DroneSwarm& swarm);
   [[nodiscard]] absl::Status CompareLive(const DroneScript& drone, SteadyTime until);
   [[nodiscard]] absl::Status CompareRows(const DroneScript& drone);
+  [[nodiscard]] std::string Heading() const;
   void Look();
   [[nodiscard]] int Conclude(const DroneSwarm& swarm);
 
@@ -58,7 +59,9 @@ class DroneRun final {
   DronesShared shared_;
   ServerView view_;
   const DroneContext context_;
-  ProgressLine line_;
+  LiveDisplay display_;
+  /// Since when it sends.
+  SteadyTime began_{};
   /// The server's clock before the run, and at the last look.
   Span span_;
   std::int64_t started_at_ms_ = 0;

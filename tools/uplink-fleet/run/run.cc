@@ -15,7 +15,7 @@ namespace uplink::synthetic {
 Run::Run(const RunOptions& options)
     : options_(options),
       view_(options_.http, clock_),
-      progress_(view_, clock_, shared_),
+      progress_(view_, clock_, shared_, options_),
       context_{.options = options_,
                .clock = clock_,
                .signals = signals_,
@@ -82,8 +82,9 @@ int Run::Conclude() {
   figures.restarted = Restarted(evidence_);
   evidence_.disturbed = WasDisturbed(figures);
   const std::vector<CheckRow> rows = Verify(evidence_);
-  return Concluded(options_.json ? JsonReport(figures, rows, evidence_.findings)
-                                 : TextReport(figures, rows, evidence_.findings),
+  return Concluded(options_.json
+                       ? JsonReport(figures, rows, evidence_.findings)
+                       : TextReport(figures, rows, evidence_.findings, Palette(options_.output)),
                    rows);
 }
 

@@ -6,6 +6,7 @@
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/broker/twin_swarm.h"
+#include "tools/uplink-fleet/report/terminal.h"
 #include "tools/uplink-fleet/robot/swarm.h"
 
 namespace uplink::synthetic {
@@ -30,6 +31,9 @@ struct RunOptions {
   /// before it calls it a mismatch.
   milliseconds settle_for{60'000};
   bool json = false;
+  /// What standard output and standard error are.
+  Terminal output;
+  Terminal errors;
 };
 
 }  // namespace uplink::synthetic

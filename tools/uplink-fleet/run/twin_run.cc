@@ -1,5 +1,6 @@
 #include "tools/uplink-fleet/run/twin_run.h"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -32,7 +33,8 @@ bool Agrees(const TwinScript& twin, const TwinLook& look) {
 TwinRun::TwinRun(const RunOptions& options)
     : options_(options),
       view_(options_.http, clock_),
-      context_{.clock = clock_, .signals = signals_, .shared = shared_} {
+      context_{.clock = clock_, .signals = signals_, .shared = shared_},
+      display_(options_.errors) {
   figures_.seed = options_.seed;
   figures_.run = RandomRun();
 }
@@ -58,7 +60,7 @@ int TwinRun::Main() {
   measurement.Begin();
   swarm.Start();
   if (absl::Status status = Send(swarm); !status.ok()) {
-    line_.Clear();
+    display_.Clear();
     return CannotRun(status);
   }
   figures_.seconds = measurement.SinceBegin().seconds;
@@ -80,13 +82,21 @@ int TwinRun::Main() {
   const absl::Status gathered = Gather(swarm);
   shared_.stage.store(TwinStage::kClose);
   swarm.Finish();
-  line_.Clear();
+  display_.Clear();
   if (!gathered.ok()) return CannotRun(gathered);
   return Conclude(swarm);
 }
 
+std::string TwinRun::Heading() const {
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(clock_.Steady() - began_).count();
+  return shared_.stage.load() == TwinStage::kSend
+             ? SendingHeading("twins", seconds, options_.run_for)
+             : SettlingHeading(seconds);
+}
+
 void TwinRun::Look() {
-  if (!line_.Due(clock_.Steady())) return;
+  if (!display_.Due(clock_.Steady())) return;
   const absl::StatusOr<std::string> page = view_.Metrics();
   std::optional<Conservation> counts;
   // A server that does not answer counts nothing either.
@@ -96,14 +106,23 @@ void TwinRun::Look() {
   } else {
     shared_.first_error.Keep(std::string(page.status().message()));
   }
-  line_.Show(fmt::format(
-      "{} published, {} of {} acked, {} pongs; server: {} received, {} in flight",
-      shared_.published.load(), shared_.acked.load(), shared_.published_qos1.load(),
-      shared_.pongs.load(), counts ? counts->received : 0, counts ? counts->in_flight : 0));
+  const std::uint64_t received = counts ? counts->received : 0;
+  const std::uint64_t in_flight = counts ? counts->in_flight : 0;
+  display_.Show(
+      fmt::format("{} published, {} of {} acked, {} pongs; server: {} received, {} in flight",
+                  shared_.published.load(), shared_.acked.load(), shared_.published_qos1.load(),
+                  shared_.pongs.load(), received, in_flight),
+      {Heading(),
+       {{"messages published", fmt::format("{}", shared_.published.load())},
+        {"of them at QoS 1", fmt::format("{}", shared_.published_qos1.load())},
+        {"acked by the broker", fmt::format("{}", shared_.acked.load())},
+        {"pongs", fmt::format("{}", shared_.pongs.load())},
+        {"messages received by the server", fmt::format("{}", received)},
+        {"messages in flight", fmt::format("{}", in_flight)}}});
 }
 
 absl::Status TwinRun::Send(const TwinSwarm& swarm) {
-  const SteadyTime start = clock_.Steady();
+  const SteadyTime start = began_ = clock_.Steady();
   while (clock_.Steady() - start < options_.run_for) {
     Look();
     if (signals_.Wait(kLook)) break;
@@ -212,8 +231,8 @@ absl::Status TwinRun::Gather(const TwinSwarm& swarm) {
           fmt::format("told to stop after {} of {} twins were compared", compared, looks_.size()));
       return;
     }
-    if (line_.Due(clock_.Steady())) {
-      line_.Show(fmt::format("compared {} of {} twins", compared, looks_.size()));
+    if (display_.Due(clock_.Steady())) {
+      display_.Show(fmt::format("compared {} of {} twins", compared, looks_.size()));
     }
     status = CompareTwin(twin, looks_[compared++], *no_robot);
   });
@@ -235,8 +254,9 @@ int TwinRun::Conclude(const TwinSwarm& swarm) {
   figures_.pong = swarm.Pong();
   figures_.first_error = shared_.first_error.Read();
   const std::vector<CheckRow> rows = VerifyTwins(evidence_);
-  return Concluded(options_.json ? JsonReport(figures_, rows, evidence_.findings)
-                                 : TextReport(figures_, rows, evidence_.findings),
+  return Concluded(options_.json
+                       ? JsonReport(figures_, rows, evidence_.findings)
+                       : TextReport(figures_, rows, evidence_.findings, Palette(options_.output)),
                    rows);
 }
 

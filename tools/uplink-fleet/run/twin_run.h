@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "schema/base/clock.h"
 #include "tools/uplink-fleet/broker/twin_swarm.h"
 #include "tools/uplink-fleet/compare/compare_twin_rows.h"
 #include "tools/uplink-fleet/compare/verify_twins.h"
-#include "tools/uplink-fleet/report/progress_line.h"
+#include "tools/uplink-fleet/report/live_display.h"
 #include "tools/uplink-fleet/report/run_figures.h"
 #include "tools/uplink-fleet/run/run_context.h"
 #include "tools/uplink-fleet/run/run_options.h"
@@ -49,6 +50,7 @@ class TwinRun final {
                                          std::vector<v1::Quarantined>& no_robot);
   [[nodiscard]] absl::StatusOr<TwinLook> LookAt(const TwinScript& twin);
   [[nodiscard]] absl::StatusOr<StoredTwin> StoredOf(const TwinScript& twin);
+  [[nodiscard]] std::string Heading() const;
   void Look();
   [[nodiscard]] int Conclude(const TwinSwarm& swarm);
 
@@ -58,9 +60,11 @@ class TwinRun final {
   TwinsShared shared_;
   ServerView view_;
   const TwinContext context_;
-  ProgressLine line_;
+  LiveDisplay display_;
   /// Looks at every robot while the link was quiet, in the order of the swarm.
   std::vector<TwinLook> looks_;
+  /// Since when it sends.
+  SteadyTime began_{};
   /// The server's clock before the run, and at the last look.
   Span span_;
   std::int64_t started_at_ms_ = 0;

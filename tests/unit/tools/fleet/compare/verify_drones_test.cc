@@ -35,7 +35,7 @@ TEST(VerifyDrones, AGoodRunAgrees) {
   EXPECT_THAT(Mismatches(good), IsEmpty());
   DroneFigures figures;
   figures.totals = good.totals;
-  EXPECT_THAT(TextReport(figures, VerifyDrones(good), good.findings),
+  EXPECT_THAT(TextReport(figures, VerifyDrones(good), good.findings, Palette({})),
               HasSubstr("verification: all agree"));
   EXPECT_THAT(JsonReport(figures, VerifyDrones(good), good.findings), HasSubstr("\"ok\":true"));
 }

@@ -179,12 +179,12 @@ TEST(Verify, EveryThingOfARobotHasARowOfItsOwn) {
 TEST(Report, SaysWhetherAllAgree) {
   const Evidence good = Good();
   EXPECT_TRUE(AllOk(Verify(good)));
-  EXPECT_THAT(TextReport(RunFigures(), Verify(good), good.findings),
+  EXPECT_THAT(TextReport(RunFigures(), Verify(good), good.findings, Palette({})),
               HasSubstr("verification: all agree"));
   EXPECT_THAT(JsonReport(RunFigures(), Verify(good), good.findings), HasSubstr("\"ok\":true"));
   Evidence bad = Good();
   bad.findings.Differ(Thing::kShapes, "rcan://a", "a square", "a circle");
-  const std::string text = TextReport(RunFigures(), Verify(bad), bad.findings);
+  const std::string text = TextReport(RunFigures(), Verify(bad), bad.findings, Palette({}));
   EXPECT_THAT(text, HasSubstr("rcan://a | shapes present | a square | a circle\n"));
   EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
   const std::string json = JsonReport(RunFigures(), Verify(bad), bad.findings);
@@ -198,7 +198,7 @@ TEST(Report, ShowsNoMoreDifferencesThanOnePage) {
     bad.findings.Differ(Thing::kEvents, "rcan://" + std::to_string(i), "", "");
   }
   EXPECT_EQ(bad.findings.differences().size(), kDifferencesMax);
-  const std::string text = TextReport(RunFigures(), Verify(bad), bad.findings);
+  const std::string text = TextReport(RunFigures(), Verify(bad), bad.findings, Palette({}));
   EXPECT_THAT(text, HasSubstr("rcan://19 | "));
   EXPECT_THAT(text, Not(HasSubstr("rcan://20 | ")));
   EXPECT_THAT(text, HasSubstr("and 185 more"));

@@ -42,7 +42,7 @@ TEST(VerifyTwins, AGoodRunAgrees) {
   const TwinEvidence good = Good();
   TwinFigures figures;
   figures.totals = good.totals;
-  const std::string text = TextReport(figures, VerifyTwins(good), good.findings);
+  const std::string text = TextReport(figures, VerifyTwins(good), good.findings, Palette({}));
   EXPECT_THAT(text, HasSubstr("verification: all agree"));
   EXPECT_THAT(JsonReport(figures, VerifyTwins(good), good.findings), HasSubstr("\"ok\":true"));
 }
@@ -89,7 +89,8 @@ TEST(VerifyTwins, ADifferenceOfATwinIsAMismatch) {
   TwinEvidence evidence = Good();
   evidence.findings.Differ(Thing::kTwinEvents, "rcan://x", "once", "twice");
   EXPECT_THAT(Mismatches(evidence), ElementsAre("events"));
-  const std::string text = TextReport(TwinFigures(), VerifyTwins(evidence), evidence.findings);
+  const std::string text =
+      TextReport(TwinFigures(), VerifyTwins(evidence), evidence.findings, Palette({}));
   EXPECT_THAT(text, HasSubstr("rcan://x | events | once | twice"));
   EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
 }

@@ -11,8 +11,11 @@
 namespace uplink::synthetic {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Pair;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -58,13 +61,23 @@ TEST(LiveSummaryTest, SaysWhatCameSinceTheLineBefore) {
   (*status.mutable_uplinks())["received"] = 100;
   (*status.mutable_uplinks())["stored"] = 9;
   LiveSummary summary;
-  EXPECT_THAT(summary.Line(shared, clock.Steady(), status, Page(0, 0, 0)), HasSubstr("p50 -"));
+  EXPECT_THAT(LineOf(summary.Take(shared, clock.Steady(), status, Page(0, 0, 0))),
+              HasSubstr("p50 -"));
   clock.Advance(std::chrono::seconds(2));
   (*status.mutable_uplinks())["received"] = 300;
-  const std::string line = summary.Line(shared, clock.Steady(), status, Page(10, 10, 10));
+  const LiveFigures figures = summary.Take(shared, clock.Steady(), status, Page(10, 10, 10));
+  const std::string line = LineOf(figures);
   EXPECT_THAT(line, HasSubstr("2 s  4 online  100 messages/s"));
   EXPECT_THAT(line, HasSubstr("9 stored, 12 acked, 3 rejected, 2 breaks"));
   EXPECT_THAT(line, HasSubstr("p50 50.0 ms, p99 99.0 ms"));
+  const LiveTable table = TableOf(figures, "robots send");
+  EXPECT_EQ(table.heading, "robots send");
+  EXPECT_THAT(
+      table.rows,
+      IsSupersetOf({Pair("robots online", "4"), Pair("messages per second", "100"),
+                    Pair("messages received", "300"), Pair("durable messages stored", "9"),
+                    Pair("durable messages acked", "12"), Pair("messages rejected", "3"),
+                    Pair("streams broken off", "2"), Pair("arrival to ack, p99", "99.0 ms")}));
 }
 
 TEST(LiveSummaryTest, AServerThatIsAwayOrNewIsNoTrouble) {
@@ -73,13 +86,15 @@ TEST(LiveSummaryTest, AServerThatIsAwayOrNewIsNoTrouble) {
   v1::ServerStatus status;
   (*status.mutable_uplinks())["received"] = 500;
   LiveSummary summary;
-  static_cast<void>(summary.Line(shared, clock.Steady(), status, std::nullopt));
+  static_cast<void>(summary.Take(shared, clock.Steady(), status, std::nullopt));
   clock.Advance(std::chrono::seconds(1));
-  EXPECT_THAT(summary.Line(shared, clock.Steady(), std::nullopt, std::nullopt),
-              HasSubstr("does not answer"));
+  const LiveFigures away = summary.Take(shared, clock.Steady(), std::nullopt, std::nullopt);
+  EXPECT_THAT(LineOf(away), HasSubstr("does not answer"));
+  EXPECT_EQ(TableOf(away, "robots send").heading, "robots send; the server does not answer");
+  EXPECT_THAT(TableOf(away, "robots send").rows, Contains(Pair("robots online", "-")));
   clock.Advance(std::chrono::seconds(1));
   (*status.mutable_uplinks())["received"] = 5;
-  EXPECT_THAT(summary.Line(shared, clock.Steady(), status, std::nullopt),
+  EXPECT_THAT(LineOf(summary.Take(shared, clock.Steady(), status, std::nullopt)),
               HasSubstr(" 0 messages/s"));
 }
 
