@@ -42,6 +42,13 @@ tsan_runner() {
   fi
 }
 
+# with_progress WHAT NINJA ...: runs ninja; its progress and errors go to standard error.
+with_progress() {
+  local what="$1"
+  shift
+  NINJA_STATUS='[[%f/%t]] ' "$@" 2>&1 | tools/dev/build_progress.py "$what"
+}
+
 # build_preset PRESET [NINJA TARGET ...]: all targets by default. Output goes to standard error, so
 # that a verb's own output stays alone.
 build_preset() {
@@ -49,11 +56,12 @@ build_preset() {
   shift
   mapfile -t runner < <(tsan_runner "$name")
   mkdir -p build
+  [[ -f "build/$name/build.ninja" ]] || printf 'build %s: configure\n' "$name" >&2
   if ! cmake --preset "$name" >"$log" 2>&1; then
     cat "$log" >&2
     die "cmake --preset $name failed"
   fi
-  "${runner[@]}" ninja -C "build/$name" "$@" >&2
+  with_progress "$name" "${runner[@]}" ninja -C "build/$name" "$@"
 }
 
 # Files of the tree, tracked or new, ended by NUL: list_files PATTERN ...
