@@ -75,7 +75,7 @@ WORDS = (
 WORDS_ALLOWED = ("tests/tidy/",)
 TEXT_SUFFIXES = (
     ".h", ".cc", ".py", ".sh", ".md", ".txt", ".toml", ".cmake", ".json", ".proto", ".capnp", ".sql",
-    ".yml", ".yaml", ".service",
+    ".yml", ".yaml", ".service", ".svg",
 )  # fmt: skip
 
 

@@ -6,7 +6,7 @@
 # the comparison of what was sent, counted and stored. In place of robots, with --cyberwave a mosquitto
 # and twins that publish to it, with --uncrew drones that call.
 # Everything lies in build/demo, made afresh; nothing is left running. Fails if anything does not add
-# up.
+# up. Builds first, unless UPLINK_BIN_DIR names the programs.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 # shellcheck source=tools/dev/lib.sh
@@ -16,12 +16,15 @@ source tools/dev/lib.sh
 readonly bin="${UPLINK_BIN_DIR:-$PWD/build/release/bin}"
 readonly demo="${UPLINK_DEMO_DIR:-$PWD/build/demo}"
 readonly start_seconds=30
+# To start, settle and compare.
+readonly check_seconds=10
 
 duration=30s
 robots=50
 gateways=0
 store=sqlite
 seed=1
+players=robots
 cyberwave=
 uncrew=
 while [[ $# -gt 0 ]]; do
@@ -39,10 +42,12 @@ while [[ $# -gt 0 ]]; do
       ;;
     --cyberwave)
       cyberwave=1
+      players=twins
       shift
       ;;
     --uncrew)
       uncrew=1
+      players=drones
       shift
       ;;
     *) die_usage "demo: unknown argument: $1" ;;
@@ -59,6 +64,47 @@ esac
 [[ -z "$cyberwave" || -z "$uncrew" ]] || die_usage "demo: --cyberwave or --uncrew, not both"
 [[ "$seed" =~ ^[0-9]{1,18}$ ]] || die_usage "demo: --seed takes a number"
 [[ "$duration" =~ ^[1-9][0-9]*(ms|s|m|h)$ ]] || die_usage "demo: --for takes a duration such as 30s"
+
+# Seconds of "30s", as the fleet reads it; one for less.
+whole_seconds() {
+  local number="${1%%[a-z]*}"
+  case "$1" in
+    *ms) printf '%s\n' "$((number / 1000 + 1))" ;;
+    *s) printf '%s\n' "$number" ;;
+    *m) printf '%s\n' "$((number * 60))" ;;
+    *h) printf '%s\n' "$((number * 3600))" ;;
+  esac
+}
+
+# What comes before the run, and how long it takes; nothing if all is there.
+#
+# Source of the time: a first build of the three programs with an empty ccache took 17 minutes.
+preparation() {
+  local installs=0 reference="$built"
+  [[ -z "${UPLINK_BIN_DIR:-}" ]] || return 0
+  installs="$(missing_packages | wc -l)"
+  [[ "$installs" -eq 0 ]] || printf 'installs %d Debian packages, then ' "$installs"
+  [[ -f "$reference" ]] || reference="$bin/uplink-fleet"
+  if [[ ! -f "$reference" ]]; then
+    printf 'builds (first build about 20 min on two cores; later seconds), then '
+  elif [[ -n "$(find CMakeLists.txt CMakePresets.json cmake metrics proto schema server storage tools \
+    -newer "$reference" -type f ! -name '*.sh' ! -name '*.py' ! -name '*.md' -print -quit)" ]]; then
+    printf 'builds what changed (seconds to minutes), then '
+  fi
+}
+
+readonly built="$PWD/build/release/demo.built"
+plan="$(preparation)"
+printf 'demo: %sruns a server and %d %s for %s, then checks every message; that takes about %d s\n' \
+  "$plan" "$robots" "$players" "$duration" "$(($(whole_seconds "$duration") + check_seconds))"
+if [[ -z "${UPLINK_BIN_DIR:-}" ]]; then
+  need_packages
+  mkdir -p "${built%/*}"
+  # Sources that change while it builds are newer.
+  : >"$built.began"
+  build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet
+  mv "$built.began" "$built"
+fi
 for program in uplinkd uplinkctl uplink-fleet; do
   [[ -x "$bin/$program" ]] || die "$bin/$program is not built: ./dev build"
 done
@@ -148,7 +194,7 @@ server_pid=$!
 # The line `listening relay=ADDRESS http=ADDRESS`: the ports were free when they were bound.
 listening=
 for ((i = 0; i < start_seconds * 10; i++)); do
-  if listening="$(grep -m1 -E ' listening .*relay=' "$log")"; then break; fi
+  if listening="$(grep -s -m1 -E ' listening .*relay=' "$log")"; then break; fi
   if ! kill -0 "$server_pid" 2>/dev/null; then
     cat "$log" >&2
     die "uplinkd ended before it listened"
@@ -162,18 +208,22 @@ address_of() {
 relay="$(address_of relay)"
 http="$(address_of http)"
 
-printf 'uplinkd: robots at %s, log in %s\n' "$relay" "$log"
-[[ -z "$cyberwave" ]] || printf 'mosquitto: twins at %s, log in %s\n' "$mqtt" "$broker/mosquitto.log"
-printf 'while it runs: http://%s/api/v1/robots  /api/v1/status  /metrics  /metrics/robots\n' "$http"
-printf '               /api/v1/faults?active=true  /api/v1/missions?open=true  /api/v1/shapes  /api/v1/objects\n'
+printf 'uplinkd: relay at %s, log in %s\n' "$relay" "${log#"$PWD/"}"
+[[ -z "$cyberwave" ]] ||
+  printf 'mosquitto: twins at %s, log in %s\n' "$mqtt" "${broker#"$PWD/"}/mosquitto.log"
+printf 'while it runs: http://%s/api/v1/robots, and there\n' "$http"
+printf '  /api/v1/status  /metrics  /metrics/robots  /api/v1/shapes  /api/v1/objects\n'
+printf '  /api/v1/faults?active=true  /api/v1/missions?open=true'
 if [[ -n "$cyberwave" ]]; then
-  printf '               /api/v1/scope-updates  /api/v1/quarantine?source=cyberwave  and below a robot\n'
+  printf '  /api/v1/scope-updates\n  /api/v1/quarantine?source=cyberwave\n'
+  printf '  and below a robot'
 elif [[ -n "$uncrew" ]]; then
-  printf '               /api/v1/operator-requests  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Funcrew%%2Fuav%%2Fsynthetic-0001 and below it\n'
+  printf '  /api/v1/operator-requests\n'
+  printf '  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Funcrew%%2Fuav%%2Fsynthetic-0001 and below it'
 else
-  printf '               /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it\n'
+  printf '\n  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it'
 fi
-printf '               /events  /messages  /presence  /quarantine  /gaps\n\n'
+printf '\n  /events  /messages  /presence  /quarantine  /gaps\n'
 
 fleet_code=0
 "$bin/uplink-fleet" --target "$relay" --http "$http" --robots "$robots" --for "$duration" \
@@ -188,4 +238,4 @@ fi
 if [[ "$fleet_code" -ne 0 ]]; then
   exit "$fleet_code"
 fi
-printf 'uplinkd drained and stopped; everything lies in %s\n' "$demo"
+printf 'uplinkd drained and stopped; everything lies in %s\n' "${demo#"$PWD/"}"
