@@ -56,7 +56,7 @@ void Watch::Look(const std::stop_token& stop) {
   if (misdeed_.robots_scraped) static_cast<void>(Get("/metrics/robots"));
   // It is 404 until the robot is there.
   if (misdeed_.page_looked_at) {
-    static_cast<void>(client_.Get("/api/v1/robots/" + synthetic::PercentEncoded(bad_ruri_)));
+    static_cast<void>(client_.Get("/api/v1/robots/" + link::PercentEncoded(bad_ruri_)));
   }
 }
 

@@ -10,7 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "tests/bench/fair/misbehaviour.h"
-#include "tools/uplink-fleet/run/http_client.h"
+#include "tools/link/http_client.h"
 
 namespace uplink::bench {
 
@@ -64,7 +64,7 @@ class Watch final {
   const std::string bad_ruri_;
   const Misdeed& misdeed_;
   const SystemClock clock_{};
-  synthetic::HttpClient client_;
+  link::HttpClient client_;
   mutable std::mutex mutex_;
   Window window_ = Window::kNone;
   std::array<WatchFigures, 3> figures_;

@@ -20,7 +20,7 @@
 #include "tests/bench/trouble.h"
 #include "tests/bench/trouble_flags.h"
 #include "tests/support/sqlite_shell.h"
-#include "tools/uplink-fleet/run/http_client.h"
+#include "tools/link/http_client.h"
 #include "tools/uplink-fleet/run/signals.h"
 
 namespace uplink::bench {
@@ -163,7 +163,7 @@ class Measurement final {
   const TroubleRun& run_;
   const Attack& attack_;
   PinnedServer& server_;
-  synthetic::HttpClient http_;
+  link::HttpClient http_;
   Scene scene_;
 };
 

@@ -32,7 +32,7 @@ absl::StatusOr<Message> Parse(const std::string& target, const std::string& json
 }
 
 template <typename Message>
-absl::StatusOr<Message> Fetch(HttpClient& http, const std::string& target) {
+absl::StatusOr<Message> Fetch(link::HttpClient& http, const std::string& target) {
   const absl::StatusOr<std::string> json = http.Get(target);
   if (!json.ok()) return json.status();
   return Parse<Message>(target, *json);
@@ -40,12 +40,12 @@ absl::StatusOr<Message> Fetch(HttpClient& http, const std::string& target) {
 
 /// Follows page tokens; `rows` finds the list in a response, `take` gets each row.
 template <typename Response, typename Rows, typename Take>
-absl::Status FetchPages(HttpClient& http, const std::string& target, Rows rows, Take take) {
+absl::Status FetchPages(link::HttpClient& http, const std::string& target, Rows rows, Take take) {
   std::string token;
   for (int page = 0; page < kPagesMax; ++page) {
     const char separator = target.find('?') == std::string::npos ? '?' : '&';
     std::string path = fmt::format("{}{}pageSize={}", target, separator, kPageSize);
-    if (!token.empty()) path += "&pageToken=" + PercentEncoded(token);
+    if (!token.empty()) path += "&pageToken=" + link::PercentEncoded(token);
     absl::StatusOr<Response> response = Fetch<Response>(http, path);
     if (!response.ok()) return response.status();
     for (auto& row : *rows(*response)) {
@@ -76,7 +76,7 @@ Span ServerView::Now() const {
 absl::StatusOr<std::map<std::string, v1::Robot>> ServerView::Robots(const std::string& fleet) {
   std::map<std::string, v1::Robot> robots;
   const absl::Status status = FetchPages<v1::ListRobotsResponse>(
-      http_, fmt::format("/api/v1/robots?parts={}&fleet={}", kParts, PercentEncoded(fleet)),
+      http_, fmt::format("/api/v1/robots?parts={}&fleet={}", kParts, link::PercentEncoded(fleet)),
       [](auto& response) { return response.mutable_robots(); },
       [&](v1::Robot&& robot) { robots[robot.ruri()] = std::move(robot); });
   if (!status.ok()) return status;
@@ -86,7 +86,7 @@ absl::StatusOr<std::map<std::string, v1::Robot>> ServerView::Robots(const std::s
 absl::StatusOr<SharedItems> ServerView::Shared(const std::string& fleet) {
   std::vector<v1::Shape> shapes;
   std::vector<v1::TrackedObject> objects;
-  const std::string name = PercentEncoded(fleet);
+  const std::string name = link::PercentEncoded(fleet);
   absl::Status status = FetchPages<v1::ListShapesResponse>(
       http_, "/api/v1/shapes?fleet=" + name, [](auto& page) { return page.mutable_shapes(); },
       [&shapes](v1::Shape&& row) { shapes.push_back(std::move(row)); });
@@ -100,7 +100,7 @@ absl::StatusOr<SharedItems> ServerView::Shared(const std::string& fleet) {
 
 absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int64_t from_ms) {
   StoredRobot stored;
-  const std::string name = PercentEncoded(ruri);
+  const std::string name = link::PercentEncoded(ruri);
   const auto list = [&](const char* path) { return fmt::format("/api/v1/{}?ruri={}", path, name); };
   const auto history = [&](const char* path) {
     return fmt::format("/api/v1/robots/{}/{}?fromMs={}", name, path, from_ms);
@@ -159,7 +159,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
 }
 
 absl::StatusOr<std::string> ServerView::RobotText(const std::string& ruri) {
-  absl::StatusOr<std::string> text = http_.Get("/api/v1/robots/" + PercentEncoded(ruri));
+  absl::StatusOr<std::string> text = http_.Get("/api/v1/robots/" + link::PercentEncoded(ruri));
   if (absl::IsNotFound(text.status())) return std::string();
   return text;
 }
@@ -180,7 +180,7 @@ absl::StatusOr<std::vector<v1::OperatorRequest>> ServerView::OperatorRequests(
     const std::string& ruri) {
   std::vector<v1::OperatorRequest> requests;
   const absl::Status status = FetchPages<v1::ListOperatorRequestsResponse>(
-      http_, "/api/v1/operator-requests?ruri=" + PercentEncoded(ruri),
+      http_, "/api/v1/operator-requests?ruri=" + link::PercentEncoded(ruri),
       [](auto& page) { return page.mutable_operator_requests(); },
       [&requests](v1::OperatorRequest&& row) { requests.push_back(std::move(row)); });
   if (!status.ok()) return status;

@@ -7,9 +7,9 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/link/http_client.h"
 #include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/compare/stored.h"
-#include "tools/uplink-fleet/run/http_client.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::synthetic {
@@ -19,8 +19,8 @@ inline constexpr int kPagesMax = 10'000;
 
 /// Reads the server's JSON into the contract's messages, all pages of a list.
 ///
-/// Errors: HttpClient's; kInternal if an answer is not what the contract says.
-/// Thread: as HttpClient.
+/// Errors: link::HttpClient's; kInternal if an answer is not what the contract says.
+/// Thread: as link::HttpClient.
 class ServerView final {
  public:
   ServerView(const std::string& address, const Clock& clock) : clock_(clock), http_(address) {}
@@ -52,7 +52,7 @@ class ServerView final {
   [[nodiscard]] Span Now() const;
 
   const Clock& clock_;
-  HttpClient http_;
+  link::HttpClient http_;
   /// The server's clock less ours, by the last status: between these two.
   std::int64_t ahead_min_ms_ = 0;
   std::int64_t ahead_max_ms_ = 0;

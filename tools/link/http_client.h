@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+
+namespace uplink::link {
+
+/// What a client puts up with. A value.
+struct HttpLimits {
+  /// Of one request, from the lookup of the name to the last byte of the answer.
+  milliseconds deadline = std::chrono::seconds(10);
+  /// Bytes of an answer's body: a page of 1,000 rows with long texts fits.
+  std::size_t body_bytes_max = std::size_t{64} * 1024 * 1024;
+};
+
+struct HttpAnswer {
+  unsigned status = 0;
+  std::string body;
+};
+
+/// Fetches pages from the server's HTTP listener, over one connection that is opened again when it
+/// ends.
+///
+/// Errors: kUnavailable if the server cannot be reached, breaks off, does not speak HTTP or is not
+///         done within the deadline; each names the URL.
+/// Thread: confined to the thread that made it; blocks.
+class HttpClient final {
+ public:
+  /// `address` is HOST:PORT, an IPv6 host in brackets.
+  explicit HttpClient(const std::string& address, const HttpLimits& limits = {});
+  ~HttpClient();
+  HttpClient(const HttpClient&) = delete;
+  HttpClient& operator=(const HttpClient&) = delete;
+
+  /// The answer to `GET target`, whatever its status.
+  [[nodiscard]] absl::StatusOr<HttpAnswer> Ask(const std::string& target);
+  /// The body of a 200 answer.
+  ///
+  /// Errors: kNotFound for 404 and kInternal for other answers as well; each names the path.
+  [[nodiscard]] absl::StatusOr<std::string> Get(const std::string& target);
+
+ private:
+  struct Connection;
+  [[nodiscard]] absl::StatusOr<HttpAnswer> AskOnce(const std::string& target);
+  [[nodiscard]] absl::Status Connect(const std::string& target, SteadyTime until);
+  /// Ends the connection.
+  [[nodiscard]] absl::Status Failed(const std::string& target, std::string_view doing,
+                                    const std::string& why);
+
+  const HttpLimits limits_;
+  std::string host_;
+  std::string port_;
+  std::unique_ptr<Connection> connection_;
+};
+
+/// `text` with every byte but letters, digits and `-._~` as %XX.
+[[nodiscard]] std::string PercentEncoded(const std::string& text);
+
+}  // namespace uplink::link
