@@ -1,8 +1,10 @@
 #include "storage/postgres/admin.h"
 
 #include <memory>
+#include <string_view>
 #include <utility>
 
+#include "storage/postgres/data_folder.h"
 #include "storage/postgres/link/link.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/schema.h"
@@ -10,8 +12,16 @@
 namespace uplink::storage::postgres {
 namespace {
 
-/// What one step may take: it may have to build an index over a large table.
-constexpr std::chrono::minutes kStepTimeout{30};
+/// How durable a commit of this role is by the server's settings, and how many of our tables lack a
+/// right. The table of steps is only read; days of histories are written through their parents.
+constexpr std::string_view kAsk =
+    "SELECT current_setting('full_page_writes') = 'on', current_setting('synchronous_commit'),"
+    " (SELECT count(*) FROM pg_catalog.pg_class AS c"
+    " JOIN pg_catalog.pg_namespace AS n ON n.oid = c.relnamespace"
+    " WHERE n.nspname = 'uplinkd' AND c.relkind IN ('r', 'p') AND NOT c.relispartition"
+    " AND NOT (has_table_privilege(c.oid, 'SELECT') AND (c.relname = 'schema_migrations'"
+    " OR has_table_privilege(c.oid, 'INSERT') AND has_table_privilege(c.oid, 'UPDATE')"
+    " AND has_table_privilege(c.oid, 'DELETE'))))";
 
 absl::StatusOr<std::unique_ptr<Connection>> Connect(const AdminOptions& options,
                                                     const Clock& clock) {
@@ -20,7 +30,8 @@ absl::StatusOr<std::unique_ptr<Connection>> Connect(const AdminOptions& options,
   ConnectionOptions connection;
   connection.url = *std::move(url);
   connection.password_file = options.password_file;
-  connection.call_timeout = kStepTimeout;
+  connection.connect_timeout = options.connect_timeout;
+  connection.call_timeout = options.call_timeout;
   connection.session_settings = std::string(kNoTimeouts);
   return Connection::Open(connection, clock);
 }
@@ -34,6 +45,10 @@ absl::StatusOr<StoreState> ReadState(const AdminOptions& options, const Clock& c
   if (!facts.ok()) return facts.status();
   const absl::StatusOr<AppliedSchema> schema = ReadSchema(**connection, Migrations());
   if (!schema.ok()) return schema.status();
+  const auto settings = (*connection)->RunOne({kAsk, {}}, "ask for settings and rights");
+  if (!settings.ok()) return settings.status();
+  absl::StatusOr<std::string> folder = ReadDataFolder(**connection);
+  if (!folder.ok()) return folder.status();
   StoreState state;
   state.where = (*connection)->where();
   state.server_version = facts->version;
@@ -42,9 +57,14 @@ absl::StatusOr<StoreState> ReadState(const AdminOptions& options, const Clock& c
   if (schema->missing.ok()) state.steps_missing = schema->missing->size();
   state.schema_needed = static_cast<std::int64_t>(Migrations().size());
   state.fsync = !facts->unsafe;
+  state.full_page_writes = settings->Bool(0, 0);
+  state.synchronous_commit = std::string(settings->Bytes(0, 1));
+  state.tables_denied = static_cast<std::size_t>(settings->Int(0, 2));
+  state.utf8 = facts->utf8;
   state.read_only = facts->read_only;
   state.standby = facts->standby;
   state.clock_offset = facts->clock_offset;
+  state.data_folder = *std::move(folder);
   return state;
 }
 

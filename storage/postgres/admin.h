@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -17,6 +18,10 @@ namespace uplink::storage::postgres {
 struct AdminOptions {
   std::string url;
   std::string password_file;
+  /// To one place of the URL.
+  milliseconds connect_timeout{5'000};
+  /// What one call may take: a step may have to build an index over a large table.
+  milliseconds call_timeout = std::chrono::minutes(30);
 };
 
 struct StoreState {
@@ -32,9 +37,17 @@ struct StoreState {
   absl::Status schema_fits;
   std::size_t steps_missing = 0;
   bool fsync = true;
+  bool full_page_writes = true;
+  /// Of a session of this role.
+  std::string synchronous_commit;
+  /// Tables of the schema in which the role may not do what the server does.
+  std::size_t tables_denied = 0;
+  bool utf8 = true;
   bool read_only = false;
   bool standby = false;
   milliseconds clock_offset{0};
+  /// ReadDataFolder's.
+  std::string data_folder;
 };
 
 /// Errors: of the connection.
