@@ -22,6 +22,9 @@ void AddConfig(config::Flags& program);
 /// Adds the noun `store` and its verbs.
 void AddStore(config::Flags& program);
 
+/// Adds `health`, which has no verbs.
+void AddHealth(config::Flags& program);
+
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);
 

@@ -32,6 +32,8 @@ int Run(int argc, char** argv) {
   AddPki(program);
   AddConfig(program);
   AddStore(program);
+  AddHealth(program);
+  AddDoctor(program);
   return program.Parse(argc, argv).value_or(kExitWrongUse);
 }
 

@@ -1,0 +1,16 @@
+#include "tools/uplinkctl/listeners.h"
+
+namespace uplink::ctl {
+
+std::vector<Listener> ListenersOf(const config::Config& config) {
+  return {{"listen.relay", config.listen.relay}, {"listen.http", config.listen.http}};
+}
+
+config::ListenAddress ProbeAddress(const config::Config& config) {
+  config::ListenAddress address = config.listen.http;
+  if (address.host == "0.0.0.0") address.host = "127.0.0.1";
+  if (address.host == "::") address.host = "::1";
+  return address;
+}
+
+}  // namespace uplink::ctl
