@@ -25,6 +25,9 @@ void AddStore(config::Flags& program);
 /// Adds `health`, which has no verbs.
 void AddHealth(config::Flags& program);
 
+/// Adds `doctor`, which has no verbs.
+void AddDoctor(config::Flags& program);
+
 /// Prints the error, if there is one, and returns the exit code that fits: bad input is wrong use.
 [[nodiscard]] int ExitOf(const absl::Status& status);
 

@@ -3,7 +3,12 @@
 namespace uplink::ctl {
 
 std::vector<Listener> ListenersOf(const config::Config& config) {
-  return {{"listen.relay", config.listen.relay}, {"listen.http", config.listen.http}};
+  std::vector<Listener> listeners = {{"listen.relay", config.listen.relay},
+                                     {"listen.http", config.listen.http}};
+  if (!config.listen.metrics.host.empty()) {
+    listeners.push_back({"listen.metrics", config.listen.metrics});
+  }
+  return listeners;
 }
 
 config::ListenAddress ProbeAddress(const config::Config& config) {

@@ -1,0 +1,65 @@
+#include "tools/uplinkctl/doctor/config_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::ctl {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kFile = "/etc/uplinkd/uplinkd.toml";
+
+Finding FindingOf(const config::Problem& problem) {
+  config::LoadResult result;
+  result.problems.push_back(problem);
+  const Findings findings = ConfigFindings(result, kFile, "uplinkd");
+  EXPECT_EQ(findings.size(), 1U);
+  return findings.front();
+}
+
+TEST(ConfigCheck, AGoodFileIsSaidToBe) {
+  EXPECT_THAT(ConfigFindings({}, kFile, "uplinkd"),
+              ElementsAre(Ok("configuration", "/etc/uplinkd/uplinkd.toml is good")));
+}
+
+TEST(ConfigCheck, AnUnknownKeyIsNamedWithItsLine) {
+  const config::LoadResult read =
+      config::ParseConfig("[limits]\nrobot_max = 1\n", "a.toml", config::Environment());
+  const Findings findings = ConfigFindings(read, kFile, "uplinkd");
+  EXPECT_EQ(ToText(findings.front()),
+            "error    limits.robot_max: a.toml:2: unknown key; correct its name, or remove it: "
+            "docs/operate/configuration.md has all keys");
+  EXPECT_TRUE(KeysAtFault(read).contains("limits.robot_max"));
+}
+
+TEST(ConfigCheck, EachKindOfTroubleHasItsRemedy) {
+  const auto remedy = [](const char* text) {
+    return FindingOf({"/a.key", "tls.key_file", text}).remedy;
+  };
+  EXPECT_THAT(remedy("/a.key: cannot be read: Permission denied"),
+              HasSubstr("let uplinkd read it"));
+  EXPECT_THAT(remedy("/a.key: cannot be read: No such file or directory"),
+              HasSubstr("put it there"));
+  EXPECT_THAT(remedy("/a.key: is not the key of /a.crt"), HasSubstr("name the key"));
+  EXPECT_THAT(remedy("the file cannot be read"), HasSubstr("let uplinkd read it"));
+  EXPECT_THAT(remedy("something else"), HasSubstr("correct it"));
+}
+
+TEST(ConfigCheck, AFileIsNamedOnce) {
+  EXPECT_EQ(FindingOf({"/a.key", "tls.key_file", "/a.key: is empty"}).what, "/a.key: is empty");
+  EXPECT_EQ(FindingOf({"/a.key", "tls.key_file", "it is empty"}).what, "/a.key: it is empty");
+}
+
+TEST(ConfigCheck, AReadableSecretIsAWarningWithItsCommand) {
+  config::LoadResult result;
+  result.notes.push_back(
+      {{"/a.key", "tls.key_file", "everybody may read /a.key"}, "secret_readable"});
+  const Findings findings = ConfigFindings(result, kFile, "uplinkd");
+  EXPECT_EQ(findings.front(),
+            Warning("tls.key_file", "everybody may read /a.key", "run chmod o-r /a.key"));
+}
+
+}  // namespace
+}  // namespace uplink::ctl

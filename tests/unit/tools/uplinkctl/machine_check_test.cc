@@ -1,0 +1,134 @@
+#include "tools/uplinkctl/doctor/machine_check.h"
+
+#include <cerrno>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace uplink::ctl {
+namespace {
+
+using ::testing::HasSubstr;
+
+// As Linux writes them on a little-endian machine.
+constexpr const char* kTables =
+    "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
+    "inode\n"
+    "   0: 0100007F:1D38 00000000:0000 0A 00000000:00000000 00:00000000 00000000   997        0 "
+    "4711 1 0000000000000000 100 0 0 10 0\n"
+    "   1: 0100007F:1D38 0100007F:A2F4 01 00000000:00000000 00:00000000 00000000   997        0 "
+    "4712 1 0000000000000000 20 4 30 10 -1\n"
+    "   2: 00000000000000000000000000000000:1D13 00000000000000000000000000000000:0000 0A "
+    "00000000:00000000 00:00000000 00000000   997        0 4713 1 0000000000000000 100 0 0 10 0\n"
+    "a broken line\n"
+    "   3: 00:1D13 00:0000 0A 0:0 0:0 0 0 0 1\n";
+
+Listener Relay() { return {"listen.relay", {"::", 7443}}; }
+
+/// uplinkd (pid 10, user 997) listens on [::]:7443.
+MachineFacts Machine() {
+  MachineFacts machine;
+  machine.sockets.push_back({"::", 7443, 997, 4713});
+  machine.holders[4713] = {10, "uplinkd", 997};
+  machine.servers.push_back({{10, "uplinkd", 997}, 65'536});
+  return machine;
+}
+
+TEST(MachineFacts, SocketsThatListenAreRead) {
+  const auto sockets = ParseSockets(kTables);
+  ASSERT_EQ(sockets.size(), 2U);
+  EXPECT_EQ(sockets[0].host, "127.0.0.1");
+  EXPECT_EQ(sockets[0].port, 7480);
+  EXPECT_EQ(sockets[0].owner, 997U);
+  EXPECT_EQ(sockets[0].inode, 4711U);
+  EXPECT_EQ(sockets[1].host, "::");
+  EXPECT_EQ(sockets[1].port, 7443);
+}
+
+TEST(MachineFacts, TheSoftLimitIsRead) {
+  constexpr const char* kLimits =
+      "Limit                     Soft Limit           Hard Limit           Units     \n"
+      "Max open files            65536                524288               files     \n";
+  EXPECT_EQ(ParseDescriptorsMax(kLimits), 65'536U);
+  EXPECT_EQ(ParseDescriptorsMax("Max open files            unlimited  unlimited files"),
+            std::nullopt);
+  EXPECT_EQ(ParseDescriptorsMax(""), std::nullopt);
+}
+
+TEST(MachineFacts, ThisProcessIsSeen) {
+  const MachineFacts machine = ReadMachine();
+  EXPECT_TRUE(machine.own_descriptors_max.value_or(1) > 0);
+  EXPECT_EQ(TryToBind({"127.0.0.1", 0}), 0);
+  EXPECT_EQ(TryToBind({"no address", 0}), EINVAL);
+  // RFC 5737: no machine has it.
+  EXPECT_EQ(TryToBind({"192.0.2.1", 0}), EADDRNOTAVAIL);
+}
+
+TEST(PortCheck, AFreePortIsGood) {
+  EXPECT_EQ(PortFinding({Relay(), 0}, {}, "uplinkd"), Ok("listen.relay", "[::]:7443 is free"));
+}
+
+TEST(PortCheck, OneThatTheServerHoldsIsGood) {
+  EXPECT_EQ(PortFinding({Relay(), EADDRINUSE}, Machine(), "uplinkd"),
+            Ok("listen.relay", "[::]:7443 is held by the running uplinkd (pid 10)"));
+}
+
+TEST(PortCheck, AServerWhoseSocketsAreHiddenIsKnownByItsUser) {
+  MachineFacts machine = Machine();
+  machine.holders.clear();
+  EXPECT_EQ(PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd").severity, Severity::kOk);
+  machine.sockets.front().owner = 33;
+  EXPECT_THAT(PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd").what,
+              HasSubstr("held by a program of user id 33"));
+}
+
+TEST(PortCheck, AnotherHolderIsNamed) {
+  MachineFacts machine = Machine();
+  // The server runs, on other ports.
+  machine.holders[4713] = {20, "nginx", 33};
+  const Finding finding = PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd");
+  EXPECT_EQ(finding.severity, Severity::kError);
+  EXPECT_EQ(finding.what, "[::]:7443 is held by nginx (pid 20)");
+  EXPECT_THAT(finding.remedy, HasSubstr("listen.relay to another port"));
+}
+
+TEST(PortCheck, EachRefusalHasItsRemedy) {
+  const auto finding = [](int error) {
+    return PortFinding({{"listen.relay", {"::", 443}}, error}, {}, "uplinkd");
+  };
+  EXPECT_THAT(finding(EACCES).what, HasSubstr("uplinkd may not listen on [::]:443"));
+  EXPECT_THAT(finding(EADDRNOTAVAIL).remedy, HasSubstr("ip address"));
+  EXPECT_THAT(finding(EAFNOSUPPORT).remedy, HasSubstr("0.0.0.0:443"));
+  EXPECT_EQ(finding(EADDRINUSE).what, "[::]:443 is held by another program");
+  EXPECT_EQ(finding(ENOMEM).severity, Severity::kError);
+}
+
+TEST(DescriptorsCheck, TheNeedIsThatOfThePage) {
+  config::Config config;
+  EXPECT_EQ(DescriptorsWanted(config), 46'144U);
+  config.listen.proxy_protocol_from.push_back(*config::Network::Parse("10.0.0.0/8"));
+  config.http.connections_max += 100;
+  EXPECT_EQ(DescriptorsWanted(config), 47'268U);
+}
+
+TEST(DescriptorsCheck, TheRunningServersLimitComesFirst) {
+  const config::Config config;
+  MachineFacts machine;
+  machine.own_descriptors_max = 1024;
+  ServerProcess server{{10, "uplinkd", 997}, 46'144};
+  EXPECT_EQ(DescriptorsFinding(config, server, machine).severity, Severity::kOk);
+  server.descriptors_max = 46'143;
+  EXPECT_EQ(DescriptorsFinding(config, server, machine).severity, Severity::kWarning);
+  EXPECT_THAT(DescriptorsFinding(config, std::nullopt, machine).what,
+              HasSubstr("this shell may open 1024 files"));
+  machine.own_descriptors_max.reset();
+  EXPECT_EQ(DescriptorsFinding(config, std::nullopt, machine).severity, Severity::kOk);
+}
+
+TEST(ClockCheck, AKernelThatDoesNotKnowIsAWarning) {
+  EXPECT_EQ(ClockFinding(true).severity, Severity::kOk);
+  EXPECT_EQ(ClockFinding(false).severity, Severity::kWarning);
+}
+
+}  // namespace
+}  // namespace uplink::ctl

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "schema/base/clock.h"
+#include "server/config/load.h"
+#include "tools/uplinkctl/doctor/finding.h"
+#include "tools/uplinkctl/doctor/machine_facts.h"
+
+namespace uplink::ctl {
+
+/// What the checks go by.
+struct CheckContext {
+  /// As they could be read; keys at fault hold their defaults and are passed over.
+  const config::LoadResult& configuration;
+  /// Read before root's rights were dropped.
+  const MachineFacts& machine;
+  /// Who this process is now, for people.
+  std::string user;
+  const Clock& clock;
+};
+
+/// Gathers the facts of each part and judges them, in the order in which an operator reads them:
+/// certificates, store and disk, ports, the running server, descriptors, clock. Waits no longer
+/// than the bounds of postgres_check.h and kProbeDeadline.
+///
+/// Thread: any; asks files, the store and the server, and changes nothing.
+[[nodiscard]] Findings CheckAll(const CheckContext& context);
+
+}  // namespace uplink::ctl

@@ -1,0 +1,71 @@
+#include "tools/uplinkctl/doctor/config_check.h"
+
+#include <string_view>
+
+#include <fmt/core.h>
+
+namespace uplink::ctl {
+namespace {
+
+bool Holds(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// `where` of the problem, unless its text names that already, and the text.
+std::string What(const config::Problem& problem) {
+  if (problem.where.empty() || Holds(problem.text, problem.where)) return problem.text;
+  return problem.where + ": " + problem.text;
+}
+
+/// What the text does not say itself.
+std::string RemedyOf(const config::Problem& problem, const std::string& user) {
+  const std::string& text = problem.text;
+  if (Holds(text, "chmod") || Holds(text, "removed")) return {};
+  if (Holds(text, "unknown")) {
+    return "correct its name, or remove it: docs/operate/configuration.md has all keys";
+  }
+  if (Holds(text, "Permission denied") || Holds(text, "cannot be opened")) {
+    return fmt::format("let {} read it, and enter its folders (chgrp, chmod)", user);
+  }
+  if (Holds(text, "No such file") || Holds(text, "does not exist")) {
+    return "put it there, or correct the path";
+  }
+  if (Holds(text, "cannot be read")) return fmt::format("put it there, and let {} read it", user);
+  if (Holds(text, "is not the key of")) {
+    return "name the key that the certificate was made with, or make both anew";
+  }
+  return "correct it, then run this again";
+}
+
+std::string RemedyOf(const config::Note& note) {
+  if (note.event == "secret_readable") return "run chmod o-r " + note.where;
+  if (note.event == "secret_writable") return "run chmod g-w " + note.where;
+  if (note.event == "setting_without_effect") return "remove it";
+  if (note.event == "variables_ignored") return {};
+  return "docs/operate/configuration.md says how";
+}
+
+}  // namespace
+
+Findings ConfigFindings(const config::LoadResult& result, const std::string& file,
+                        const std::string& user) {
+  Findings findings;
+  for (const config::Problem& problem : result.problems) {
+    findings.push_back(Error(problem.key.empty() ? "configuration" : problem.key, What(problem),
+                             RemedyOf(problem, user)));
+  }
+  for (const config::Note& note : result.notes) {
+    findings.push_back(
+        Warning(note.key.empty() ? "configuration" : note.key, What(note), RemedyOf(note)));
+  }
+  if (result.problems.empty()) findings.push_back(Ok("configuration", file + " is good"));
+  return findings;
+}
+
+std::set<std::string> KeysAtFault(const config::LoadResult& result) {
+  std::set<std::string> keys;
+  for (const config::Problem& problem : result.problems) keys.insert(problem.key);
+  return keys;
+}
+
+}  // namespace uplink::ctl

@@ -1,0 +1,123 @@
+#include "tools/uplinkctl/doctor/machine_check.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "server/transport/options.h"
+
+namespace uplink::ctl {
+namespace {
+
+bool IsAny(const std::string& host) { return host == "::" || host == "0.0.0.0"; }
+
+/// The socket that keeps a server from that address.
+const ListeningSocket* SocketAt(const config::ListenAddress& address, const MachineFacts& machine) {
+  const auto found = std::find_if(
+      machine.sockets.begin(), machine.sockets.end(), [&](const ListeningSocket& each) {
+        return each.port == address.port &&
+               (each.host == address.host || IsAny(each.host) || IsAny(address.host));
+      });
+  return found == machine.sockets.end() ? nullptr : &*found;
+}
+
+/// Who has the address; "another program" where this user may not see that.
+std::string HolderText(const config::ListenAddress& address, const MachineFacts& machine) {
+  const ListeningSocket* socket = SocketAt(address, machine);
+  if (socket == nullptr) return "another program";
+  const auto holder = machine.holders.find(socket->inode);
+  if (holder == machine.holders.end()) {
+    return fmt::format("a program of user id {} (root sees which)", socket->owner);
+  }
+  return fmt::format("{} (pid {})", holder->second.name, holder->second.pid);
+}
+
+Finding TakenFinding(const Listener& listener, const MachineFacts& machine) {
+  const std::string address = config::ToText(listener.address);
+  if (const auto server = ServerAt(listener.address, machine)) {
+    return Ok(listener.key,
+              fmt::format("{} is held by the running uplinkd (pid {})", address, server->pid));
+  }
+  return Error(listener.key,
+               fmt::format("{} is held by {}", address, HolderText(listener.address, machine)),
+               fmt::format("stop that program, or set {} to another port", listener.key));
+}
+
+}  // namespace
+
+std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
+                                      const MachineFacts& machine) {
+  const ListeningSocket* socket = SocketAt(address, machine);
+  if (socket == nullptr) return std::nullopt;
+  const auto holder = machine.holders.find(socket->inode);
+  const auto found =
+      std::find_if(machine.servers.begin(), machine.servers.end(), [&](const ServerProcess& each) {
+        return holder == machine.holders.end() ? each.owner == socket->owner
+                                               : each.pid == holder->second.pid;
+      });
+  if (found == machine.servers.end()) return std::nullopt;
+  return *found;
+}
+
+Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const std::string& user) {
+  const Listener& listener = port.listener;
+  const std::string address = config::ToText(listener.address);
+  switch (port.bind_error) {
+    case 0:
+      return Ok(listener.key, listener.address.port == 0 ? address + " takes any free port"
+                                                         : address + " is free");
+    case EADDRINUSE:
+      return TakenFinding(listener, machine);
+    case EACCES:
+      return Error(listener.key, fmt::format("{} may not listen on {}", user, address),
+                   "set a port from 1024 on");
+    case EADDRNOTAVAIL:
+      return Error(listener.key, fmt::format("no interface of this machine has {}", address),
+                   "set one of the addresses that `ip address` shows, or [::] for all");
+    case EAFNOSUPPORT:
+      return Error(listener.key, fmt::format("this machine has no IPv6 for {}", address),
+                   fmt::format("set {} = \"0.0.0.0:{}\"", listener.key, listener.address.port));
+    default:
+      return Error(listener.key,
+                   fmt::format("{}: {}", address, std::generic_category().message(port.bind_error)),
+                   "set another address");
+  }
+}
+
+std::size_t DescriptorsWanted(const config::Config& config) {
+  const std::size_t http = config.http.connections_max;
+  const std::size_t usual = config::HttpConfig().connections_max;
+  return transport::kStreamsPerRobot * config.limits.robots_max + kDescriptorsBeside +
+         (config.listen.proxy_protocol_from.empty() ? 0 : kDescriptorsOfProxies) +
+         (http > usual ? http - usual : 0);
+}
+
+Finding DescriptorsFinding(const config::Config& config, const std::optional<ServerProcess>& server,
+                           const MachineFacts& machine) {
+  const std::size_t wanted = DescriptorsWanted(config);
+  const std::optional<std::size_t> limit =
+      server ? server->descriptors_max : machine.own_descriptors_max;
+  const std::string whose = server
+                                ? fmt::format("the running uplinkd (pid {}) may open", server->pid)
+                                : "a server that is started from this shell may open";
+  const std::string need =
+      fmt::format("limits.robots_max = {} needs {}", config.limits.robots_max, wanted);
+  if (!limit) return Ok("descriptors", fmt::format("{} any number of files", whose));
+  const std::string text = fmt::format("{} {} files, and {}", whose, *limit, need);
+  if (*limit >= wanted) return Ok("descriptors", text);
+  return Warning("descriptors", text,
+                 "raise LimitNOFILE of the unit or `ulimit -n` (docs/operate/capacity.md)");
+}
+
+Finding ClockFinding(bool kernel_synchronised) {
+  if (kernel_synchronised) return Ok("clock", "the kernel says that it is kept synchronised");
+  return Warning("clock",
+                 "the kernel does not say that it is kept synchronised: after a jump the server "
+                 "deletes nothing until something vouches for the time",
+                 "let NTP keep it (`uplinkctl store clock` shows what vouches for it)");
+}
+
+}  // namespace uplink::ctl
