@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/config/flag_errors.h"
+#include "server/config/help_tree.h"
 #include "server/config/nearest.h"
 
 namespace uplink::config {
@@ -157,6 +158,10 @@ std::optional<int> Flags::Parse(int argc, const char* const* argv, const Complai
   CLI::App& app = *parser_->app;
   const std::span<const char* const> arguments(argv, static_cast<std::size_t>(argc));
   if (app.get_name().empty()) app.name(arguments.front());
+  if (arguments.size() == 2 && arguments[1] == kHelpTree) {
+    Print(HelpTree(app) + "\n", stdout);
+    return 0;
+  }
   std::string wrong = UnknownName(app, arguments.subspan(1));
   try {
     if (wrong.empty()) app.parse(argc, argv);

@@ -81,7 +81,8 @@ class Flags final {
   using Complain = std::function<void(const std::string& text)>;
   /// Sets the values, and runs the command that is chosen. The exit code where the program is to
   /// end: the command's; 0 where help or version was asked for and printed; 2 where the use was
-  /// wrong, and `complain` got the reason (without one: printed on standard error).
+  /// wrong, and `complain` got the reason (without one: printed on standard error). The argument
+  /// --help-tree alone, which the help leaves out, prints the help as JSON for tools/manual.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv,
                                          const Complain& complain = {});
   /// Whether Parse found that flag.

@@ -136,6 +136,33 @@ TEST(FlagsTest, HelpShowsDefaultsThatAreInRange) {
                     Not(HasSubstr("[1 - 5]="))));
 }
 
+TEST(FlagsTest, TheTreeOfTheHelpIsJsonWithFlagsGroupsAndCommands) {
+  std::string url;
+  std::string file = "a \"b\" \\";
+  int days = 30;
+  bool force = false;
+  Flags flags("About\nit", "uplink_program");
+  Flags& verb = flags.AddCommand("verb", "A verb", [] { return 1; });
+  verb.Add({"--url", "Where it is"}, url);
+  verb.Add({"--file"}, file);
+  verb.ExactlyOne("target", {"--url", "--file"});
+  verb.Add({"--days", "How long", Flag::Need::kRequired}, days, {1, 250});
+  verb.AddSwitch({"--force"}, force);
+  std::string ruri;
+  verb.Add({"RURI", "The robot"}, ruri);
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(Parse(flags, "--help-tree"), 0);
+  const std::string tree = ::testing::internal::GetCapturedStdout();
+  EXPECT_THAT(tree,
+              AllOf(HasSubstr(R"("about":"About\nit")"), HasSubstr(R"("default":"a \"b\" \\")"),
+                    HasSubstr(R"("takes":"INT:INT in [1 - 250]","default":"","required":true)"),
+                    HasSubstr(R"({"names":["--force"],"position":"","takes":"","default":"")"),
+                    HasSubstr(R"("position":"RURI")"), HasSubstr(R"("exactlyOneOf":[{"name":"")")));
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(Parse(flags, "verb", "--help-tree"), kWrongUse);
+  ::testing::internal::GetCapturedStderr();
+}
+
 TEST(FlagsTest, TheVersionIsOneLine) {
   Flags flags("About", "uplink_program", "1.2.3");
   ::testing::internal::CaptureStdout();

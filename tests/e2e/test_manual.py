@@ -1,0 +1,95 @@
+"""The manual pages and the completion of shells that the build made from the programs' help."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from harness import BIN, SOURCE, run
+
+sys.path.insert(0, str(SOURCE / "tools/manual"))
+
+import settings_page  # noqa: E402
+import tree  # noqa: E402
+
+MANUAL = BIN.parent / "manual"
+FLAG = re.compile(r"--[a-z][a-z-]*")
+PROGRAMS = {"uplinkd": 8, "uplinkctl": 1, "uplink-fleet": 1}
+
+
+def page_text(name, section):
+    """A page as a reader sees it, each run of blanks as one."""
+    path = MANUAL / f"man/man{section}/{name}.{section}"
+    environment = {"PATH": os.environ["PATH"], "LC_ALL": "C.UTF-8", "MANWIDTH": "500"}
+    text = run("man", "-P", "cat", "-l", path, env=environment).stdout
+    return " ".join(text.replace("\u2010", "-").split())
+
+
+def completed(program, *words):
+    """What bash offers in place of the last word."""
+    script = (
+        'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
+        f'_{program.replace("-", "_")}; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    )
+    path = MANUAL / f"bash-completion/completions/{program}"
+    return run("bash", "-c", script, path, program, *words).stdout.split()
+
+
+class Manual(unittest.TestCase):
+    def test_man_warns_of_nothing(self):
+        pages = sorted(MANUAL.glob("man/man*/*"))
+        self.assertGreater(len(pages), len(PROGRAMS) + 1)
+        for page in pages:
+            with self.subTest(page.name):
+                done = subprocess.run(
+                    ["man", "--warnings", "-E", "UTF-8", "-l", "-Tutf8", "-Z", page],
+                    env={"PATH": os.environ["PATH"], "LC_ALL": "C.UTF-8", "MANROFFSEQ": "", "MANWIDTH": "80"},
+                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=True,
+                )  # fmt: skip
+                self.assertEqual(done.stderr, "")
+
+    def test_each_command_has_a_page_with_the_flags_of_its_help(self):
+        for name, section in PROGRAMS.items():
+            program = tree.read(BIN / name)
+            for command in (program, *program.leaves()):
+                with self.subTest(command.page):
+                    text = page_text(command.page, section if command is program else 1)
+                    shown = run(BIN / name, *command.words[1:], "--help").stdout
+                    self.assertLessEqual(set(FLAG.findall(shown)), set(FLAG.findall(text)))
+                    self.assertIn("EXIT STATUS 0", text)
+
+    def test_the_page_of_the_settings_has_every_key_with_its_default(self):
+        text = page_text("uplinkd.toml", 5)
+        table = (SOURCE / "docs/operate/configuration.md").read_text(encoding="utf-8")
+        rows = re.findall(r"^\| `([a-z_.]+)` \| `(.*?)` \|", table, re.MULTILINE)
+        self.assertGreater(len(rows), 50)
+        for key, default in rows:
+            self.assertIn(f"{key} = {default}", text)
+
+    def test_an_example_file_that_is_not_understood_is_an_error(self):
+        for text in ("", "# Opening.\n\n[listen]\n", "# Opening.\n\n[listen]\n# a = 1\n\n# Text without a key.\n"):
+            with self.assertRaises(ValueError):
+                settings_page.settings_page(text, "1.0.0", "")
+
+
+class Completion(unittest.TestCase):
+    def test_bash_offers_commands_flags_and_words(self):
+        self.assertIn("store", completed("uplinkctl", "st"))
+        self.assertNotIn("pki", completed("uplinkctl", "st"))
+        self.assertIn("forget", completed("uplinkctl", "store", ""))
+        self.assertEqual(completed("uplinkctl", "pki", "robot", "--fl"), ["--fleet"])
+        self.assertEqual(completed("uplink-fleet", "--robots", "5", "--report", ""), ["text", "json"])
+        self.assertEqual(completed("uplinkd", "--check"), ["--check-config"])
+
+    def test_bash_leaves_a_value_to_the_completion_of_files(self):
+        self.assertEqual(completed("uplinkctl", "pki", "init", "--dir", ""), [])
+        self.assertEqual(completed("uplinkctl", "no-such-noun", "--dir", ""), [])
+
+    def test_zsh_reads_the_same(self):
+        for name in PROGRAMS:
+            run("zsh", "-n", MANUAL / f"zsh/vendor-completions/_{name}")
+
+
+if __name__ == "__main__":
+    unittest.main()
