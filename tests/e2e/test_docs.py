@@ -83,7 +83,7 @@ class Commands(EndToEnd):
             ("127.0.0.1:7480", self.running.http),
             ("HOST:7443", self.running.relay),
             ("/etc/uplinkd/uplinkd.toml", str(self.folder / "uplinkd.toml")),
-            ("/etc/uplinkd/server.crt", str(self.running.pki / "server.crt")),
+            ("/etc/uplinkd/keys/server.crt", str(self.running.pki / "server.crt")),
             ("rcan://example.org/acme/rover/1.0/r1", ROBOT),
             ("/RURI", f"/{urllib.parse.quote(ROBOT, safe='')}"),
             # Robots here are online and not held back: ask for those, so that filters get rows.

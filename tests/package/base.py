@@ -30,6 +30,13 @@ class Base:
         run("gzip", "-1", part)
         part.with_suffix(".tar.gz").rename(self.tar)
 
+    def make_if_missing(self):
+        """True if it had to be made."""
+        if self.tar.exists():
+            return False
+        self._make()
+        return True
+
     def _fill(self, root, packages):
         """A new root that holds our packages in /srv, and in apt's cache what they need."""
         shutil.rmtree(root, ignore_errors=True)
@@ -50,9 +57,7 @@ class Base:
 
     def root(self, folder, packages):
         """A root in `folder`. Lists of an old base may name what the mirror no longer has: then anew."""
-        made = not self.tar.exists()
-        if made:
-            self._make()
+        made = self.make_if_missing()
         trouble = self._fill(folder, packages)
         if trouble and not made:
             self._make()

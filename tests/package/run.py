@@ -1,19 +1,35 @@
 #!/usr/bin/env python3
-"""Runs the tests of the packages and ends with the line "N passed, N failed"."""
+"""Runs the tests of the packages, the two files side by side, and ends with the line "N passed, N failed"."""
 
-import pathlib
+import concurrent.futures
+import io
+import os
 import sys
 import unittest
 
-FOLDER = pathlib.Path(__file__).resolve().parent
+from base import Base
+
+MODULES = ("test_host", "test_package")
+
+
+def run(name):
+    """The result of one file, and what unittest said."""
+    text = io.StringIO()
+    suite = unittest.defaultTestLoader.loadTestsFromName(name)
+    return unittest.TextTestRunner(stream=text, verbosity=2).run(suite), text.getvalue()
 
 
 def main():
-    tests = unittest.defaultTestLoader.discover(str(FOLDER))
-    result = unittest.TextTestRunner(verbosity=2).run(tests)
-    failed = len(result.failures) + len(result.errors)
-    print(f"{result.testsRun - failed} passed, {failed} failed")
-    return 0 if result.testsRun and not failed else 1
+    # Both begin from the same base.
+    Base(os.environ["UPLINK_PACKAGE_CACHE"]).make_if_missing()
+    total = failed = 0
+    with concurrent.futures.ThreadPoolExecutor(len(MODULES)) as pool:
+        for result, text in pool.map(run, MODULES):
+            print(text)
+            total += result.testsRun
+            failed += len(result.failures) + len(result.errors)
+    print(f"{total - failed} passed, {failed} failed")
+    return 0 if total and not failed else 1
 
 
 if __name__ == "__main__":

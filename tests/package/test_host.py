@@ -4,6 +4,7 @@ configured, started, in trouble, upgraded, removed, purged."""
 import os
 import pathlib
 import re
+import shutil
 import signal
 import tempfile
 import time
@@ -13,6 +14,7 @@ from base import Base
 from machine import Machine
 from repacked import repacked
 
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PACKAGES = pathlib.Path(os.environ["UPLINK_PACKAGES"])
 CACHE = pathlib.Path(os.environ["UPLINK_PACKAGE_CACHE"])
 UNIT = "uplinkd.service"
@@ -23,13 +25,17 @@ WATCHDOG_SECONDS = 30 + 5 + 60
 FLEET_SECONDS = 180
 GOAL_SECONDS = 600
 KEYS = ("server.crt", "server.key", "ca.crt")
-# The lines of docs/operate/install.md.
-SETTINGS = """\
-s|^# certificate_file = ""|certificate_file = "/etc/uplinkd/keys/server.crt"|
-s|^# key_file = ""|key_file = "/etc/uplinkd/keys/server.key"|
-s|^# client_ca_file = ""|client_ca_file = "/etc/uplinkd/keys/ca.crt"|
-"""
+INSTALL_PAGE = SOURCE / "docs/operate/install.md"
+BLOCK = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXPOSURE_MAX_TENTHS = 15
+
+
+def block(beginning):
+    """The commands of the page that begin so, with this machine's places. The root has no curl."""
+    text = next(each for each in BLOCK.findall(INSTALL_PAGE.read_text(encoding="utf-8")) if each.startswith(beginning))
+    for there, here in (("uplink.example.org", "127.0.0.1"), ("apt-get install ./", "apt-get -q -y install ./")):
+        text = text.replace(there, here)
+    return "\n".join(line for line in text.splitlines() if not line.startswith("curl "))
 
 
 def package(name):
@@ -48,17 +54,17 @@ class Host(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="uplinkd-host-"))
         cls.machine = Machine(cls.folder / "root")
-        cls.addClassCleanup(lambda: (cls.machine.remove(), __import__("shutil").rmtree(cls.folder)))
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.addClassCleanup(cls.machine.remove)
         packages = [package("uplinkd"), package("uplinkd-tools")]
+        cls.began = time.monotonic()
         Base(CACHE).root(cls.machine.root, packages)
-        cls.names = [f"/srv/{each.name}" for each in packages]
         changes = [("etc/uplinkd/uplinkd.toml", "# A later version's line.\n")]
         nexts = [repacked(packages[0], cls.folder, "99.0.0", changes),
                  repacked(packages[1], cls.folder, "99.0.0")]  # fmt: skip
         for each in nexts:
             each.rename(cls.machine.root / "srv" / each.name)
         cls.next_names = [f"/srv/{each.name}" for each in nexts]
-        cls.began = time.monotonic()
         cls.machine.boot()
 
     def setUp(self):
@@ -75,6 +81,10 @@ class Host(unittest.TestCase):
 
     def apt(self, *arguments):
         return self.machine.run("apt-get", "-q", "-y", *arguments).stdout
+
+    def follow(self, beginning):
+        """What the commands of the page say; they run in /srv, where the packages lie."""
+        return self.machine.run("sh", "-euc", "cd /srv\n" + block(beginning)).stdout
 
     def pid(self):
         return int(self.machine.show(UNIT, "MainPID"))
@@ -108,7 +118,7 @@ class Host(unittest.TestCase):
         return self.machine.run("stat", "-c", "%U:%G %a", path).stdout.strip()
 
     def test_installing_starts_and_enables_nothing(self):
-        self.apt("install", *self.names)
+        self.follow("apt-get install")
         self.assertEqual(self.machine.run("systemctl", "is-active", UNIT, code=3).stdout.strip(), "inactive")
         self.assertEqual(self.machine.run("systemctl", "is-enabled", UNIT, code=1).stdout.strip(), "disabled")
         self.assertEqual(self.machine.show(UNIT, "NRestarts"), "0")
@@ -132,17 +142,11 @@ class Host(unittest.TestCase):
         print(done.stdout.strip().splitlines()[-1])
 
     def test_keys_made_by_uplinkctl_are_a_good_configuration(self):
-        self.machine.run("uplinkctl", "pki", "init", "--dir", "/srv/pki")
-        self.machine.run("uplinkctl", "pki", "server", "--dir", "/srv/pki", "--host", "127.0.0.1")
-        keys = [f"/srv/pki/{name}" for name in KEYS]
-        self.machine.run("install", "-o", "root", "-g", "uplinkd", "-m", "640", *keys, "/etc/uplinkd/keys/")
-        self.machine.run("sed", "-i", SETTINGS, "/etc/uplinkd/uplinkd.toml")
-        done = self.machine.run("setpriv", "--reuid=uplinkd", "--regid=uplinkd", "--clear-groups", "uplinkd",
-                                "--check-config")  # fmt: skip
-        self.assertEqual(done.stdout.strip(), "/etc/uplinkd/uplinkd.toml: good")
+        self.follow("uplinkctl pki init")
+        self.assertEqual(self.follow("sed -i").strip(), "/etc/uplinkd/uplinkd.toml: good")
 
     def test_a_robot_is_online_ten_minutes_after_the_empty_root(self):
-        self.machine.run("systemctl", "enable", "--now", UNIT)
+        self.follow("systemctl enable --now uplinkd")
         self.wait_ready()
         process, report = self.fleet(10, "first")
         online = lambda: "ONLINE" in self.machine.get("/api/v1/robots?presence=online")  # noqa: E731
@@ -152,10 +156,13 @@ class Host(unittest.TestCase):
         self.assertLess(seconds, GOAL_SECONDS)
         self.all_agree(process, report)
 
+    def test_the_robot_of_the_page_agrees(self):
+        self.assertIn("all agree", self.follow("uplink-fleet"))
+
     def test_doctor_finds_no_reason_not_to_serve(self):
         if "doctor" not in self.machine.run("uplinkctl", "--help").stdout:
             return
-        done = self.machine.run("uplinkctl", "doctor", code=None)
+        done = self.machine.run("uplinkctl", "doctor", "--config", "/etc/uplinkd/uplinkd.toml", code=None)
         self.assertIn(done.returncode, (0, 1), done.stdout)
 
     def test_keys_may_be_credentials_of_systemd(self):
