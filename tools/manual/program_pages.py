@@ -36,8 +36,8 @@ FILES = (
 
 
 def first_lower(text):
-    """A sentence as the NAME section has it."""
-    text = text.split("\n")[0].rstrip(".")
+    """A sentence as the NAME section has it, without what follows a semicolon."""
+    text = re.split("[;\n]", text)[0].rstrip(".")
     return text[:1].lower() + text[1:]
 
 
@@ -80,7 +80,7 @@ def add_options(page, command):
     for option in (*command.positions, *command.options):
         name = italic(option.value) if option.position else ", ".join(bold(each) for each in option.names)
         head = f"{name} {italic(option.value)}" if option.names and option.value else name
-        page.entry(head, option.about, " ".join(notes(option)))
+        page.entry(head, *option.about.split("\n"), " ".join(notes(option)))
     for group in command.exactly_one_of:
         page.paragraph("Exactly one of " + " and ".join(each.names[-1] for each in group) + " is required.")
 
