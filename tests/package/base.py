@@ -1,12 +1,13 @@
 """The Debian root from which machines begin, and the packages that ours depend on; both are kept."""
 
+import os
 import pathlib
 import shutil
 
 from machine import run, unpack
 
 SUITE = "bookworm"
-MIRROR = "http://deb.debian.org/debian"
+MIRROR = os.environ.get("UPLINK_MIRROR", "http://deb.debian.org/debian")
 BASE_SECONDS = 600
 ARCHIVES = "var/cache/apt/archives"
 

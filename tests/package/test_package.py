@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
+from base import MIRROR, SUITE
 from machine import run
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -32,8 +33,8 @@ class Package(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="uplinkd-piuparts-") as folder:
             log = pathlib.Path(folder) / "log"
             done = subprocess.run(
-                ["piuparts", "-b", CACHE / "bookworm.tar.gz", "--skip-minimize", "--warn-on-others",
-                 "--do-not-verify-signatures", "-d", "bookworm", "-t", folder, "-l", log, *packages],
+                ["piuparts", "-b", CACHE / f"{SUITE}.tar.gz", "-m", MIRROR, "--skip-minimize", "--warn-on-others",
+                 "--do-not-verify-signatures", "-d", SUITE, "-t", folder, "-l", log, *packages],
                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
             )  # fmt: skip
             text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else str(done.stdout)

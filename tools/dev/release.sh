@@ -55,7 +55,7 @@ make_sbom() {
     --distro-name uplinkd --distro-version "$version" --distro-arch "$architecture" --timestamp "$at" \
     --cdx-serialnumber "$(md5sum "$work/sbom/var/lib/dpkg/status" |
       sed -E 's/^(.{8})(.{4}).(.{3}).(.{3})(.{12}).*/\1-\2-4\3-8\4-\5/')" \
-    --spdx-namespace "https://uplinkd.org/sbom/$version" &&
+    --spdx-namespace "https://uplinkd.example/sbom/$version" &&
     check_cyclonedx "$venv" "$out/$name.cdx.json"
 }
 if make_sbom >"$work/sbom.log" 2>&1; then
