@@ -52,6 +52,13 @@ class FleetRun(EndToEnd):
         self.assertGreater(int(due), 0)
         self.assertGreater(int(checks["forwards written"]["fleet"]), 0)
 
+    def test_acks_alone_decide_where_http_is_out_of_reach(self):
+        server = self.server().start()
+        done = run(BIN / "uplink-fleet", "--acks-only", "--target", server.relay, "--http", "127.0.0.1:1",
+                   "--pki", server.pki, "--robots", 3, "--for", "1s", "--pace", 10)  # fmt: skip
+        self.assertRegex(done.stdout, r"durable messages acked +\| +[1-9]")
+        self.assertIn("verification: all agree", done.stdout)
+
     def test_robots_that_join_late_have_what_the_others_share(self):
         # They come with the end of the run, which is sooner than three quarters of its hour.
         server, fleet = self.at_work("--robots", 10, "--late-share", 0.2, "--declining-share", 0)
@@ -216,6 +223,10 @@ class FleetUse(EndToEnd):
         ):  # fmt: skip
             with self.subTest(flags):
                 self.assertEqual(run(BIN / "uplink-fleet", *flags, code=2).stderr, f"uplink-fleet: {why}\n")
+
+    def test_acks_alone_do_not_decide_for_drones(self):
+        done = run(BIN / "uplink-fleet", "--acks-only", "--protocol", "uncrew", code=2)
+        self.assertIn("--acks-only", done.stderr)
 
     def test_a_server_that_cannot_be_reached_ends_with_1_and_is_named(self):
         done = run(BIN / "uplink-fleet", "--http", "127.0.0.1:1", code=1)

@@ -48,6 +48,27 @@ class Pki(EndToEnd):
         with self.assertRaises(AssertionError):
             self.verify("r1", "sslserver")
 
+    def test_keep_makes_what_is_missing_and_leaves_the_rest(self):
+        before = (self.pki / "ca.crt").read_bytes()
+        for _ in range(2):
+            uplinkctl("pki", "init", "--keep", "--dir", self.pki)
+            uplinkctl("pki", "server", "--keep", "--dir", self.pki, "--host", "localhost")
+        self.assertEqual((self.pki / "ca.crt").read_bytes(), before)
+        self.verify("server", "sslserver")
+        certificate = (self.pki / "server.crt").read_bytes()
+        uplinkctl("pki", "server", "--keep", "--dir", self.pki, "--host", "localhost")
+        self.assertEqual((self.pki / "server.crt").read_bytes(), certificate)
+        uplinkctl("pki", "server", "--keep", "--force", "--dir", self.pki, "--host", "localhost", code=2)
+
+    def test_a_copy_for_the_server_lacks_the_authoritys_key(self):
+        copy = self.folder / "tls"
+        for _ in range(2):
+            uplinkctl("pki", "server", "--keep", "--dir", self.pki, "--host", "localhost", "--copy-to", copy)
+            files = {file.name: file.read_bytes() for file in copy.iterdir()}
+            self.assertEqual(sorted(files), ["ca.crt", "server.crt", "server.key"])
+            for name, content in files.items():
+                self.assertEqual(content, (self.pki / name).read_bytes(), name)
+
     def test_every_file_is_for_its_owner_only(self):
         uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
         uplinkctl("pki", "robot", "--dir", self.pki, "--count", "3")

@@ -115,6 +115,8 @@ absl::Status Directory::Prepare() const {
   return absl::OkStatus();
 }
 
+bool Directory::Has(const std::string& name) const { return Exists(CertificatePath(name)); }
+
 absl::Status Directory::CheckFree(const std::string& name) const {
   for (const std::string& path : {CertificatePath(name), KeyPath(name)}) {
     if (Exists(path)) return Taken(path);
@@ -132,6 +134,11 @@ absl::Status Directory::Write(const std::string& name, const Credentials& creden
     return status;
   }
   return WriteFile(CertificatePath(name), credentials.certificate_pem, existing);
+}
+
+absl::Status Directory::WriteCertificate(const std::string& name,
+                                         const Credentials& credentials) const {
+  return WriteFile(CertificatePath(name), credentials.certificate_pem, Existing::kReplace);
 }
 
 absl::StatusOr<Credentials> Directory::Read(const std::string& name) const {

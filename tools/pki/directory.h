@@ -31,10 +31,15 @@ class Directory final {
 
   /// Makes the folder if it is missing.
   [[nodiscard]] absl::Status Prepare() const;
+  /// The certificate is there; it is written after its key.
+  [[nodiscard]] bool Has(const std::string& name) const;
   /// kAlreadyExists if Write(name, ..., kRefuse) would refuse.
   [[nodiscard]] absl::Status CheckFree(const std::string& name) const;
   [[nodiscard]] absl::Status Write(const std::string& name, const Credentials& credentials,
                                    Existing existing) const;
+  /// The certificate without its key; replaces one that is there.
+  [[nodiscard]] absl::Status WriteCertificate(const std::string& name,
+                                              const Credentials& credentials) const;
   [[nodiscard]] absl::StatusOr<Credentials> Read(const std::string& name) const;
   /// The authority in `ca.crt` and `ca.key`.
   [[nodiscard]] absl::StatusOr<std::unique_ptr<Authority>> LoadAuthority() const;

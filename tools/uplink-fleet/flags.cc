@@ -162,6 +162,10 @@ class RunFlags {
     flags.Add({"--target", "The server's relay listener"}, swarm_.target, IsAddress());
     flags.Add({"--http", "The server's HTTP listener, for the comparison"}, options_.http,
               IsAddress());
+    flags.AddSwitch({"--acks-only",
+                     "Compare nothing over HTTP: it suffices that the robots get an ack for each "
+                     "durable message"},
+                    options_.acks_only);
     flags.Add({"--pki", "Folder with ca.crt and ca.key, which sign the robots"},
               swarm_.pki_directory);
     flags.Add({"--fleet", "Fleet of the robots"}, swarm_.fleet);
@@ -210,6 +214,12 @@ std::nullopt_t Refuse(std::string_view why, int& code) {
   return std::nullopt;
 }
 
+/// Drones and twins are compared over HTTP only.
+absl::Status AcksFit(const RunOptions& options) {
+  if (!options.acks_only || (!options.drones && !options.twins)) return absl::OkStatus();
+  return absl::InvalidArgumentError("--acks-only: it is for robots on the relay");
+}
+
 /// Drones have neither gateways nor a broker.
 absl::Status DronesFit(const RunOptions& options) {
   if (!options.drones || (options.swarm.gateways == 0 && !options.twins)) return absl::OkStatus();
@@ -254,6 +264,9 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
     return Refuse(std::string(fits.message()), code);
   }
   if (absl::Status fits = DronesFit(options); !fits.ok()) {
+    return Refuse(std::string(fits.message()), code);
+  }
+  if (absl::Status fits = AcksFit(options); !fits.ok()) {
     return Refuse(std::string(fits.message()), code);
   }
   if (absl::Status able = UseClient(run_flags.client(), options.swarm); !able.ok()) {

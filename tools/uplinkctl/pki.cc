@@ -24,14 +24,20 @@ struct Request {
   std::string fleet = "default";
   int days = pki::kDaysDefault;
   bool force = false;
+  bool keep = false;
   std::vector<std::string> hosts;
   std::string ruri;
   std::vector<std::string> ruris;
   std::string role = "viewer";
+  std::string copy_to;
   int count = 0;
 
+  /// A pair that is there may stay. A key alone is what an interrupted call left.
+  [[nodiscard]] bool Keeps(const pki::Directory& folder, const std::string& pair) const {
+    return keep && folder.Has(pair);
+  }
   [[nodiscard]] pki::Existing existing() const {
-    return force ? pki::Existing::kReplace : pki::Existing::kRefuse;
+    return force || keep ? pki::Existing::kReplace : pki::Existing::kRefuse;
   }
 };
 using SharedRequest = std::shared_ptr<Request>;
@@ -47,6 +53,7 @@ absl::Status Report(const pki::Directory& directory, const std::string& name,
 absl::Status Init(const Request& request) {
   const pki::Directory directory(request.directory);
   if (absl::Status status = directory.Prepare(); !status.ok()) return status;
+  if (request.Keeps(directory, pki::kAuthorityName)) return absl::OkStatus();
   const auto authority = pki::Authority::Create(request.name, request.days);
   if (!authority.ok()) return authority.status();
   return Report(
@@ -69,6 +76,7 @@ absl::Status IssueOne(const pki::Authority& authority, const Request& request,
                       const std::string& name, const absl::StatusOr<pki::Profile>& profile) {
   if (!profile.ok()) return profile.status();
   const pki::Directory directory(request.directory);
+  if (request.Keeps(directory, name)) return absl::OkStatus();
   const absl::StatusOr<pki::Credentials> made = authority.Issue(*profile, request.days);
   if (!made.ok()) return made.status();
   return Report(directory, name, directory.Write(name, *made, request.existing()));
@@ -79,6 +87,21 @@ absl::Status Issue(const Request& request, const absl::StatusOr<pki::Profile>& p
   const auto authority = pki::Directory(request.directory).LoadAuthority();
   if (!authority.ok()) return authority.status();
   return IssueOne(**authority, request, request.name, profile);
+}
+
+/// Where a server runs, the authority's key should not be.
+absl::Status IssueServer(const Request& request) {
+  absl::Status status = Issue(request, pki::ServerProfile(request.hosts));
+  if (!status.ok() || request.copy_to.empty()) return status;
+  const pki::Directory from(request.directory);
+  const pki::Directory into(request.copy_to);
+  if (status = into.Prepare(); !status.ok()) return status;
+  const auto authority = from.Read(pki::kAuthorityName);
+  if (!authority.ok()) return authority.status();
+  const auto server = from.Read(request.name);
+  if (!server.ok()) return server.status();
+  status = into.WriteCertificate(pki::kAuthorityName, *authority);
+  return status.ok() ? into.Write(request.name, *server, pki::Existing::kReplace) : status;
 }
 
 absl::Status IssueRobots(const Request& request) {
@@ -113,6 +136,8 @@ config::Flags& AddVerb(config::Flags& noun, const SharedRequest& request, const 
   flags.Add({"--dir", "Folder of the files"}, request->directory);
   flags.Add({"--days", "Days that the certificate is valid"}, request->days, {1, pki::kDaysMax});
   flags.AddSwitch({"--force", "Replace files that are already there"}, request->force);
+  flags.AddSwitch({"--keep", "Make nothing where the files are already there"}, request->keep);
+  flags.AtMostOne({"--force", "--keep"});
   return flags;
 }
 
@@ -133,14 +158,15 @@ void AddInit(config::Flags& noun) {
 
 void AddServer(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
-  const auto work = [](const Request& asked) {
-    return Issue(asked, pki::ServerProfile(asked.hosts));
-  };
-  config::Flags& flags = AddVerb(noun, request, {"server", "Make the server's certificate", work});
+  config::Flags& flags =
+      AddVerb(noun, request, {"server", "Make the server's certificate", IssueServer});
   AddName(flags, *request, "server");
   flags.Add({"--host", "DNS name or IP address that robots dial (repeatable)",
              config::Flag::Need::kRequired},
             request->hosts);
+  flags.Add({"--copy-to",
+             "Folder that gets copies of what the server needs: NAME.crt, NAME.key and ca.crt"},
+            request->copy_to);
   flags.Example("uplinkctl pki server --dir pki --host uplink.example.org --host 192.0.2.7");
 }
 

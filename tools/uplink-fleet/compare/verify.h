@@ -73,6 +73,9 @@ struct Evidence {
 /// Source: protocol page, Conservation: after a restart of the server only rows and acks count.
 [[nodiscard]] std::vector<CheckRow> Verify(const Evidence& evidence);
 
+/// The lines that the robots know by themselves: what was acked, and how their streams went. Pure.
+[[nodiscard]] std::vector<CheckRow> VerifyAcks(const Evidence& evidence);
+
 /// True if each line of the table agrees.
 [[nodiscard]] bool AllOk(const std::vector<CheckRow>& rows);
 

@@ -30,12 +30,7 @@ Run::Run(const RunOptions& options)
 }
 
 int Run::Main() {
-  const absl::StatusOr<v1::ServerStatus> before = view_.Status();
-  if (!before.ok()) return CannotRun(before.status());
-  evidence_.before = *before;
-  const absl::StatusOr<std::string> page = view_.Metrics();
-  if (!page.ok()) return CannotRun(page.status());
-  evidence_.forwards_before = ForwardsOn(*page);
+  if (absl::Status status = LookBefore(); !status.ok()) return CannotRun(status);
   absl::StatusOr<std::unique_ptr<Swarm>> swarm = Swarm::Create(options_.swarm, clock_, shared_);
   if (!swarm.ok()) return CannotRun(swarm.status());
   const bool reached = Live(**swarm);
@@ -47,10 +42,27 @@ int Run::Main() {
     return CannotRun(
         absl::UnavailableError("no robot was welcomed: " + shared_.first_error.Read()));
   }
-  const absl::Status gathered = Gather(context_, outcome_, evidence_);
+  const absl::Status gathered = GatherEvidence();
   progress_.Clear();
   if (!gathered.ok()) return CannotRun(gathered);
   return Conclude();
+}
+
+absl::Status Run::LookBefore() {
+  if (options_.acks_only) return absl::OkStatus();
+  const absl::StatusOr<v1::ServerStatus> before = view_.Status();
+  if (!before.ok()) return before.status();
+  evidence_.before = *before;
+  const absl::StatusOr<std::string> page = view_.Metrics();
+  if (!page.ok()) return page.status();
+  evidence_.forwards_before = ForwardsOn(*page);
+  return absl::OkStatus();
+}
+
+absl::Status Run::GatherEvidence() {
+  if (!options_.acks_only) return Gather(context_, outcome_, evidence_);
+  for (const RobotOutcome& robot : outcome_.robots) evidence_.fleet.Add(robot);
+  return absl::OkStatus();
 }
 
 bool Run::Live(Swarm& swarm) {
@@ -63,7 +75,8 @@ bool Run::Live(Swarm& swarm) {
       readiness == Readiness::kToldToStop ? shared_.welcomes.load() > 0 : Send(context_);
   measured_ = measurement.SinceBegin();
   sent_while_measured_ = shared_.sent.load() - sent_before;
-  if (reached) outcome_.look = Settle(context_);
+  if (reached && options_.acks_only) SettleAcks(context_);
+  if (reached && !options_.acks_only) outcome_.look = Settle(context_);
   Close(context_, reached);
   return reached;
 }
@@ -81,7 +94,7 @@ int Run::Conclude() {
   figures.latencies = std::move(latencies_);
   figures.restarted = Restarted(evidence_);
   evidence_.disturbed = WasDisturbed(figures);
-  const std::vector<CheckRow> rows = Verify(evidence_);
+  const std::vector<CheckRow> rows = options_.acks_only ? VerifyAcks(evidence_) : Verify(evidence_);
   return Concluded(options_.json
                        ? JsonReport(figures, rows, evidence_.findings)
                        : TextReport(figures, rows, evidence_.findings, Palette(options_.output)),

@@ -30,6 +30,9 @@ class Run final {
  private:
   /// Lives through the stages; false if no robot was welcomed.
   [[nodiscard]] bool Live(Swarm& swarm);
+  /// What the server shows before the run, unless the acks alone decide.
+  [[nodiscard]] absl::Status LookBefore();
+  [[nodiscard]] absl::Status GatherEvidence();
   [[nodiscard]] int Conclude();
 
   RunOptions options_;

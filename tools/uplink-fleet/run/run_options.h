@@ -26,6 +26,8 @@ struct RunOptions {
   bool drones = false;
   std::uint64_t seed = 1;
   std::string http = "127.0.0.1:7480";
+  /// Nothing is compared over HTTP: the robots' own acks decide.
+  bool acks_only = false;
   milliseconds run_for{30'000};
   /// How long the fleet waits for the server to settle everything, and for each stream to end,
   /// before it calls it a mismatch.

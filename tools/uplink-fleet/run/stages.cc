@@ -132,6 +132,12 @@ LastLook Settle(const RunContext& run) {
   return look;
 }
 
+void SettleAcks(const RunContext& run) {
+  run.shared.stage.store(Stage::kSettle);
+  // Robots that do not settle in time show in their outcome.
+  static_cast<void>(WaitForAll(run, run.shared.settled_robots));
+}
+
 void Close(const RunContext& run, bool reached) {
   run.shared.stage.store(Stage::kClose);
   if (!reached || !WaitForAll(run, run.shared.closed_robots)) run.shared.abandon.store(true);

@@ -50,5 +50,8 @@ struct LastLook {
 [[nodiscard]] LastLook Settle(const RunContext& run);
 /// Waits for every stream to end; if that takes too long, or no robot was `reached`, they give up.
 void Close(const RunContext& run, bool reached);
+/// Waits until the robots have an ack for each of their durable messages, without asking the
+/// server.
+void SettleAcks(const RunContext& run);
 
 }  // namespace uplink::synthetic

@@ -55,6 +55,19 @@ std::vector<std::string> Mismatches(const Evidence& evidence) {
 
 TEST(Verify, AGoodRunAgrees) { EXPECT_THAT(Mismatches(Good()), IsEmpty()); }
 
+TEST(VerifyAcks, NeedsNothingOfTheServer) {
+  Evidence evidence;
+  evidence.fleet = Good().fleet;
+  EXPECT_THAT(MismatchesOf(VerifyAcks(evidence)), IsEmpty());
+}
+
+TEST(VerifyAcks, EachDurableMessageMustBeAcked) {
+  Evidence evidence;
+  evidence.fleet = Good().fleet;
+  evidence.fleet.acked = 2;
+  EXPECT_THAT(MismatchesOf(VerifyAcks(evidence)), ElementsAre("durable messages acked"));
+}
+
 TEST(Verify, ConservationMustHold) {
   Evidence evidence = Good();
   (*evidence.after.mutable_uplinks())["applied"] = 0;
