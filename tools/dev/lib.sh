@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # What the verbs of ./dev share. Sourced with the tree's top folder as working directory.
 
-readonly packages_file=tools/dev/packages.txt
+readonly packages_file="${UPLINK_PACKAGES_FILE:-tools/dev/packages.txt}"
 
 die() {
   printf 'dev: %s\n' "$*" >&2

