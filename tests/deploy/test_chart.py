@@ -1,0 +1,160 @@
+"""The chart: helm's own lint, the value sets of deploy/helm/uplinkd/ci against Kubernetes' schemas, those that
+must fail, and that it knows what uplinkd knows."""
+
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+import unittest
+
+import yaml
+from images import SOURCE, TOOLS, run
+
+CHART = SOURCE / "deploy/helm/uplinkd"
+SETS = sorted(path for path in (CHART / "ci").glob("*.yaml") if not path.name.startswith("fails-"))
+MUST_FAIL = {
+    "fails-two-on-sqlite": "/replicas",
+    "fails-unknown-section": "additional properties 'limit' not allowed",
+}
+# The oldest that Chart.yaml allows, and the one of `./dev k8s-test`.
+KUBERNETES = ("1.25", "1.34")
+# Kinds of operators, of which Kubernetes has no schema.
+FOREIGN = {"Certificate", "PodMonitor", "PrometheusRule"}
+SECTION = re.compile(r"^\[([a-z_]+)\]$")
+KEY = re.compile(r"^# ([a-z_.]+) = ")
+
+
+def helm(*arguments, code=0):
+    found = TOOLS / "bin/helm"
+    return run(found if found.exists() else "helm", *arguments, code=code)
+
+
+def rendered(values, kubernetes, *flags):
+    """The manifests, and their documents."""
+    text = helm("template", "robots", CHART, "--namespace", "robots", "--values", values,
+                "--kube-version", f"{kubernetes}.0", *flags).stdout  # fmt: skip
+    return text, [document for document in yaml.safe_load_all(text) if document]
+
+
+def one(documents, kind):
+    (found,) = [document for document in documents if document["kind"] == kind]
+    return found
+
+
+def keys_of_uplinkd():
+    """The keys of deploy/uplinkd.toml, which holds every one."""
+    keys, section = {}, ""
+    for line in (SOURCE / "deploy/uplinkd.toml").read_text(encoding="utf-8").splitlines():
+        head, key = SECTION.match(line), KEY.match(line)
+        if head:
+            section = head.group(1)
+            keys[section] = set()
+        elif key:
+            keys[section].add(key.group(1))
+    return keys
+
+
+class Chart(unittest.TestCase):
+    def setUp(self):
+        self.assertEqual(len(SETS), 6)
+
+    def test_helm_lint_finds_nothing(self):
+        for values in SETS:
+            with self.subTest(values.name):
+                helm("lint", "--strict", CHART, "--values", values)
+
+    def test_value_sets_fit_the_schemas_of_kubernetes(self):
+        validate = pathlib.Path(sys.executable).parent / "kubernetes-validate"
+        for values in SETS:
+            for kubernetes in KUBERNETES:
+                with self.subTest(f"{values.name} {kubernetes}"):
+                    text, documents = rendered(values, kubernetes)
+                    done = subprocess.run([validate, "--strict", "-k", kubernetes, "-"], input=text, text=True,
+                                          capture_output=True, timeout=60, check=False)  # fmt: skip
+                    said = done.stdout + done.stderr
+                    self.assertEqual(done.returncode, 0, said)
+                    unknown = set(re.findall(r"find schema for kind (\w+)", said))
+                    self.assertLessEqual(unknown, FOREIGN)
+                    passed = len(re.findall(r" passed for resource ", said))
+                    self.assertEqual(passed + len(re.findall(r"find schema", said)), len(documents), said)
+
+    def test_sets_that_cannot_work_are_refused(self):
+        self.assertEqual(sorted(f"{name}.yaml" for name in MUST_FAIL),
+                         sorted(path.name for path in (CHART / "ci").glob("fails-*.yaml")))  # fmt: skip
+        for name, why in MUST_FAIL.items():
+            with self.subTest(name):
+                done = helm("template", "robots", CHART, "--values", CHART / f"ci/{name}.yaml", code=1)
+                self.assertIn(why, done.stderr)
+
+    def test_defaults_alone_lack_a_certificate(self):
+        self.assertIn("/tls/secret", helm("template", "robots", CHART, code=1).stderr)
+
+    def test_readme_has_what_values_yaml_says(self):
+        run(sys.executable, SOURCE / "tools/dev/chart_readme.py", "--check")
+
+    def test_every_key_is_one_of_uplinkd(self):
+        known = keys_of_uplinkd()
+        for values in SETS:
+            with self.subTest(values.name):
+                _, documents = rendered(values, KUBERNETES[-1])
+                settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])
+                self.assertLessEqual({"listen", "tls", "store", "drain"}, settings.keys())
+                for section, entries in settings.items():
+                    flat = {key if not isinstance(value, dict) else f"{key}.{inner}"
+                            for key, value in entries.items()
+                            for inner in (value if isinstance(value, dict) else [None])}  # fmt: skip
+                    self.assertLessEqual(flat, known[section], section)
+        schema = yaml.safe_load((CHART / "values.schema.json").read_text(encoding="utf-8"))
+        ours = {"listen", "tls"}
+        self.assertEqual(set(schema["properties"]["config"]["properties"]) | ours, set(known))
+
+    def test_numbers_and_texts_keep_their_type(self):
+        _, documents = rendered(CHART / "ci/sqlite-existing-claim.yaml", KUBERNETES[-1])
+        settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])
+        self.assertEqual(settings["limits"], {"robots_max": 50000, "durable_bytes_rate": "2MiB"})
+        self.assertEqual(settings["tls"]["client_ca_file"], "/etc/uplinkd/robots/authorities.pem")
+
+    def test_a_pod_has_longer_than_its_drain(self):
+        for values in SETS:
+            _, documents = rendered(values, KUBERNETES[-1], "--set", "drain.timeoutSeconds=120")
+            pod = one(documents, "StatefulSet")["spec"]["template"]["spec"]
+            settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])
+            self.assertEqual(settings["drain"]["timeout"], "120s")
+            pause = pod["containers"][0]["lifecycle"]["preStop"]["sleep"]["seconds"]
+            self.assertGreater(pod["terminationGracePeriodSeconds"], 120 + pause + 2)
+
+    def test_a_changed_setting_restarts_pods_and_an_unchanged_one_does_not(self):
+        def template(*flags):
+            _, documents = rendered(CHART / "ci/sqlite.yaml", KUBERNETES[-1], *flags)
+            return one(documents, "StatefulSet")["spec"]["template"]
+
+        self.assertEqual(template(), template("--set", "service.port=443"))
+        self.assertNotEqual(template(), template("--set", "config.limits.robots_max=10"))
+
+    def test_no_selector_of_servers_finds_a_job_or_a_test(self):
+        _, documents = rendered(CHART / "ci/postgres.yaml", KUBERNETES[-1], "--set", "tests.authoritySecret=x")
+        selector = one(documents, "StatefulSet")["spec"]["selector"]["matchLabels"].items()
+        for document in documents:
+            if document["kind"] == "Service":
+                self.assertEqual(document["spec"]["selector"].items(), selector)
+        for labels in (one(documents, "Job")["spec"]["template"]["metadata"]["labels"],
+                       one(documents, "Pod")["metadata"]["labels"]):  # fmt: skip
+            self.assertFalse(selector <= labels.items())
+
+    def test_the_rules_are_those_of_deploy_and_their_jobs_have_these_names(self):
+        _, documents = rendered(CHART / "ci/monitoring.yaml", KUBERNETES[-1])
+        groups = []
+        for name in ("recording", "alerts"):
+            path = SOURCE / f"deploy/prometheus/{name}.rules.yml"
+            groups += yaml.safe_load(path.read_text(encoding="utf-8"))["groups"]
+        self.assertEqual(one(documents, "PrometheusRule")["spec"]["groups"], groups)
+        jobs = {relabel["replacement"] for endpoint in one(documents, "PodMonitor")["spec"]["podMetricsEndpoints"]
+                for relabel in endpoint["relabelings"]}  # fmt: skip
+        used = set(re.findall(r'job="([\w-]+)"', str(groups)))
+        self.assertTrue(used)
+        self.assertLessEqual(used, jobs)
+
+
+if __name__ == "__main__":
+    unittest.main()
