@@ -81,7 +81,8 @@ class Podman:
     def build(self):
         """The image of uplinkd; gives its name."""
         self("import", debian_root("debian-12-slim"), BASE)
-        environment = {**self.environment, "UPLINK_BIN_DIR": str(BIN), "UPLINK_IMAGE_FLAGS": "--pull-never"}
+        # On the machine's own network, so that podman makes no bridge and no rules.
+        environment = {**self.environment, "UPLINK_BIN_DIR": str(BIN), "UPLINK_IMAGE_FLAGS": "--pull-never --network host"}
         run(SOURCE / "tools/dev/image.sh", *self.command, timeout=5 * MINUTES, env=environment)
         return f"localhost/uplinkd:{version()}"
 

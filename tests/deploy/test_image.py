@@ -40,13 +40,14 @@ class Image(unittest.TestCase):
         ):  # fmt: skip
             self.once("/usr/bin/uplinkctl", *authority, "-v", "tls:/etc/uplinkd/tls", command=("pki", *arguments))
 
-    def once(self, program, *flags, command=(), code=0):
-        return self.podman("run", "--rm", "--no-healthcheck", *CONFINED, *flags, "--entrypoint", program, self.image,
-                           *command, code=code)  # fmt: skip
+    def once(self, program, *flags, command=(), code=0, network="none"):
+        return self.podman("run", "--rm", "--no-healthcheck", "--network", network, *CONFINED, *flags,
+                           "--entrypoint", program, self.image, *command, code=code)  # fmt: skip
 
     def start(self, name):
         self.names.append(name)
-        self.podman("run", "--detach", "--name", name, *CONFINED, "-v", "tls:/etc/uplinkd/tls:ro",
+        # Without a network: the fleet is on the loopback of this container.
+        self.podman("run", "--detach", "--name", name, "--network", "none", *CONFINED, "-v", "tls:/etc/uplinkd/tls:ro",
                     "-v", "data:/var/lib/uplinkd", self.image)  # fmt: skip
         self.wait_until_ready(name)
 
@@ -77,9 +78,8 @@ class Image(unittest.TestCase):
     def fleet(self, name, *flags):
         """A fleet on the network of the server's container, which compares all of it over HTTP."""
         report = json.loads(
-            self.once("/usr/bin/uplink-fleet", "--network", f"container:{name}",
-                      "-v", "authority:/etc/uplinkd/authority:ro",
-                      command=("--pki", "/etc/uplinkd/authority", *FLEET_RUNS, *flags)).stdout
+            self.once("/usr/bin/uplink-fleet", "-v", "authority:/etc/uplinkd/authority:ro",
+                      network=f"container:{name}", command=("--pki", "/etc/uplinkd/authority", *FLEET_RUNS, *flags)).stdout
         )  # fmt: skip
         self.assertTrue(report["ok"], [check for check in report["checks"] if not check["ok"]])
         return report
@@ -116,7 +116,7 @@ class Image(unittest.TestCase):
         self.fleet("server", "--seed", "2")
 
     def test_without_certificates_it_ends_and_names_the_file(self):
-        done = self.podman("run", "--rm", *CONFINED, self.image, code=2)
+        done = self.podman("run", "--rm", "--network", "none", *CONFINED, self.image, code=2)
         self.assertIn("/etc/uplinkd/tls/server.crt", done.stdout + done.stderr)
 
     def test_the_health_check_fails_where_no_server_answers(self):
