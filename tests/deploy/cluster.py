@@ -8,7 +8,8 @@ import pathlib
 import shutil
 import subprocess
 
-from images import MINUTES, TOOLS, WORK, Podman, run, wait_for
+from docker import DEBIAN_PACKAGES, POSTGRES
+from images import MINUTES, TOOLS, WORK, Podman, debian_root, run, wait_for
 
 NODE, ADDRESS = "node", "192.0.2.1"
 TOKEN = "of-this-test-alone"
@@ -113,8 +114,16 @@ class Cluster:
             podman("import", "--change", 'ENTRYPOINT ["/catatonit", "-P"]', self.folder / "pause-root.tar",
                    "localhost/pause:1")  # fmt: skip
             podman("tag", image, f"docker.io/library/{self.image}")
+            podman("import", debian_root("compose-stand-ins", *DEBIAN_PACKAGES), "localhost/stand-ins")
+            postgres = self.folder / "postgres"
+            postgres.mkdir()
+            (postgres / "entry.sh").write_text(POSTGRES, encoding="utf-8")
+            (postgres / "Dockerfile").write_text(
+                'FROM localhost/stand-ins\nCOPY --chmod=755 entry.sh /\nENTRYPOINT ["/entry.sh"]\n', encoding="utf-8"
+            )
+            podman("build", "--pull-never", "--tag", "localhost/postgres:15", postgres)
             podman("save", "--format", "docker-archive", "--multi-image-archive", "--output", archive,
-                   f"docker.io/library/{self.image}", "localhost/pause:1")  # fmt: skip
+                   f"docker.io/library/{self.image}", "localhost/pause:1", "localhost/postgres:15")  # fmt: skip
         finally:
             podman.close()
 

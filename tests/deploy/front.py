@@ -1,8 +1,9 @@
-"""front.py RELAY_PORT HTTP_PORT FILE: one address for pods that come and go. FILE holds `IP PID` of the pod of
-now: connections to RELAY_PORT go to the pod's relay, those to HTTP_PORT to the loopback of its network, where
-the API answers. Without a pod a connection is closed."""
+"""front.py RELAY_PORT HTTP_PORT FILE: one address for pods that come and go. FILE holds a line `IP PID` for each
+pod of now: connections to RELAY_PORT go to their relays in turn, those to HTTP_PORT to the loopback of the first
+one's network, where the API answers. Without a pod a connection is closed."""
 
 import ctypes
+import itertools
 import os
 import pathlib
 import socket
@@ -11,6 +12,7 @@ import threading
 
 RELAY, API = 7443, 7480
 CLONE_NEWNET = 0x40000000
+TURN = itertools.count()
 LIBC = ctypes.CDLL(None, use_errno=True)
 
 
@@ -50,9 +52,9 @@ def pump(source, target):
 
 def serve(client, kind, file):
     try:
-        address, pid = file.read_text(encoding="utf-8").split()
-        server = dial(kind, address, pid)
-    except (OSError, ValueError):
+        pods = file.read_text(encoding="utf-8").splitlines()
+        server = dial(kind, *pods[next(TURN) % len(pods) if kind == "relay" else 0].split())
+    except (OSError, ZeroDivisionError):
         client.close()
         return
     server.settimeout(None)

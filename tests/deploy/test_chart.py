@@ -109,6 +109,13 @@ class Chart(unittest.TestCase):
         ours = {"listen", "tls"}
         self.assertEqual(set(schema["properties"]["config"]["properties"]) | ours, set(known))
 
+    def test_chart_and_compose_name_this_version(self):
+        (version,) = re.findall(r"^project\(uplinkd VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text("utf-8"), re.M)
+        chart = yaml.safe_load((CHART / "Chart.yaml").read_text(encoding="utf-8"))
+        self.assertEqual((chart["version"], chart["appVersion"]), (version, version))
+        compose = (SOURCE / "deploy/compose/compose.yaml").read_text(encoding="utf-8")
+        self.assertEqual(set(re.findall(r"image: (uplinkd:.*)", compose)), {f"uplinkd:{version}"})
+
     def test_numbers_and_texts_keep_their_type(self):
         _, documents = rendered(CHART / "ci/sqlite-existing-claim.yaml", KUBERNETES[-1])
         settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])

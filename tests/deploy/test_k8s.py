@@ -1,5 +1,6 @@
-"""The chart in a real cluster of one node: install, `helm test`, an upgrade under a fleet, a server that hangs,
-a rollback from an image that is not there, and an uninstall that keeps the claim."""
+"""The chart in a real cluster of one node. On SQLite: install, `helm test`, an upgrade under a fleet, a server that
+hangs, a rollback from an image that is not there, and an uninstall that keeps the claim. On PostgreSQL: the
+migration, and two servers that are replaced one by one under a fleet."""
 
 import json
 import os
@@ -13,10 +14,10 @@ from cluster import Cluster
 from images import BIN, MINUTES, SOURCE, run, wait_for
 
 CHART = SOURCE / "deploy/helm/uplinkd"
-RELEASE, POD, CLAIM = "uplinkd", "uplinkd-0", "data-uplinkd-0"
+RELEASE, CLAIM = "uplinkd", "data-uplinkd-0"
 RELAY_PORT, HTTP_PORT = 17443, 17480
 VALUES = ("image.pullPolicy=Never", "tls.secret=uplinkd-tls", "service.type=ClusterIP", "store.sqlite.size=1Gi",
-          "resources.requests.memory=64Mi", "resources.limits.memory=512Mi")  # fmt: skip
+          "resources.requests.cpu=50m", "resources.requests.memory=64Mi", "resources.limits.memory=512Mi")  # fmt: skip
 VOLUME = """
 apiVersion: v1
 kind: PersistentVolume
@@ -27,176 +28,298 @@ spec:
   persistentVolumeReclaimPolicy: Retain
   hostPath: {{path: {path}}}
 """
+DATABASE = """
+apiVersion: v1
+kind: Pod
+metadata: {name: postgres}
+spec:
+  enableServiceLinks: false
+  containers:
+    - name: postgres
+      image: localhost/postgres:15
+      imagePullPolicy: Never
+      env:
+        - {name: POSTGRES_USER, value: uplinkd_owner}
+        - {name: POSTGRES_DB, value: uplinkd}
+        - {name: POSTGRES_PASSWORD_FILE, value: /run/secrets/owner_password}
+      readinessProbe:
+        exec: {command: [pg_isready, --quiet, --host, localhost, --dbname, uplinkd, --username, uplinkd_owner]}
+        periodSeconds: 2
+      volumeMounts:
+        - {name: data, mountPath: /var/lib/postgresql/data}
+        - {name: roles, mountPath: /docker-entrypoint-initdb.d}
+        - {name: passwords, mountPath: /run/secrets}
+  volumes:
+    - {name: data, emptyDir: {}}
+    - {name: roles, configMap: {name: roles, defaultMode: 0755}}
+    - {name: passwords, secret: {secretName: passwords, defaultMode: 0444}}
+"""
 
 
-class Kubernetes(unittest.TestCase):
-    """One cluster, one release: the steps follow each other as in an operator's life."""
+def setUpModule():
+    began = time.monotonic()
+    Release.cluster = Cluster()
+    unittest.addModuleCleanup(Release.cluster.close)
+    Release.cluster.up()
+    Release.folder = Release.cluster.folder
+    Release.pki = Release.folder / "pki"
+    Release.make_secrets()
+    print(f"\ncluster ready after {time.monotonic() - began:.0f} s")
 
-    maxDiff = None
+
+class Release(unittest.TestCase):
+    """One release at a time; the steps of a test follow each other as in an operator's life."""
+
+    cluster = folder = pki = None
 
     @classmethod
-    def setUpClass(cls):
-        began = time.monotonic()
-        cls.cluster = Cluster()
-        cls.addClassCleanup(cls.cluster.close)
-        cls.cluster.up()
-        cls.folder = cls.cluster.folder
-        cls.pki = cls.folder / "pki"
+    def make_secrets(cls):
         run(BIN / "uplinkctl", "pki", "init", "--dir", cls.pki)
         run(BIN / "uplinkctl", "pki", "server", "--dir", cls.pki, "--host", RELEASE, "--host", "127.0.0.1")
-        cls.cluster.kubectl("create", "secret", "generic", "uplinkd-tls", f"--from-file=tls.crt={cls.pki}/server.crt",
-                            f"--from-file=tls.key={cls.pki}/server.key", f"--from-file=ca.crt={cls.pki}/ca.crt")  # fmt: skip
-        cls.cluster.kubectl("create", "secret", "generic", "authority", f"--from-file={cls.pki}/ca.crt",
-                            f"--from-file={cls.pki}/ca.key")  # fmt: skip
-        # A folder of the node is no volume that Kubernetes gives to the pod's group: it is ours from the start.
-        volume = cls.folder / "volume"
-        volume.mkdir(mode=0o750)
-        os.chown(volume, 10001, 10001)
-        manifest = cls.folder / "volume.yaml"
-        manifest.write_text(VOLUME.format(path=volume), encoding="utf-8")
-        cls.cluster.kubectl("apply", "-f", manifest)
-        print(f"\ncluster ready after {time.monotonic() - began:.0f} s")
+        for name, files in (
+            ("uplinkd-tls", {"tls.crt": "server.crt", "tls.key": "server.key", "ca.crt": "ca.crt"}),
+            ("authority", {"ca.crt": "ca.crt", "ca.key": "ca.key"}),
+        ):
+            literals = [f"--from-file={key}={cls.pki}/{file}" for key, file in files.items()]
+            cls.cluster.kubectl("create", "secret", "generic", name, *literals)
 
-    def helm(self, verb, *flags, code=0):
-        sets = [word for value in VALUES for word in ("--set", value)]
-        return self.cluster.helm(verb, RELEASE, CHART, *sets, *flags, code=code)
+    def helm(self, verb, *sets, flags=(), code=0):
+        words = [word for value in (*VALUES, *sets) for word in ("--set", value)]
+        return self.cluster.helm(verb, RELEASE, CHART, *words, *flags, code=code)
 
-    def pod(self):
-        return json.loads(self.cluster.kubectl("get", "pod", POD, "-o", "json").stdout)
+    def deploy(self, verb, *sets):
+        return self.helm(verb, *sets, flags=("--wait", "--timeout", "150s"))
 
-    def ready_pod(self):
-        """The pod once it is ready, written down for the front."""
-
-        def look():
-            answer = self.cluster.answers("get", "pod", POD, "-o", "json")
-            pod = json.loads(answer) if answer else {"status": {}}
-            conditions = {each["type"]: each["status"] for each in pod["status"].get("conditions", [])}
-            return pod if conditions.get("Ready") == "True" and "deletionTimestamp" not in pod["metadata"] else None
-
-        pod = self.cluster.wait_for(look, f"{POD} is ready")
-        place = self.folder / "pod.new"
-        place.write_text(f"{pod['status']['podIP']} {self.server_pid()}", encoding="utf-8")
-        place.rename(self.folder / "pod")
-        return pod
-
-    def server_pid(self):
-        """The server's process, by its command line in the cluster's processes."""
-        found = [int(pid) for pid in run("pgrep", "--full", "^/usr/bin/uplinkd --config").stdout.split()
-                 if pathlib.Path(f"/proc/{pid}/cgroup").read_text(encoding="utf-8").find("kubepods") >= 0]  # fmt: skip
-        self.assertEqual(len(found), 1, found)
-        return found[0]
-
-    def test_the_life_of_a_release(self):
-        steps = (self.install, self.robot_test, self.upgrade_under_a_fleet, self.hang, self.roll_back, self.uninstall)
+    def go_through(self, *steps):
         for step in steps:
             began = time.monotonic()
-            step()
+            try:
+                step()
+            except AssertionError:
+                print(self.cluster.answers("describe", "pods"), self.cluster.answers("logs", "uplinkd-0", "--tail=30"))
+                raise
             print(f"{step.__name__}: {time.monotonic() - began:.0f} s", flush=True)
 
-    def install(self):
-        self.cluster.kubectl("apply", "--dry-run=server", "--validate=strict", "-f", self.manifests())
-        self.helm("install", "--wait", "--timeout", "120s")
-        pod = self.ready_pod()
-        security = pod["spec"]["containers"][0]["securityContext"]
-        self.assertTrue(security["readOnlyRootFilesystem"])
-        status = pathlib.Path(f"/proc/{self.server_pid()}/status").read_text(encoding="utf-8")
-        self.assertIn("NoNewPrivs:\t1", status)
-        self.assertIn("CapEff:\t0000000000000000", status)
-        self.assertIn("Uid:\t10001", status)
-        metrics = self.cluster.inside("curl", "-sf", "-H", "Host: uplinkd-metrics", f"http://{pod['status']['podIP']}:7481/metrics")
-        self.assertIn("uplinkd_build_info", metrics.stdout)
-        refused = self.cluster.inside("curl", "-s", "-m", "5", f"http://{pod['status']['podIP']}:7480/readyz", code=7)
-        self.assertEqual(refused.stdout, "")
-        print(self.cluster.kubectl("get", "all,pvc,pdb,configmap").stdout)
+    def pods(self):
+        """The servers that are ready, by name; None while one is not."""
+        answer = self.cluster.answers("get", "pods", "-l", "app.kubernetes.io/component=server", "-o", "json")
+        found = {}
+        for pod in json.loads(answer)["items"] if answer else ():
+            conditions = {each["type"]: each["status"] for each in pod["status"].get("conditions", [])}
+            if conditions.get("Ready") != "True" or "deletionTimestamp" in pod["metadata"]:
+                return None
+            found[pod["metadata"]["name"]] = pod
+        return found
 
-    def manifests(self):
-        """What the chart renders for the test of the API server."""
-        path = self.folder / "manifests.yaml"
-        sets = [word for value in VALUES for word in ("--set", value)]
-        path.write_text(self.cluster.helm("template", RELEASE, CHART, *sets, "--set", "networkPolicy.enabled=true").stdout,
-                        encoding="utf-8")  # fmt: skip
-        return path
+    def ready_pods(self, number=1):
+        """All pods, once they are ready; written down for the front."""
 
-    def robot_test(self):
-        before = self.pod()["metadata"]["uid"]
-        # There is no DNS here. Values of the test leave the server alone.
-        address = self.pod()["status"]["podIP"]
-        self.helm("upgrade", "--wait", "--set", "tests.authoritySecret=authority", "--set",
-                  f"tests.hostAliases[0].ip={address}", "--set", f"tests.hostAliases[0].hostnames[0]={RELEASE}")  # fmt: skip
-        self.assertEqual(self.pod()["metadata"]["uid"], before)
-        said = self.cluster.helm("test", RELEASE, "--logs", "--timeout", "90s").stdout
-        self.assertIn("verification: all agree", said)
+        def look():
+            pods = self.pods()
+            return pods if pods and len(pods) == number else None
 
-    def upgrade_under_a_fleet(self):
+        pods = self.cluster.wait_for(look, f"{number} pods are ready")
+        self.write_places(pods)
+        return pods
+
+    def write_places(self, pods):
+        lines = [f"{pod['status']['podIP']} {self.process_of(pod)}\n" for pod in pods.values()]
+        place = self.folder / "pods.new"
+        place.write_text("".join(lines), encoding="utf-8")
+        place.rename(self.folder / "pods")
+
+    def process_of(self, pod):
+        """The server's process: the one of its program in the pod's control group."""
+        uid = pod["metadata"]["uid"]
+        for pid in run("pgrep", "--full", "^/usr/bin/uplinkd --config").stdout.split():
+            if uid in pathlib.Path(f"/proc/{pid}/cgroup").read_text(encoding="utf-8"):
+                return int(pid)
+        raise AssertionError(f"no process of {pod['metadata']['name']}")
+
+    def start_front(self):
         front = subprocess.Popen([*self.cluster.enter(), "python3", SOURCE / "tests/deploy/front.py",
-                                  str(RELAY_PORT), str(HTTP_PORT), self.folder / "pod"])  # fmt: skip
+                                  str(RELAY_PORT), str(HTTP_PORT), self.folder / "pods"])  # fmt: skip
         self.addCleanup(front.wait, 30)
         self.addCleanup(front.kill)
-        self.ready_pod()
+
+    def start_fleet(self, robots, *flags):
         fleet = subprocess.Popen(
             [*self.cluster.enter(), BIN / "uplink-fleet", "--target", f"127.0.0.1:{RELAY_PORT}",
-             "--http", f"127.0.0.1:{HTTP_PORT}", "--pki", self.pki, "--robots", "30", "--pace", "5",
-             "--report", "json", "--for", "90s", "--settle-for", "120s"],
+             "--http", f"127.0.0.1:{HTTP_PORT}", "--pki", self.pki, "--robots", str(robots), "--pace", "5",
+             "--report", "json", "--for", "1h", "--settle-for", "120s", *flags],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         self.addCleanup(fleet.stdout.close)
         self.addCleanup(fleet.kill)
-        self.wait_for_robots(30)
-        before = self.pod()["metadata"]["uid"]
-        self.helm("upgrade", "--wait", "--timeout", "120s", "--set", "config.log.level=debug")
-        after = self.ready_pod()
-        self.assertNotEqual(after["metadata"]["uid"], before)
-        self.assertEqual(after["status"]["containerStatuses"][0]["restartCount"], 0)
+        return fleet
+
+    def assert_agrees(self, fleet):
+        run("pkill", "--signal", "INT", "--parent", str(fleet.pid), "uplink-fleet")
         output, _ = fleet.communicate(timeout=5 * MINUTES)
         report = json.loads(output)
         self.assertTrue(report["ok"], [check for check in report["checks"] if not check["ok"]])
-        self.assertEqual(fleet.returncode, 0)
+
+    def get(self, path):
+        """What the first pod answers, without its network in between; empty if it does not."""
+        try:
+            return self.cluster.inside("curl", "-sf", "-m", "10", f"http://127.0.0.1:{HTTP_PORT}{path}").stdout
+        except AssertionError:
+            return ""
 
     def wait_for_robots(self, robots):
+        """Until that many are online, here or at another server."""
+
         def enough():
-            try:
-                page = self.cluster.inside("curl", "-sf", f"http://127.0.0.1:{HTTP_PORT}/metrics").stdout
-            except AssertionError:
-                return False
-            return any(line.startswith('uplinkd_robots{presence="online"}') and float(line.split()[1]) >= robots
-                       for line in page.splitlines())  # fmt: skip
+            lines = [line.split() for line in self.get("/metrics").splitlines()
+                     if line.startswith("uplinkd_robots") and 'presence="online"' in line]  # fmt: skip
+            return sum(float(value) for _, value in lines) >= robots
 
         wait_for(enough, 60, f"{robots} robots are online")
 
+
+class Sqlite(Release):
+    def test_the_life_of_a_release(self):
+        # A folder of the node is no volume that Kubernetes gives to the pod's group: it is ours from the start.
+        volume = self.folder / "volume"
+        volume.mkdir(mode=0o750)
+        os.chown(volume, 10001, 10001)
+        manifest = self.folder / "volume.yaml"
+        manifest.write_text(VOLUME.format(path=volume), encoding="utf-8")
+        self.cluster.kubectl("apply", "-f", manifest)
+        self.start_front()
+        self.go_through(self.install, self.robot_test, self.upgrade_under_a_fleet, self.hang, self.roll_back,
+                        self.uninstall)  # fmt: skip
+
+    def pod(self):
+        (pod,) = self.ready_pods().values()
+        return pod
+
+    def install(self):
+        manifests = self.folder / "manifests.yaml"
+        manifests.write_text(self.helm("template", "networkPolicy.enabled=true").stdout, encoding="utf-8")
+        self.cluster.kubectl("apply", "--dry-run=server", "--validate=strict", "-f", manifests)
+        self.deploy("install")
+        pod = self.pod()
+        status = pathlib.Path(f"/proc/{self.process_of(pod)}/status").read_text(encoding="utf-8")
+        for said in ("NoNewPrivs:\t1", "CapEff:\t0000000000000000", "Uid:\t10001", "Seccomp:\t2"):
+            self.assertIn(said, status)
+        address = pod["status"]["podIP"]
+        said = self.cluster.inside("curl", "-sf", "-H", "Host: uplinkd-metrics", f"http://{address}:7481/metrics")
+        self.assertIn("uplinkd_build_info", said.stdout)
+        self.cluster.inside("curl", "-s", "-m", "5", f"http://{address}:7480/readyz", code=7)
+        print(self.cluster.kubectl("get", "all,pvc,pv,pdb,configmap").stdout)
+
+    def robot_test(self):
+        pod = self.pod()
+        # There is no DNS here. Values of the test leave the server alone.
+        alias = (f"tests.hostAliases[0].ip={pod['status']['podIP']}", f"tests.hostAliases[0].hostnames[0]={RELEASE}")
+        self.deploy("upgrade", "tests.authoritySecret=authority", *alias)
+        self.assertEqual(self.pod()["metadata"]["uid"], pod["metadata"]["uid"])
+        said = self.cluster.helm("test", RELEASE, "--logs", "--timeout", "90s").stdout
+        self.assertIn("verification: all agree", said)
+
+    def upgrade_under_a_fleet(self):
+        before = self.pod()["metadata"]["uid"]
+        fleet = self.start_fleet(30)
+        self.wait_for_robots(30)
+        self.deploy("upgrade", "config.log.level=debug")
+        after = self.pod()
+        self.assertNotEqual(after["metadata"]["uid"], before)
+        self.wait_for_robots(30)
+        self.assert_agrees(fleet)
+
     def hang(self):
-        os.kill(self.server_pid(), signal.SIGSTOP)
+        pod = self.pod()
+        os.kill(self.process_of(pod), signal.SIGSTOP)
 
         def restarted():
-            status = self.pod()["status"]["containerStatuses"][0]
-            return status["restartCount"] == 1 and status["ready"]
+            pods = self.pods()
+            return pods and pods["uplinkd-0"]["status"]["containerStatuses"][0]["restartCount"] == 1
 
         self.cluster.wait_for(restarted, "the liveness probe restarts a server that hangs", 4 * MINUTES)
-        self.ready_pod()
+        self.assertEqual(self.pod()["metadata"]["uid"], pod["metadata"]["uid"])
 
     def roll_back(self):
-        self.helm("upgrade", "--set", "image.tag=missing")
+        self.helm("upgrade", "image.tag=missing")
 
         def stuck():
-            statuses = self.pod()["status"].get("containerStatuses", [{"state": {}}])
-            return statuses[0]["state"].get("waiting", {}).get("reason") == "ErrImageNeverPull"
+            answer = self.cluster.answers("get", "pod", "uplinkd-0", "-o", "json")
+            statuses = json.loads(answer)["status"].get("containerStatuses") if answer else None
+            return statuses and statuses[0]["state"].get("waiting", {}).get("reason") == "ErrImageNeverPull"
 
         self.cluster.wait_for(stuck, "the new pod has no image")
         self.cluster.helm("rollback", RELEASE, "--wait", "--timeout", "120s")
-        self.ready_pod()
+        self.pod()
 
     def uninstall(self):
         self.cluster.helm("uninstall", RELEASE, "--wait", "--timeout", "90s")
         phase = self.cluster.kubectl("get", "pvc", CLAIM, "-o", "jsonpath={.status.phase}").stdout
         self.assertEqual(phase, "Bound")
-        self.assertTrue((self.folder / "volume/uplinkd.db").exists())
-        left = self.cluster.kubectl("get", "all,configmap,secret,pdb", "-l", f"app.kubernetes.io/instance={RELEASE}",
-                                    "-o", "name").stdout  # fmt: skip
-        self.assertNotIn("statefulset", left)
-        # Installed again, it has the robots of before.
-        self.helm("install", "--wait", "--timeout", "120s")
-        self.ready_pod()
-        page = self.cluster.inside("curl", "-sf", f"http://127.0.0.1:{HTTP_PORT}/api/v1/robots?pageSize=100").stdout
-        self.assertEqual(len(json.loads(page)["robots"]), 31)
+        left = self.cluster.kubectl("get", "statefulset,service,configmap,pdb,serviceaccount", "-o", "name",
+                                    "-l", f"app.kubernetes.io/instance={RELEASE}").stdout  # fmt: skip
+        self.assertEqual(left, "")
+        # Installed again, it has the robots of before: the fleet's, and that of `helm test`.
+        self.deploy("install")
+        self.pod()
+        self.assertEqual(len(json.loads(self.get("/api/v1/robots?pageSize=100"))["robots"]), 31)
+        self.cluster.helm("uninstall", RELEASE, "--wait", "--timeout", "90s")
+
+
+class Postgres(Release):
+    def test_two_servers_are_replaced_one_by_one(self):
+        self.start_front()
+        self.go_through(self.database, self.install, self.upgrade_under_a_fleet)
+
+    def database(self):
+        kubectl = self.cluster.kubectl
+        kubectl("create", "configmap", "roles", f"--from-file=roles.sh={SOURCE}/deploy/compose/postgres-roles.sh")
+        kubectl("create", "secret", "generic", "passwords", "--from-literal=owner_password=of-the-owner",
+                "--from-literal=store_password=of-the-servers")  # fmt: skip
+        manifest = self.folder / "postgres.yaml"
+        manifest.write_text(DATABASE, encoding="utf-8")
+        kubectl("apply", "-f", manifest)
+        kubectl("wait", "--for=condition=Ready", "pod/postgres", "--timeout=90s")
+        address = kubectl("get", "pod", "postgres", "-o", "jsonpath={.status.podIP}").stdout
+        of = "store.postgres"
+        Postgres.sets = (
+            "replicas=2", "store.type=postgres", f"{of}.url=postgresql://uplinkd@{address}/uplinkd",
+            f"{of}.passwordSecret=passwords", f"{of}.passwordKey=store_password",
+            f"{of}.migrate.url=postgresql://uplinkd_owner@{address}/uplinkd",
+            f"{of}.migrate.passwordSecret=passwords", f"{of}.migrate.passwordKey=owner_password",
+        )  # fmt: skip
+
+    def install(self):
+        self.deploy("install", *self.sets)
+        self.ready_pods(2)
+        self.assertEqual(json.loads(self.get("/api/v1/status"))["degraded"], [])
+
+    def upgrade_under_a_fleet(self):
+        before = self.ready_pods(2)
+        # The counters are of each server alone: the robots' own acks decide.
+        fleet = self.start_fleet(20, "--acks-only")
+        self.wait_for_robots(20)
+        # The migration runs first; then one server follows the other.
+        self.helm("upgrade", *self.sets, "config.log.level=debug")
+        least = [2]
+
+        def replaced():
+            answer = self.cluster.answers("get", "pods", "-l", "app.kubernetes.io/component=server", "-o", "json")
+            pods = {pod["metadata"]["name"]: pod for pod in json.loads(answer)["items"]} if answer else {}
+            ready = {name: pod for name, pod in pods.items() if "deletionTimestamp" not in pod["metadata"] and
+                     any(c["type"] == "Ready" and c["status"] == "True" for c in pod["status"].get("conditions", []))}  # fmt: skip
+            least[0] = min(least[0], len(ready))
+            if ready:
+                self.write_places(ready)
+            return len(ready) == 2 and all(ready[n]["metadata"]["uid"] != before[n]["metadata"]["uid"] for n in ready)
+
+        self.cluster.wait_for(replaced, "both pods are new", 4 * MINUTES)
+        self.assertEqual(least[0], 1, "one server was there at any moment")
+        self.wait_for_robots(20)
+        self.assert_agrees(fleet)
+        presence = self.cluster.kubectl("exec", "postgres", "--", "setpriv", "--reuid=postgres", "--clear-groups",
+                                        "psql", "-X", "-A", "-t", "-U", "uplinkd_owner", "-d", "uplinkd", "-c",
+                                        "SELECT count(*) FROM uplinkd.robots").stdout  # fmt: skip
+        self.assertEqual(presence.strip(), "20")
 
 
 if __name__ == "__main__":
