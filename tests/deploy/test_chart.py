@@ -19,7 +19,7 @@ MUST_FAIL = {
 }
 # The oldest that Chart.yaml allows, and the one of `./dev k8s-test`.
 KUBERNETES = ("1.25", "1.34")
-# Kinds of operators, of which Kubernetes has no schema.
+# Kinds that operators define: Kubernetes has no schema for them.
 FOREIGN = {"Certificate", "PodMonitor", "PrometheusRule"}
 SECTION = re.compile(r"^\[([a-z_]+)\]$")
 KEY = re.compile(r"^# ([a-z_.]+) = ")

@@ -95,7 +95,7 @@ class DemoTerminal(EndToEnd):
         recording = self.folder / "recording"
         command = (SOURCE / "tools/dev/picture.py", "record", recording, *self.COMMAND)
         run(*command, timeout=120, env={**os.environ, **self.places()})
-        draw = (SOURCE / "tools/dev/picture.py", "draw", recording, "--title", "./dev demo", "--head", "20", "--tail", "8")
+        draw = (command[0], "draw", "--title", "./dev demo", "--leave-out", "17-26", recording)
         drawn = run(*draw).stdout
         self.assertEqual(drawn, run(*draw).stdout, "the same recording gives the same picture")
         texts = "\n".join(ElementTree.fromstring(drawn).itertext())
@@ -230,7 +230,8 @@ class Picture(unittest.TestCase):
     def test_colours_and_places_are_those_of_the_screen(self):
         lines = picture.last_lines(b"a  \x1b[32mok\x1b[0m\r\n  \x1b[1m<b>\x1b[0m\r\n\r\n", 20, 5)
         root = ElementTree.fromstring(picture.svg_of(lines, "./dev demo"))
-        found = [(each.text, each.get("x"), each.get("y"), each.get("fill"), each.get("font-weight")) for each in root[2:]]
+        names = ("x", "y", "fill", "font-weight")
+        found = [(each.text, *(each.get(name) for name in names)) for each in root[2:]]
         self.assertEqual(
             found,
             [
@@ -241,11 +242,14 @@ class Picture(unittest.TestCase):
             ],
         )
 
-    def test_lines_between_head_and_tail_are_said_to_be_left_out(self):
+    def test_lines_that_are_left_out_are_counted(self):
         lines = picture.last_lines(b"1\r\n2\r\n3\r\n4\r\n5\r\n", 20, 9)
-        short = ["".join(character for character, _ in line) for line in picture.shortened(lines, 1, 2)]
-        self.assertEqual(short, ["1", "... 2 lines ...", "4", "5"])
-        self.assertEqual(picture.shortened(lines, 2, 2), lines, "one line is not worth it")
+        short = picture.shortened(lines, [(5, 5), (2, 3)])
+        texts = ["".join(character for character, _ in line) for line in short]
+        self.assertEqual(texts, ["1", "... 2 lines ...", "4", "... 1 lines ..."])
+        for ranges in ([(0, 1)], [(3, 2)], [(5, 6)], [(1, 3), (3, 4)]):
+            with self.subTest(ranges), self.assertRaises(ValueError):
+                picture.shortened(lines, ranges)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ FOREIGN = (
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("libmosquitto", re.compile(r"^mosquitto\.h$"), ("tools/uplink-fleet/broker/", "tests/")),
-    Foreign("CLI11", re.compile(r"^CLI/"), ("server/config/flags.cc", "server/config/flag_errors.cc")),
+    Foreign("CLI11", re.compile(r"^CLI/"), ("server/config/flag", "server/config/help_tree")),
     Foreign("prometheus-cpp", re.compile(r"^prometheus/"), ("metrics/", "server/http/", "tests/")),
 )
 

@@ -2,13 +2,14 @@
 """picture.py record [--columns 100] [--rows 100] FILE COMMAND ...: runs a command in a terminal of that size
 and keeps every byte that it writes; its exit code is the command's.
 
-picture.py draw [--columns 100] [--rows 100] [--title TEXT] [--head N --tail N] FILE: the last screen of a recording as
-SVG on standard output: the same for the same recording. With --head and --tail the lines between are left
-out, and a line says so.
+picture.py draw [--columns 100] [--rows 100] [--title TEXT] [--leave-out FIRST-LAST ...] FILE: the last
+screen of a recording as SVG on standard output: the same for the same recording. In place of lines that are
+left out, counted from 1, a line says how many they are.
 
 docs/demo.svg:
   tools/dev/picture.py record build/demo.terminal ./dev demo
-  tools/dev/picture.py draw --title './dev demo' --head 26 --tail 8 build/demo.terminal >docs/demo.svg
+  tools/dev/picture.py draw --title './dev demo' --leave-out 18-28 --leave-out 42-64 --leave-out 74-85 \
+    build/demo.terminal >docs/demo.svg
 """
 
 import argparse
@@ -69,13 +70,21 @@ def last_lines(recording, columns, rows):
     return lines
 
 
-def shortened(lines, head, tail):
-    """The lines, with one in place of those between the first and the last."""
-    out = len(lines) - head - tail
-    if out <= 1:
-        return lines
-    note = [(character, None) for character in f"... {out} lines ..."]
-    return [*lines[:head], note, *lines[len(lines) - tail :]]
+def shortened(lines, ranges):
+    """The lines, with one in place of those of each range (first, last), counted from 1."""
+    kept, at = [], 0
+    for first, last in sorted(ranges):
+        if not at < first <= last <= len(lines):
+            raise ValueError(f"lines {first} to {last} of {len(lines)} cannot be left out after line {at}")
+        kept += lines[at : first - 1]
+        kept.append([(character, None) for character in f"... {last - first + 1} lines ..."])
+        at = last
+    return kept + lines[at:]
+
+
+def range_of(text):
+    first, last = text.split("-")
+    return int(first), int(last)
 
 
 def colour_of(style):
@@ -130,15 +139,14 @@ def main():
         verb.add_argument("--rows", type=int, default=100)
     recording.add_argument("command", nargs=argparse.REMAINDER)
     drawing.add_argument("--title", default="")
-    drawing.add_argument("--head", type=int, default=sys.maxsize)
-    drawing.add_argument("--tail", type=int, default=0)
+    drawing.add_argument("--leave-out", type=range_of, action="append", default=[])
     arguments = parser.parse_args()
     if arguments.verb == "record":
         with arguments.file.open("wb") as out:
             environment = {"TERM": "xterm", **os.environ}
             sys.exit(record(arguments.command, arguments.columns, arguments.rows, environment, out.write))
     lines = last_lines(arguments.file.read_bytes(), arguments.columns, arguments.rows)
-    sys.stdout.write(svg_of(shortened(lines, arguments.head, arguments.tail), arguments.title))
+    sys.stdout.write(svg_of(shortened(lines, arguments.leave_out), arguments.title))
 
 
 if __name__ == "__main__":
