@@ -9,9 +9,9 @@
 #include "server/log/logger.h"
 #include "server/run/broker_side.h"
 #include "server/run/drain.h"
+#include "server/run/early_services.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
-#include "server/run/groundwork.h"
 #include "server/run/health_side.h"
 #include "server/run/relay_side.h"
 #include "server/run/reload.h"
@@ -26,9 +26,9 @@ namespace uplink::run {
 
 class App::Impl {
  public:
-  Impl(Options options, Groundwork& ground, SystemTime certificate_expiry, store::Stores stores)
+  Impl(Options options, EarlyServices& early, SystemTime certificate_expiry, store::Stores stores)
       : options_(std::move(options)),
-        ground_(ground),
+        early_(early),
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
@@ -36,16 +36,16 @@ class App::Impl {
         uncrew_({options_.clock, options_.config, fleet_, store_.journals(), ledgers_, allowances_,
                  options_.random()}),
         relay_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
-                ledgers_, allowances_, store_.stores(), options_.version, ground.OnReadsAhead(),
+                ledgers_, allowances_, store_.stores(), options_.version, early.OnReadsAhead(),
                 options_.random(), uncrew_.Methods()}),
         broker_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                  ledgers_, store_.journal_limits(), *store_.stores().reader, store_.leases(),
                  options_.process, options_.random, allowances_},
                 std::move(store_.stores().topic_leases)),
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
-                 ground.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
+                 early.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               ground, store_, uncrew_, relay_, broker_, health_, options_.random}),
+               early, store_, uncrew_, relay_, broker_, health_, options_.random}),
         reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {}
 
   ~Impl() { Stop(); }
@@ -58,22 +58,22 @@ class App::Impl {
                        .listen_for_robots = [this] { return ListenForRobots(); },
                        .answer_http =
                            [this] {
-                             ground_.Open(view_.site());
-                             ground_.OnReload([this] { reload_.Run(); });
+                             early_.Open(view_.site());
+                             early_.OnReload([this] { reload_.Run(); });
                            },
                        .tell_ready = [this] { TellReady(); },
                        .begin_work =
                            [this] {
-                             ground_.Repeat(WorkToDo());
+                             early_.Repeat(WorkToDo());
                              EndGreeting();
                            }});
   }
 
   int Run() {
-    ground_.stop_signal().Wait();
+    early_.stop_signal().Wait();
     Supervisor::NoteStopping();
     Drain(ContextOfDrain()).Run();
-    return ground_.stop_signal().exit_code();
+    return early_.stop_signal().exit_code();
   }
 
  private:
@@ -88,7 +88,7 @@ class App::Impl {
             .kernel_clock_synchronised = options_.kernel_clock_synchronised,
             .spatial_committed = [this] { relay_.OnSpatialCommitted(); },
             .reconnected = [this] { broker_.Reread(); },
-            .shut_out = [this] { ground_.EndAsFailed(); }};
+            .shut_out = [this] { early_.EndAsFailed(); }};
   }
 
   Drain::Context ContextOfDrain() {
@@ -99,7 +99,7 @@ class App::Impl {
         .fleet = fleet_,
         .journals = store_.journals(),
         .monitor = health_.monitor(),
-        .signal = ground_.stop_signal(),
+        .signal = early_.stop_signal(),
         .transport = relay_.DrainTransport(),
         .leave = [this] { return store_.leases().Leave() == store::LeaseRounds::Left::kToOthers; },
         .stop_adopting = [this] { store_.leases().StopAdopting(); },
@@ -120,28 +120,28 @@ class App::Impl {
 
   void TellReady() {
     options_.logger.Info("listening", {{"relay", config::ToText(relay_.Target().address)},
-                                       {"http", config::ToText(ground_.http_address())},
-                                       {"metrics", config::ToText(ground_.metrics_address())},
+                                       {"http", config::ToText(early_.http_address())},
+                                       {"metrics", config::ToText(early_.metrics_address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
     options_.greeting.TellReady({.store = store::NameOf(options_.config.store),
                                  .robots = fleet_.size(),
                                  .robots_unread = store_.robots_unread(),
                                  .relay = relay_.Target().address,
-                                 .http = ground_.http_address()});
+                                 .http = early_.http_address()});
     Supervisor::NoteReady();
   }
 
-  /// Behind the first round of the work, whose info events belong to the start: it is posted by a
-  /// job that was posted before this one.
+  /// Ends the greeting after the first round of the periodic work, whose info events belong to the
+  /// start. A job that waits on the loop already posts that round; hence two posts.
   void EndGreeting() {
-    loop::EventLoop& loop = ground_.loop();
+    loop::EventLoop& loop = early_.loop();
     loop.Post([this, &loop] { loop.Post([this] { options_.greeting.End(); }); });
   }
 
   [[nodiscard]] PeriodicWork WorkToDo() {
     PeriodicWork work;
-    store_.AddWork(ground_.OnReads(), work);
+    store_.AddWork(early_.OnReads(), work);
     health_.AddWork(work);
     view_.AddWork(work);
     work.look_at_drones = [this] { uncrew_.Round(); };
@@ -156,12 +156,12 @@ class App::Impl {
                      relay_.StopForwarding();
                      store_.Stop();
                    },
-               .stop_loop = [this] { ground_.StopLoop(); },
-               .end_readers = [this] { ground_.EndReaders(); }});
+               .stop_loop = [this] { early_.StopLoop(); },
+               .end_readers = [this] { early_.EndReaders(); }});
   }
 
   Options options_;
-  Groundwork& ground_;
+  EarlyServices& early_;
   ingest::Allowances allowances_{AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
@@ -174,23 +174,23 @@ class App::Impl {
   Reload reload_;
 };
 
-App::App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl)
-    : ground_(std::move(ground)), impl_(std::move(impl)) {}
+App::App(std::unique_ptr<EarlyServices> early, std::unique_ptr<Impl> impl)
+    : early_(std::move(early)), impl_(std::move(impl)) {}
 App::~App() = default;
 
 absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   const config::Config& config = options.config;
   const auto expiry = identity::ExpiryOfFile(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
-  auto ground = std::make_unique<Groundwork>(
-      Groundwork::Context{options.clock, options.logger, config.listen, config.http});
-  if (absl::Status began = ground->Begin(); !began.ok()) return began;
+  auto early = std::make_unique<EarlyServices>(
+      EarlyServices::Context{options.clock, options.logger, config.listen, config.http});
+  if (absl::Status began = early->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
   auto stores = store::OpenStores(config, options.process, options.clock.machine(), options.logger);
   if (!stores.ok()) return stores.status();
-  auto impl = std::make_unique<Impl>(std::move(options), *ground, *expiry, *std::move(stores));
+  auto impl = std::make_unique<Impl>(std::move(options), *early, *expiry, *std::move(stores));
   if (absl::Status started = impl->Start(); !started.ok()) return started;
-  return std::unique_ptr<App>(new App(std::move(ground), std::move(impl)));
+  return std::unique_ptr<App>(new App(std::move(early), std::move(impl)));
 }
 
 int App::Run() { return impl_->Run(); }

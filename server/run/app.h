@@ -23,8 +23,8 @@ class MarkedClock;
 
 namespace uplink::run {
 
+class EarlyServices;
 class Greeting;
-class Groundwork;
 
 /// The server: constructs the components and connects them. The only place that knows them all;
 /// start.h says in which order they start and stop.
@@ -62,15 +62,15 @@ class App final {
   App& operator=(const App&) = delete;
 
   /// Serves until SIGTERM or SIGINT, or until a step of the store's schema shuts this program out,
-  /// then drains (Drain). Returns what the process ends with: 1 after such a step. A
-  /// second signal ends the process at once, with 1.
+  /// then drains (Drain). Returns the exit code: 0 after a signal, 1 after such a step. A second
+  /// signal ends the process at once, with 1.
   [[nodiscard]] int Run();
 
  private:
   class Impl;
-  App(std::unique_ptr<Groundwork> ground, std::unique_ptr<Impl> impl);
+  App(std::unique_ptr<EarlyServices> early, std::unique_ptr<Impl> impl);
   /// Outlives the rest.
-  std::unique_ptr<Groundwork> ground_;
+  std::unique_ptr<EarlyServices> early_;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -22,8 +22,8 @@
 
 namespace uplink::run {
 
-/// The part of the server that reads a broker: its loop, the broker's reader, and who looks after
-/// the lease of its topics. Without a broker it does nothing.
+/// The part of the server that reads a broker: an event loop, the broker's reader, and the rounds
+/// that keep the lease of its topics. Without a broker it does nothing.
 ///
 /// Thread: main; what says so from any.
 class BrokerSide final {
@@ -54,17 +54,17 @@ class BrokerSide final {
   void Start();
   /// Nothing more is read from now on.
   void BeginDrain();
-  /// Waits a while for what waits for its commit, takes leave of the broker and gives the lease of
-  /// its topics up, so that another server reads on.
+  /// Waits a short while for commits, disconnects from the broker and releases the lease of its
+  /// topics, so that another server reads on.
   void EndDrain();
   /// Ends its threads. Idempotent.
   void Stop();
 
   // --- Any thread ---
 
-  /// The store was connected to anew, and may lack what it told was committed.
+  /// The server connected to the store anew, and may find that commits are missing.
   void Reread();
-  /// What is heard; empty without a broker.
+  /// Empty without a broker.
   [[nodiscard]] const cyberwave::Twins& twins() const { return twins_; }
   [[nodiscard]] cyberwave::Twins& twins() { return twins_; }
   [[nodiscard]] fleet::Fleet::HearingState hearing() const;

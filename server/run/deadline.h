@@ -9,7 +9,7 @@
 
 namespace uplink::run {
 
-/// Runs `late` on a thread of its own if it still exists after `wait`.
+/// Runs `late`, on a thread of its own, if this object still exists after `wait`.
 class Deadline final {
  public:
   Deadline(milliseconds wait, std::function<void()> late);

@@ -15,10 +15,10 @@
 
 namespace uplink::run {
 
-/// After drain.timeout, for ending what did not end: streams, the commit under way.
+/// The time after drain.timeout for ending what is left: streams, the commit under way.
 inline constexpr std::chrono::seconds kStopWait{5};
 
-/// What the end of a drain has at least for what waits, however long the streams took.
+/// The least time in which a drain commits what waits, however long the streams took.
 inline constexpr std::chrono::seconds kLastWrites{2};
 
 /// The way down: no stream is admitted, those that are here end, what waits is committed, and the
@@ -48,7 +48,7 @@ class Drain final {
     health::Monitor& monitor;
     StopSignal& signal;
     Transport transport;
-    /// Gives this process's robots up; true if another process is there that takes them over.
+    /// Releases this process's robots; true if there is another process that takes them over.
     std::function<bool()> leave;
     /// Takes no robot of another process over from now on.
     std::function<void()> stop_adopting;

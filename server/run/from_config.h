@@ -35,10 +35,10 @@ namespace uplink::run {
 /// `memory_max`: what the process may use; the transport gets half of it.
 [[nodiscard]] transport::RelayOptions RelayOptionsOf(const config::Config& config,
                                                      std::size_t memory_max);
-/// How one of the connections to the broker is made, which `mqtt.url` names. Only that for what is
-/// durable has a session that the broker keeps; whether one is expected there is not known here.
-/// A broker that says nothing is noticed before any twin counts as silent: a ping is due each
-/// quarter of the time that a twin has, at most, and its answer within as much.
+/// How a connection to the broker is made. `mqtt.url` must be good. Only the durable connection
+/// asks the broker to keep its session; whether the broker has one is not known here. A silent
+/// broker is noticed before its twins count as offline: the next ping is due after a quarter of
+/// cyberwave.presence_timeout at most, and its answer within the same time.
 [[nodiscard]] mqtt::ClientSettings ClientSettingsOf(const config::Config& config,
                                                     cyberwave::Connection connection);
 [[nodiscard]] cyberwave::JudgeTerms JudgeTermsOf(const config::CyberwaveConfig& cyberwave);

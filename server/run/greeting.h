@@ -29,7 +29,7 @@ struct ShownCertificate {
   SystemTime expiry{};
 };
 
-/// Hosts of a certificate that a line names; what it leaves out it counts.
+/// Hosts of a certificate that its line names; the line counts the others.
 inline constexpr std::size_t kHostsShownMax = 3;
 
 /// `localhost, 127.0.0.1; 364 days left, until 2027-11-28T15:08:44Z`. Pure.
@@ -51,10 +51,10 @@ class Greeting final {
   struct Context {
     log::Logger& logger;
     const config::Config& config;
-    /// As the program was called with it.
+    /// As --config names it.
     std::string config_file;
     const Clock& clock;
-    /// Where the log goes: another one in tests.
+    /// Where the log goes: standard error, except in tests.
     int descriptor;
   };
   explicit Greeting(Context context);

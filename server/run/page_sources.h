@@ -56,8 +56,8 @@ struct PageParts {
   const log::Logger& logger;
 };
 
-/// Every metric of the catalogue. The ledgers are summed once, so that received = settled + in
-/// flight holds in each text.
+/// Every metric of the catalogue. Each ledger is summed once for a text, so that received = settled
+/// + in flight holds in it.
 [[nodiscard]] std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts);
 
 }  // namespace uplink::run

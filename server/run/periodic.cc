@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
-constexpr milliseconds kSeedEvery{500};
+constexpr milliseconds kRobotsEvery{500};
 constexpr std::chrono::seconds kDronesEvery{1};
 /// A third of the unit's WatchdogSec.
 constexpr std::chrono::seconds kFeedEvery{10};
@@ -20,7 +20,7 @@ constexpr std::chrono::seconds kFeedEvery{10};
 constexpr std::chrono::seconds kSnapshotEvery{10};
 /// One call of the kernel and a short statement. Robots may fill some hundred megabytes meanwhile.
 constexpr std::chrono::seconds kSpaceEvery{2};
-/// An operator who confirmed the clock waits for no more.
+/// How long an operator who confirmed the clock waits at most.
 constexpr std::chrono::seconds kClockEvery{5};
 
 }  // namespace
@@ -30,7 +30,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kSweepEvery, std::move(work.sweep));
   every(transport::kFilesRefresh, std::move(work.look_at_certificate));
   every(kStoreEvery, std::move(work.look_at_store));
-  every(kSeedEvery, std::move(work.read_robots));
+  every(kRobotsEvery, std::move(work.read_robots));
   every(kSnapshotEvery, std::move(work.ask_for_snapshot));
   every(kSpaceEvery, std::move(work.look_at_space));
   every(kClockEvery, std::move(work.look_at_clock));

@@ -6,8 +6,8 @@
 
 namespace uplink::run {
 
-/// What the server does again and again while it runs. Each is short, and posts what may wait to a
-/// thread that may.
+/// What the server does again and again while it runs. Each job is short: what may take long it
+/// posts to another thread.
 struct PeriodicWork {
   /// The presence sweep.
   std::function<void()> sweep;
@@ -15,7 +15,8 @@ struct PeriodicWork {
   std::function<void()> look_at_certificate;
   /// Looks at the store's last error, for the log.
   std::function<void()> look_at_store;
-  /// Reads the robots, if the store was away at the start, and what those that became ours had.
+  /// Reads the robots, if the store was away at the start, and the state of those that this process
+  /// began to hold.
   std::function<void()> read_robots;
   /// Asks the store for the oldest snapshot.
   std::function<void()> ask_for_snapshot;
@@ -33,8 +34,8 @@ struct PeriodicWork {
   std::function<void()> feed_watchdog;
 };
 
-/// Has each done at its interval: `every` is given both, and does it at once and then again and
-/// again.
+/// Gives `every` each job with its interval; `every` runs the job at once and then at that
+/// interval.
 void DoPeriodically(const std::function<void(milliseconds, std::function<void()>)>& every,
                     PeriodicWork work);
 

@@ -14,7 +14,8 @@
 namespace uplink::run {
 namespace {
 
-/// In place of the standard library's own, which waits for ever for who reads standard error.
+/// In place of the standard library's own, which blocks for ever if the reader of standard error
+/// hangs.
 [[noreturn]] void OnTerminate() {
   const char* why = "no exception";
   std::array<char, 512> words{};
@@ -45,7 +46,7 @@ std::size_t SetUpProcess() {
   std::signal(SIGPIPE, SIG_IGN);
   // A limit on the size of files is an error of the write, as a full disk is.
   std::signal(SIGXFSZ, SIG_IGN);
-  // A reload while the server starts is none: the configuration was just read.
+  // Until the event loop takes it: the configuration was just read.
   std::signal(SIGHUP, SIG_IGN);
   return health::RaiseDescriptorsMax();
 }

@@ -4,8 +4,8 @@
 
 namespace uplink::run {
 
-/// Sets what holds for the whole process: libraries, signals that are none of ours, descriptors.
-/// Returns how many descriptors may be open. Before the first thread.
+/// Sets what holds for the whole process: libraries, ignored signals, the limit of descriptors.
+/// Returns that limit. Call it before the first thread.
 std::size_t SetUpProcess();
 
 }  // namespace uplink::run

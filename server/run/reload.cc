@@ -33,7 +33,7 @@ void Reload::Run() {
   if (!read.ok()) return;
   const Changes changes = CompareConfigs(running_, *read.config);
   const log::Level after = LogLevelOf(read.config->log.level);
-  // By whichever level lets the line through.
+  // The line is written if the old or the new level lets it through.
   logger.SetLevel(std::min(LogLevelOf(running_.log.level), after));
   // Nothing else is taken over, so that the next reload names the rest again.
   for (const config::Setting& setting : config::Settings()) {

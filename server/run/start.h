@@ -9,7 +9,7 @@ namespace uplink::run {
 /// The steps of the way up, once all parts are constructed and connected. HTTP listens already, and
 /// answers that the server starts.
 struct StartSteps {
-  /// Takes over the robots that the store knows; one that is away is waited for later.
+  /// Takes over the robots that the store knows; if the store is away, later.
   std::function<void()> read_robots;
   /// Commits what comes from now on.
   std::function<void()> start_writers;
@@ -19,14 +19,15 @@ struct StartSteps {
   std::function<void()> answer_http;
   /// Tells operators and the service manager that the server is ready.
   std::function<void()> tell_ready;
-  /// Does what is due from now on. The first beat of the service manager's watchdog is part of it,
-  /// so that the manager hears READY=1 first.
+  /// Begins the periodic work. It comes last because it feeds the service manager's watchdog, and
+  /// the manager must hear READY=1 first.
   std::function<void()> begin_work;
 };
 
-/// Starts the server, in the order of the steps: whatever a step lets in, those before it can take.
+/// Starts the server, in the order of the steps: each relies on those before it.
 ///
-/// Errors: of the first step that fails; none after it is begun, and the caller stops what was.
+/// Errors: of listen_for_robots: the steps after it are left out then, and the caller stops the
+///         rest.
 /// Thread: main.
 [[nodiscard]] absl::Status Start(const StartSteps& steps);
 

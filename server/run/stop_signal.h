@@ -8,10 +8,9 @@
 
 namespace uplink::run {
 
-/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once (or
-/// after log::kFlushWait, if nothing reads the log).
-/// While the server starts the first does that, with 0: nothing is under way that a drain would
-/// settle.
+/// SIGTERM and SIGINT: the first asks the server to stop, the second ends the process at once,
+/// with 1. While the server starts, the first ends it at once, with 0: a drain would have nothing
+/// to settle. "At once" is after log::kFlushWait if nothing reads the log.
 ///
 /// Thread: OnSignal and OnFailure on one thread (the loop's); the rest on another (main).
 class StopSignal final {
@@ -20,9 +19,9 @@ class StopSignal final {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// The server has started: from now on somebody waits.
+  /// The server has started: from now on the first signal wakes Wait.
   void NoteStarted() { started_.store(true); }
-  /// The signal came. The second time the process ends with 1.
+  /// The signal came, for the first or the second time.
   void OnSignal(int signal);
   /// The server cannot go on: it stops as by the first signal, and the process ends with 1.
   void OnFailure();
@@ -30,7 +29,7 @@ class StopSignal final {
   void Wait() { stop_.acquire(); }
   /// After Wait: what the process ends with once it has stopped.
   [[nodiscard]] int exit_code() const { return failed_.load() ? 1 : 0; }
-  /// After Wait: a pause between two looks. Nothing ends it early, since a second signal ends the
+  /// After Wait: a pause between two looks. No signal ends it early, since a second one ends the
   /// process.
   void Pause(milliseconds wait) { static_cast<void>(stop_.try_acquire_for(wait)); }
 

@@ -49,19 +49,20 @@ class StoreSide final {
     std::function<bool()> kernel_clock_synchronised;
     /// A commit held shapes or objects. On a writer's thread: short.
     std::function<void()> spatial_committed;
-    /// The store was connected to anew, and may lack what it told was committed. As above.
+    /// The server connected to the store anew, and may find that commits are missing. On a writer's
+    /// thread: short.
     std::function<void()> reconnected;
     /// A step of the schema shuts this program out. Any thread.
     std::function<void()> shut_out;
   };
   StoreSide(const Context& context, store::Stores stores);
 
-  /// Takes over the robots that the store knows; one that is away is waited for later.
+  /// Takes over the robots that the store knows; if the store is away, later.
   void ReadRobots();
   /// Commits what comes from now on.
   void StartWriters() { writers_.Start(); }
-  /// From now on follows what other servers hold, and forgets robots as operators ask. Robots reach
-  /// this server at that port.
+  /// From now on follows what other servers hold, and forgets robots as operators ask. `port` is
+  /// where robots reach this server.
   void StartRounds(std::uint16_t port);
   /// Ends its threads, after the calls of the store that are under way. Idempotent.
   void Stop();

@@ -35,7 +35,7 @@ class UncrewSide final {
 
   /// What drones may call, for the listener; empty if nothing.
   [[nodiscard]] transport::MethodsMaker Methods();
-  /// Lets go of drones that are silent. Again and again.
+  /// Lets go of drones that are silent. Call it repeatedly.
   void Round() { drones_.Round(); }
 
   // --- Any thread ---

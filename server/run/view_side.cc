@@ -14,7 +14,7 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context) {
           .ledgers = context.ledgers,
           .streams = context.relay.session_probe().streams,
           .version = context.version,
-          .to_store_thread = context.ground.OnReads(),
+          .to_store_thread = context.early.OnReads(),
           .robots_unread = [&store = context.store] { return store.robots_unread(); },
           .twins = &context.broker.twins(),
           .broker = [&broker = context.broker] { return broker.status(); },
@@ -37,9 +37,9 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
                         .space = store.space(),
                         .leases = store.lease_probe(),
                         .forwarding = context.relay.forwarding(),
-                        .http = context.ground.http_probe(),
+                        .http = context.early.http_probe(),
                         .http_connections_max = HttpConnectionsMaxOf(context.config),
-                        .rcan = context.ground.rcan_probe(),
+                        .rcan = context.early.rcan_probe(),
                         .rcan_series_max = context.config.rcan.series_max,
                         .monitor = context.health.monitor(),
                         .relay = context.relay.probe(),
@@ -59,7 +59,7 @@ ViewSide::ViewSide(const Context& context)
                       .fleet = context.fleet,
                       .config = context.config.rcan,
                       .faults = fault_counts_,
-                      .probe = context.ground.rcan_probe(),
+                      .probe = context.early.rcan_probe(),
                       .logger = context.logger,
                       .name_key = rcan::NameHash::Draw(context.random),
                       .twins = &context.broker.twins(),
@@ -71,7 +71,7 @@ ViewSide::ViewSide(const Context& context)
 
 void ViewSide::AddWork(PeriodicWork& work) {
   work.count_faults = [this] {
-    robots_scrape_.CountFaultsOn(context_.ground.OnReads(), *context_.store.stores().reader);
+    robots_scrape_.CountFaultsOn(context_.early.OnReads(), *context_.store.stores().reader);
   };
 }
 

@@ -14,7 +14,7 @@
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
 #include "server/run/broker_side.h"
-#include "server/run/groundwork.h"
+#include "server/run/early_services.h"
 #include "server/run/health_side.h"
 #include "server/run/periodic.h"
 #include "server/run/relay_side.h"
@@ -26,7 +26,7 @@ namespace uplink::run {
 
 /// The part of the server that operators see: the API, probes and pages of metrics.
 ///
-/// Thread: main; the site's answers on the threads of Groundwork.
+/// Thread: main; the site's answers on the threads of EarlyServices.
 class ViewSide final {
  public:
   /// The references outlive it.
@@ -37,7 +37,7 @@ class ViewSide final {
     const std::string& version;
     fleet::Fleet& fleet;
     const metrics::LedgerBook& ledgers;
-    Groundwork& ground;
+    EarlyServices& early;
     StoreSide& store;
     const UncrewSide& uncrew;
     RelaySide& relay;

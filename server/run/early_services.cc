@@ -1,4 +1,4 @@
-#include "server/run/groundwork.h"
+#include "server/run/early_services.h"
 
 #include <utility>
 
@@ -10,7 +10,7 @@
 
 namespace uplink::run {
 
-Groundwork::Groundwork(Context context)
+EarlyServices::EarlyServices(Context context)
     : context_(std::move(context)),
       entrance_(http::KnownHosts(context_.http.hosts),
                 context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
@@ -31,12 +31,12 @@ Groundwork::Groundwork(Context context)
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max});
 }
 
-Groundwork::~Groundwork() {
+EarlyServices::~EarlyServices() {
   StopLoop();
   EndReaders();
 }
 
-absl::Status Groundwork::Listen() {
+absl::Status EarlyServices::Listen() {
   const auto listen = [this](loop::ReadThread& metrics, const http::HttpServer::Options& options) {
     return http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
                                      http_probe_, context_.clock, context_.logger},
@@ -55,7 +55,7 @@ absl::Status Groundwork::Listen() {
   return absl::OkStatus();
 }
 
-absl::Status Groundwork::Begin() {
+absl::Status EarlyServices::Begin() {
   if (absl::Status listens = Listen(); !listens.ok()) return listens;
   loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
   loop_.OnSignals({SIGHUP}, [this](int) {
@@ -68,19 +68,19 @@ absl::Status Groundwork::Begin() {
   return absl::OkStatus();
 }
 
-void Groundwork::Open(const http::Site& site) {
+void EarlyServices::Open(const http::Site& site) {
   stop_signal_.NoteStarted();
   entrance_.Open(site);
 }
 
-void Groundwork::OnReload(std::function<void()> reload) {
+void EarlyServices::OnReload(std::function<void()> reload) {
   loop_.Post([this, reload = std::move(reload)]() mutable {
     reload_ = std::move(reload);
     if (std::exchange(reload_asked_, false)) reload_();
   });
 }
 
-void Groundwork::Repeat(PeriodicWork work) {
+void EarlyServices::Repeat(PeriodicWork work) {
   loop_.Post([this, work = std::move(work)]() mutable {
     DoPeriodically(
         [this](milliseconds interval, auto job) { loop_.Every(interval, std::move(job)); },
@@ -88,7 +88,7 @@ void Groundwork::Repeat(PeriodicWork work) {
   });
 }
 
-void Groundwork::EndReaders() {
+void EarlyServices::EndReaders() {
   monitor_.reset();
   scrapes_.reset();
   metrics_.reset();
@@ -96,9 +96,9 @@ void Groundwork::EndReaders() {
   reads_.reset();
 }
 
-config::ListenAddress Groundwork::http_address() const { return http_->bound(); }
+config::ListenAddress EarlyServices::http_address() const { return http_->bound(); }
 
-config::ListenAddress Groundwork::metrics_address() const {
+config::ListenAddress EarlyServices::metrics_address() const {
   return monitoring_ ? monitoring_->bound() : config::ListenAddress();
 }
 

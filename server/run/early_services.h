@@ -25,12 +25,12 @@ class HttpServer;
 
 namespace uplink::run {
 
-/// What runs from the first second on, before there is a store: the event loop, signals that stop
-/// the process, and HTTP, which answers that the server starts until there is a site.
+/// What runs before there is a store: the event loop, signals, HTTP and the threads that answer it.
+/// Until Open, HTTP answers that the server starts.
 ///
-/// Thread: main. Whatever else uses the loop or the threads that may wait must live until StopLoop
+/// Thread: main. Parts of the server that use the loop or those threads must live until StopLoop
 /// and EndReaders.
-class Groundwork final {
+class EarlyServices final {
  public:
   /// The references outlive it.
   struct Context {
@@ -39,21 +39,21 @@ class Groundwork final {
     config::ListenConfig listen;
     config::HttpConfig http;
   };
-  explicit Groundwork(Context context);
-  ~Groundwork();
-  Groundwork(const Groundwork&) = delete;
-  Groundwork& operator=(const Groundwork&) = delete;
+  explicit EarlyServices(Context context);
+  ~EarlyServices();
+  EarlyServices(const EarlyServices&) = delete;
+  EarlyServices& operator=(const EarlyServices&) = delete;
 
   /// Listens for HTTP and hears signals from now on. Logs `probes_answered` with the addresses that
   /// were really bound. Errors: as HttpServer::Listen.
   [[nodiscard]] absl::Status Begin();
-  /// The server has started: the site answers, and a signal begins a drain.
+  /// The server has started: from now on the site answers, and a signal begins a drain.
   void Open(const http::Site& site);
   /// What SIGHUP does, on the loop's thread; at once if one came before. The job's parts live until
   /// StopLoop.
   void OnReload(std::function<void()> reload);
 
-  /// Begins what is done again and again, on the loop's thread. Its parts live until StopLoop.
+  /// Begins the periodic work, on the loop's thread. Its parts live until StopLoop.
   void Repeat(PeriodicWork work);
 
   /// The server cannot go on: asks for an orderly stop, with exit code 1. Thread: any.
@@ -62,7 +62,8 @@ class Groundwork final {
   }
 
   void StopLoop() { loop_.Stop(); }
-  /// Drops what waits for the threads that may wait, and ends them.
+  /// Ends the threads that answer HTTP or wait for the store, and drops the jobs that wait for
+  /// them.
   void EndReaders();
 
   [[nodiscard]] loop::EventLoop& loop() { return loop_; }
