@@ -32,7 +32,7 @@ inline constexpr std::size_t kBrokerHostBytesMax = 253;
 ///
 /// Errors: kInvalidArgument, beginning with `mqtt.url`: another scheme, no host, a host over
 ///         kBrokerHostBytesMax or with characters that none has, a port that is none, a user (that
-///         belongs into mqtt.username), a path. The text never repeats what may be a password.
+///         belongs in mqtt.username), a path. The text never repeats what may be a password.
 [[nodiscard]] absl::StatusOr<BrokerUrl> ParseBrokerUrl(std::string_view text);
 
 }  // namespace uplink::config

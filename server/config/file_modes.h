@@ -18,15 +18,15 @@ struct FileModes {
   std::vector<Note> notes;
 };
 
-/// Whether everybody may write the file. One that is not there is another's to report. Links are
-/// followed, as Kubernetes has them.
+/// Fails if everybody may write the file. Other checks report a file that is missing. Links are
+/// followed, as Kubernetes mounts files by links.
 ///
 /// Errors: kFailedPrecondition with a sentence that names the file, its mode and what to do.
 /// Thread: any; asks the file system.
 [[nodiscard]] absl::Status CheckWriters(const std::string& path);
 
-/// Looks at the files of the keys that hold a private key or a password, as CheckWriters also at
-/// those with certificates.
+/// Checks the files that the configuration names: those with a private key or a password for both
+/// lists, those with certificates as CheckWriters does.
 ///
 /// Thread: any; asks the file system.
 [[nodiscard]] FileModes CheckFileModes(const Config& config);

@@ -32,9 +32,9 @@ struct FlagForm {
   std::function<std::string(const std::string& text)> problem;
 };
 
-/// The flags and commands of a program. Only flags.cc and flag_errors.cc include the library that
-/// reads them, which costs as much to compile as a small program's own code. A value that is added
-/// is its flag's default, which the help shows, and outlives Parse.
+/// The flags and commands of a program. Only flags.cc, flag_errors.cc and help_tree.cc include the
+/// library that reads them, which costs as much to compile as a small program's own code. A value
+/// that is added is its flag's default, which the help shows, and outlives Parse.
 ///
 /// Thread: confined to one thread.
 class Flags final {
@@ -69,7 +69,7 @@ class Flags final {
   void ExactlyOne(const std::string& group, const std::vector<std::string>& names);
 
   /// A word that chooses what the program does, with flags of its own. Where there are commands,
-  /// one must be given; Parse calls the `run` of the last one.
+  /// one must be given; Parse calls the `run` of the innermost one.
   Flags& AddCommand(const std::string& name, const std::string& about,
                     std::function<int()> run = {});
   /// The command of that name, or null.

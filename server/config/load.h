@@ -14,11 +14,11 @@ namespace uplink::config {
 
 /// One thing that is wrong in a configuration.
 struct Problem {
-  /// `file:line`, or `environment`, or the file alone for what concerns no line.
+  /// `file:line` or `environment`; or a file alone: the configuration's, or one that it names.
   std::string where;
-  /// `limits.robots_max`; empty for a file that does not parse.
+  /// `limits.robots_max`; empty for what concerns the whole file or the environment.
   std::string key;
-  /// One sentence with the value and the limit.
+  /// One sentence: what is wrong, and what is allowed or what to do.
   std::string text;
 
   friend bool operator==(const Problem&, const Problem&) = default;
@@ -39,8 +39,8 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 /// The environment of this process, only the names that begin with `UPLINKD_`.
 [[nodiscard]] Environment ProcessEnvironment();
 
-/// Where a service manager that hides what /proc says of the machine (ProcSubset=pid) names its
-/// boot.
+/// The variable by which a service manager names the machine's boot, where it hides that part of
+/// /proc (ProcSubset=pid).
 inline constexpr const char* kBootIdVariable = "UPLINK_BOOT_ID";
 /// What that variable holds; empty if it is not set.
 [[nodiscard]] std::string BootIdOfManager();
@@ -54,7 +54,7 @@ struct LoadResult {
   /// What could be read beside the problems: invalid keys hold their defaults. Absent if the text
   /// does not parse. For checks that report their problems together with those.
   std::optional<Config> readable;
-  /// All of them, in the order of the file, then of the environment, then relations.
+  /// All of them: in the order of the file, then of the environment, then relations, then files.
   std::vector<Problem> problems;
   /// Such as keys that are set but have no effect in this version.
   std::vector<Note> notes;
@@ -76,8 +76,8 @@ struct LoadResult {
 inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 
 /// What the files and folders that the configuration names have wrong: certificates and keys that
-/// are missing, unreadable, not PEM or do not belong together, a store folder that is missing.
-/// Opens, changes nothing.
+/// are missing, unreadable, not PEM or do not belong together, password files that are empty, a
+/// store folder that is missing. Opens files and changes nothing.
 [[nodiscard]] std::vector<Problem> ValidateFiles(const Config& config);
 
 /// The result with what ValidateFiles and CheckFileModes (file_modes.h) find beside its own.
@@ -88,7 +88,7 @@ inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 [[nodiscard]] std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now);
 
 /// The effective configuration as TOML that LoadConfig reads back; secrets are masked,
-/// and keys without effect are left out unless they were set.
+/// and keys without effect are left out while they have their default.
 [[nodiscard]] std::string PrintConfig(const Config& config);
 
 }  // namespace uplink::config

@@ -7,7 +7,7 @@
 
 namespace uplink::config {
 
-/// A rule over values that are each within their own bounds, and what breaks it.
+/// A broken rule between values that are each within their own bounds.
 struct Breach {
   /// The key that the operator should look at first.
   std::string_view section;

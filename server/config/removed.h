@@ -10,7 +10,7 @@ struct Removed {
   std::string_view key;
   /// `UPLINKD_LISTEN_TRANSPORT`.
   std::string_view variable;
-  /// Why it is gone, for an operator; what to do stands behind it.
+  /// Why it is gone, for an operator. LoadConfig says behind it what to do.
   std::string_view text;
 };
 

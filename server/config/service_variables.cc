@@ -9,7 +9,7 @@
 namespace uplink::config {
 namespace {
 
-/// A Service has seven variables, and four more for each further port.
+/// A Service has at least seven variables: a few are enough to know it by.
 constexpr std::size_t kNamesShownMax = 3;
 
 constexpr std::string_view kPrefix = "UPLINKD_";

@@ -68,8 +68,8 @@ constexpr std::uint64_t kMinute = 60 * kSecond;
 constexpr std::uint64_t kHour = 60 * kMinute;
 constexpr std::uint64_t kDay = 24 * kHour;
 
-/// More than a robot has without a word of its own in the label (metrics/rcan/series.h): those have
-/// their places always.
+/// Above the number of series that a robot has without a name of its own in the labels
+/// (metrics/rcan/series.h): these always have room.
 constexpr std::uint64_t kRobotSeriesMaxMin = 64;
 
 constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};

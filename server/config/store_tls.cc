@@ -10,7 +10,7 @@
 namespace uplink::config {
 namespace {
 
-/// Longest host that is repeated: that of a name in DNS.
+/// Longest part of a host that a warning repeats.
 constexpr std::size_t kHostBytesMax = 255;
 constexpr std::size_t kModeBytesMax = 32;
 

@@ -21,7 +21,8 @@ using Interpreted = std::variant<Value, BadValue>;
 /// choices and addresses from TOML. Bounds are checked.
 [[nodiscard]] Interpreted InterpretText(const Setting& setting, std::string_view text);
 
-/// Reads a list, or networks, from its items. Its bounds are checked, and that no item is empty.
+/// Reads a list, or networks, from its items. Its bounds are checked, that no item stands in it
+/// twice, and that none is empty unless the setting allows that.
 [[nodiscard]] Interpreted InterpretList(const Setting& setting, std::vector<std::string> items);
 
 /// Reads a count from a TOML integer. Bounds are checked.

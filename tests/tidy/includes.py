@@ -50,7 +50,8 @@ FOREIGN = (
     ),
     Foreign("toml++", re.compile(r"^toml\+\+/"), ("server/config/", "tools/", "tests/")),
     Foreign("libmosquitto", re.compile(r"^mosquitto\.h$"), ("tools/uplink-fleet/broker/", "tests/")),
-    Foreign("CLI11", re.compile(r"^CLI/"), ("server/config/flag", "server/config/help_tree")),
+    Foreign("CLI11", re.compile(r"^CLI/"),
+            ("server/config/flags.cc", "server/config/flag_errors.cc", "server/config/help_tree.cc")),  # fmt: skip
     Foreign("prometheus-cpp", re.compile(r"^prometheus/"), ("metrics/", "server/http/", "tests/")),
 )
 
