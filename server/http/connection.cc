@@ -167,7 +167,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     stream_.expires_never();  // the answer's time is the store's
     const bool taken =
         Post(resolved.lane, [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
-          // For whom has given way meanwhile nothing is written.
+          // A connection that has given way meanwhile needs no answer.
           Response response = self->gave_way_ ? Response() : run();
           // The reference moves along, so that the connection always ends on the loop's thread.
           asio::any_io_executor executor = self->stream_.get_executor();

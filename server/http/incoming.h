@@ -43,7 +43,7 @@ class Incoming final {
   };
   [[nodiscard]] Step Advance();
 
-  /// Of kExpects, kWhole, and what is refused for its headers.
+  /// After kExpects, kWhole and kRefused; what was refused may lack parts.
   [[nodiscard]] const Parser::value_type& message() const { return parser_->get(); }
   [[nodiscard]] bool keep_alive() const { return parser_->keep_alive(); }
   /// After kRefused.

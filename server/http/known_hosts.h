@@ -6,8 +6,8 @@
 
 namespace uplink::http {
 
-/// By which names the server's data may be asked for. A page of another site whose name its owner
-/// lets lead to our address (DNS rebinding) gets nothing: a browser asks under that name then.
+/// The names under which the server's data may be asked for. They stop DNS rebinding: a page whose
+/// own name resolves to our address asks under that name, which is not known here.
 /// Immutable.
 class KnownHosts final {
  public:

@@ -18,10 +18,10 @@ struct ListenerLimits {
   /// the kernel. One request of a connection is under way at most.
   std::size_t header_bytes_max = 0;
   std::size_t body_bytes_max = 0;
-  /// A request must be whole within this of its first byte; so must the peer take a whole answer.
+  /// How long a request may take from its first byte to its last, and the peer to take an answer.
   milliseconds request_wait{0};
   milliseconds answer_wait{0};
-  /// A connection is kept so long without a request. Answers tell it as Keep-Alive; proxies that
+  /// How long a connection is kept without a request. Answers tell it as Keep-Alive; proxies that
   /// keep theirs for 60 s (nginx's upstream, AWS's load balancers) end them first.
   milliseconds idle_wait{0};
 };
@@ -49,7 +49,7 @@ using ConnectionsMax = std::array<std::size_t, kListenerKeys.size()>;
 /// Connections that are accepted in one turn of the loop, and at most half of all places, so that
 /// each is read before it could give way to the next ones.
 inline constexpr std::size_t kAcceptsPerTurn = 16;
-/// After a failed accept (no descriptors) the listener rests for so long.
+/// How long the listener rests after a failed accept (no descriptors).
 inline constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace uplink::http

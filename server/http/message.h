@@ -27,7 +27,7 @@ struct Request {
   std::optional<std::string> origin{};
   /// The header Sec-Fetch-Site; empty: none.
   std::string fetch_site{};
-  /// HTTP/1.1: a request without it is none.
+  /// The request must have one Host header: it is of HTTP/1.1, or has several.
   bool host_required = false;
   /// The connection is kept for probes and scrapes.
   bool monitoring_only = false;

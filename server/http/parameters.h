@@ -20,8 +20,8 @@ struct BadParameter {
   std::string message;
 };
 
-/// The query of a request, read parameter by parameter. Whatever is wrong is remembered, the first
-/// of it, and told by Problem; until then readers get the default. An empty value is wrong: an
+/// The query of a request, read parameter by parameter. It remembers the first mistake, which
+/// Problem tells; readers get the default for a wrong value. An empty value is wrong: an
 /// empty filter would show everything to a client that meant one fleet. Confined to one thread.
 class Parameters final {
  public:
@@ -33,11 +33,12 @@ class Parameters final {
   [[nodiscard]] std::string TextOrEmpty(std::string_view name);
   /// `true` or `false`; false if absent.
   [[nodiscard]] bool Flag(std::string_view name);
+  /// From 1 to `max`; `absent` if it is not given.
   [[nodiscard]] std::uint32_t Number(std::string_view name, std::uint32_t absent,
                                      std::uint32_t max);
   /// Unix milliseconds.
   [[nodiscard]] std::optional<SystemTime> Time(std::string_view name);
-  /// Words between commas; none if absent.
+  /// Words between commas, without empty ones; none if absent.
   [[nodiscard]] std::vector<std::string> Words(std::string_view name);
 
   /// The handler found the value of `name` wrong.

@@ -9,12 +9,12 @@
 
 namespace uplink::http {
 
-/// Connections that are kept for probes and scrapes, of http.connections_max.
+/// Connections of each listener that are kept for probes and scrapes.
 inline constexpr std::size_t kMonitoringPlaces = 4;
-/// Whose peer takes an answer for longer than this gives way to a further connection.
+/// A connection whose peer takes longer than this for an answer gives way to a further one.
 inline constexpr std::chrono::seconds kSlowAnswer{1};
-/// Who was accepted less than this ago may have sent a request that is not read yet: up to
-/// 16 connections are accepted in one turn of the loop, and a turn takes a few milliseconds.
+/// A connection that was accepted less than this ago may have sent a request that is not read yet:
+/// a turn of the loop accepts up to kAcceptsPerTurn (limits.h), and takes a few milliseconds.
 inline constexpr milliseconds kNotReadYet{100};
 
 /// A connection that holds a place.
@@ -29,9 +29,9 @@ class PlaceHolder {
 /// scrapes alone, so that other clients cannot take them; and where all are taken, the connection
 /// that has had no request under way for longest gives way to a further one, else the one whose
 /// peer has taken its answer for longest, else the scrape that was asked for last: who scrapes
-/// again and again is more likely to be that one than who does it every 15 s. Somebody who has just
-/// come gives way last, for a probe among many that come at once is not read yet. Confined to one
-/// thread.
+/// again and again is more likely to be that one than who does it every 15 s. A connection that has
+/// just come gives way last, for a probe among many that come at once is not read yet. Confined to
+/// one thread.
 class Places final {
  public:
   /// What a connection does.
@@ -61,7 +61,7 @@ class Places final {
   Places(const Places&) = delete;
   Places& operator=(const Places&) = delete;
 
-  /// Whether there is a place; somebody gives way for it if that can be.
+  /// Whether there is a place; if not, a connection gives way if one may.
   enum class Room : std::uint8_t { kFree, kGivenWay, kNone };
   [[nodiscard]] Room MakeRoom(SteadyTime now);
   /// After MakeRoom found some.

@@ -13,9 +13,9 @@ namespace uplink::http {
 struct RoutedRequest;
 struct Sources;
 
-/// Which thread answers: probes at once, on the io thread; what is in memory on a thread that waits
-/// for the store a moment at most; what may wait for it on the thread that reads; our own scrape
-/// and the robots' scrape on one thread each.
+/// Which thread answers: probes at once, on the thread `io`; what is in memory on a thread that
+/// waits for the store a moment at most; what may wait for it on the thread that reads; our own
+/// scrape on a thread for each listener; the robots' scrape on one thread for all.
 enum class Lane : std::uint8_t { kIo, kMemory, kRead, kMetrics, kScrape };
 
 /// A path and what answers it. Immutable.

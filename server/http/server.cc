@@ -22,8 +22,8 @@ using boost::system::error_code;
 
 }  // namespace
 
-/// Accepts for ever, all that wait per turn of the loop (kAcceptsPerTurn); one accept is
-/// outstanding.
+/// Accepts for ever, up to kAcceptsPerTurn waiting connections in one turn of the loop. One
+/// asynchronous accept is outstanding.
 class HttpServer::Listener final : public std::enable_shared_from_this<HttpServer::Listener> {
  public:
   Listener(const Context& context, const Options& options)

@@ -27,7 +27,7 @@ class Site final {
   Site& operator=(const Site&) = delete;
 
   /// Finds the route: never fails, since errors are answers too. HEAD is answered like GET; the
-  /// transport leaves the body out. The site outlives the answer.
+  /// connection leaves the body out. The site outlives the answer.
   [[nodiscard]] Resolved Resolve(const Request& request) const;
 
  private:

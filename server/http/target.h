@@ -22,7 +22,7 @@ struct Target {
 struct AbsoluteTarget {
   /// Never empty, without a user.
   std::string authority;
-  /// As a client of ours sends it: `/livez?x=1`; `/` for none.
+  /// In origin-form (RFC 9112, 3.2.1): `/livez?x=1`; `/` for none.
   std::string target;
 };
 

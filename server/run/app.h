@@ -29,7 +29,7 @@ class Greeting;
 /// The server: constructs the components and connects them. The only place that knows them all;
 /// start.h says in which order they start and stop.
 ///
-/// Thread: main. Signals arrive on the io thread.
+/// Thread: main. Signals arrive on the thread `io`.
 class App final {
  public:
   /// What main passes in; the references outlive the app.
