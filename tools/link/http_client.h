@@ -14,7 +14,8 @@ namespace uplink::link {
 
 /// What a client puts up with. A value.
 struct HttpLimits {
-  /// Of one request, from the lookup of the name to the last byte of the answer.
+  /// Of the lookup of the name, and again from the connect to the last byte of the answer. A kept
+  /// connection that fails is tried once more on a new one.
   milliseconds deadline = std::chrono::seconds(10);
   /// Bytes of an answer's body: a page of 1,000 rows with long texts fits.
   std::size_t body_bytes_max = std::size_t{64} * 1024 * 1024;
@@ -29,7 +30,7 @@ struct HttpAnswer {
 /// ends.
 ///
 /// Errors: kUnavailable if the server cannot be reached, breaks off, does not speak HTTP or is not
-///         done within the deadline; each names the URL.
+///         done within a deadline; each names the URL.
 /// Thread: confined to the thread that made it; blocks.
 class HttpClient final {
  public:

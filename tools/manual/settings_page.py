@@ -9,7 +9,7 @@ KEY = re.compile(r"^# ([a-z_.]+) = (.*)$")
 
 
 def parts(example):
-    """(None, opening text), then (section, None, text) and (section, key, default, text) by turn."""
+    """(section, key, default, comment): without a section the opening text, without a key a section's text."""
     section, comment = "", []
     for line in example.splitlines():
         head, key = SECTION.match(line), KEY.match(line)

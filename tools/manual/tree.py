@@ -12,7 +12,7 @@ CHOICES = re.compile(r"\{(.*)\}$")
 
 @dataclasses.dataclass(frozen=True)
 class Option:
-    """A flag, or with a position what is given without one."""
+    """A flag; with `position`, an argument that stands without a flag."""
 
     names: tuple
     position: str

@@ -14,7 +14,7 @@ struct Listener {
   config::ListenAddress address;
 };
 
-/// All of them.
+/// Those that the configuration opens.
 [[nodiscard]] std::vector<Listener> ListenersOf(const config::Config& config);
 
 /// Where the server answers probes, for a client on its machine: a listener on all addresses is

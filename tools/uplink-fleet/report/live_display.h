@@ -39,7 +39,7 @@ class LiveDisplay final {
       Write(line + "\n");
     }
   }
-  /// A line for which the last table keeps its values.
+  /// The line, as the heading of the rows that were shown last.
   void Show(const std::string& line) { Show(line, {.heading = line, .rows = table_.rows}); }
 
   void Clear() {

@@ -27,7 +27,7 @@ using Buckets = std::map<double, double>;
 /// What an operator would watch at one moment of a run. A value.
 struct LiveFigures {
   std::int64_t seconds = 0;
-  /// Of the robots.
+  /// As the robots count.
   std::uint64_t acked = 0;
   std::uint64_t rejected = 0;
   std::uint64_t breaks = 0;

@@ -21,13 +21,15 @@ struct NamedFile {
   std::string path;
 };
 
-/// Whether robots can verify the server: dates of the chain, where it leads, for which names it
-/// is. `serves_others`: listen.relay is no loopback address. All here are pure functions.
+/// What the server shows to robots. A value.
 struct ServerCertificate {
   NamedFile file;
   ChainFacts facts;
+  /// listen.relay is no loopback address.
   bool serves_others = false;
 };
+/// Whether robots can verify the server: the chain's dates, its authority and its names. A pure
+/// function, as those below.
 [[nodiscard]] Findings ServerCertificateFindings(const ServerCertificate& certificate,
                                                  SystemTime now);
 

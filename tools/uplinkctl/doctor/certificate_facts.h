@@ -49,7 +49,8 @@ struct ChainFacts {
 /// Thread: pure; any thread.
 [[nodiscard]] std::vector<CertificateFacts> ReadFacts(const identity::NamedPem& pem);
 
-/// The chain of a server, held against its authorities and those of the machine.
+/// The chain of a server, held against its authorities and those of the machine; nothing if it
+/// cannot be read.
 ///
 /// Thread: any; reads the machine's store of authorities.
 [[nodiscard]] std::optional<ChainFacts> ReadChain(const identity::NamedPem& certificate,

@@ -21,8 +21,8 @@ struct CheckContext {
 };
 
 /// Gathers the facts of each part and judges them, in the order in which an operator reads them:
-/// certificates, store and disk, ports, the running server, descriptors, clock. Waits no longer
-/// than the bounds of postgres_check.h and kProbeDeadline.
+/// certificates, store and disk, ports, the running server (or the clock, if none runs),
+/// descriptors. Each wait is bounded by postgres_check.h or kProbeDeadline.
 ///
 /// Thread: any; asks files, the store and the server, and changes nothing.
 [[nodiscard]] Findings CheckAll(const CheckContext& context);

@@ -14,7 +14,7 @@ namespace uplink::ctl {
 [[nodiscard]] Findings ConfigFindings(const config::LoadResult& result, const std::string& file,
                                       const std::string& user);
 
-/// Keys that hold their defaults since what is set is wrong: what such a key names says nothing.
+/// Keys with a problem. What they name is not checked further: many hold their defaults.
 [[nodiscard]] std::set<std::string> KeysAtFault(const config::LoadResult& result);
 
 }  // namespace uplink::ctl

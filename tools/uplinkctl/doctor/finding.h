@@ -23,7 +23,7 @@ struct Finding {
   std::string where;
   /// What is wrong, with the file, address or value that it is about.
   std::string what;
-  /// What to do; empty if all is well.
+  /// What to do; empty if all is well, or if `what` says it.
   std::string remedy = {};
 
   friend bool operator==(const Finding&, const Finding&) = default;

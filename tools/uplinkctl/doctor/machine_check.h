@@ -21,11 +21,13 @@ inline constexpr std::size_t kDescriptorsOfProxies = 1'024;
 [[nodiscard]] std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
                                                     const MachineFacts& machine);
 
-/// Whether the server can listen there; `bind_error` is TryToBind's. `user`: who would.
+/// A port as it was tried. A value.
 struct PortFacts {
   Listener listener;
+  /// TryToBind's.
   int bind_error = 0;
 };
+/// Whether a server of `user` can listen there.
 [[nodiscard]] Finding PortFinding(const PortFacts& port, const MachineFacts& machine,
                                   const std::string& user);
 

@@ -34,7 +34,7 @@ struct SqliteFacts {
   std::vector<StoreFile> files;
   /// Of the store's file; nothing if it is not there, or is empty.
   std::optional<SqliteHeader> header;
-  /// Its names in folders.
+  /// How many names it has in folders (hard links).
   std::uint64_t links = 0;
   /// The server noted that the file is damaged.
   bool damaged = false;
@@ -50,10 +50,10 @@ struct SqliteFacts {
 /// Thread: any; asks the file system.
 [[nodiscard]] SqliteFacts ReadSqliteFacts(const std::string& path);
 
-/// A pure function of the first kSqliteHeaderBytes.
+inline constexpr std::size_t kSqliteHeaderBytes = 100;
+/// Reads a file's first kSqliteHeaderBytes. A pure function.
 ///
 /// Source: "Database File Format", 1.3, on sqlite.org.
-inline constexpr std::size_t kSqliteHeaderBytes = 100;
 [[nodiscard]] SqliteHeader ParseHeader(std::string_view bytes);
 
 }  // namespace uplink::ctl
