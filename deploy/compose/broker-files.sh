@@ -1,6 +1,6 @@
 #!/bin/sh
-# broker-files.sh: lays the broker's files out in /etc/mosquitto, for the broker's user alone. Runs before
-# each start of the broker, in its image, as root. Accounts that you added stay.
+# broker-files.sh: lays the broker's files out in /etc/mosquitto, for the broker's user alone. Runs at
+# each `docker compose up`, in the broker's image, as root. Accounts that you added stay.
 set -eu
 umask 077
 

@@ -19,7 +19,7 @@ MUST_FAIL = {
 }
 # The oldest that Chart.yaml allows, and the one of `./dev k8s-test`.
 KUBERNETES = ("1.25", "1.34")
-# Kinds that operators define: Kubernetes has no schema for them.
+# Kinds of operators: Kubernetes has no schema for them.
 FOREIGN = {"Certificate", "PodMonitor", "PrometheusRule"}
 SECTION = re.compile(r"^\[([a-z_]+)\]$")
 KEY = re.compile(r"^# ([a-z_.]+) = ")
@@ -43,7 +43,7 @@ def one(documents, kind):
 
 
 def keys_of_uplinkd():
-    """The keys of deploy/uplinkd.toml, which holds every one."""
+    """The keys of deploy/uplinkd.toml, which holds every one that has an effect."""
     keys, section = {}, ""
     for line in (SOURCE / "deploy/uplinkd.toml").read_text(encoding="utf-8").splitlines():
         head, key = SECTION.match(line), KEY.match(line)

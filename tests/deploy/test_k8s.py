@@ -160,7 +160,7 @@ class Release(unittest.TestCase):
         self.assertTrue(report["ok"], [check for check in report["checks"] if not check["ok"]])
 
     def get(self, path):
-        """What the first pod answers, without its network in between; empty if it does not."""
+        """What the API on the first pod's loopback answers; empty if it does not."""
         try:
             return self.cluster.inside("curl", "-sf", "-m", "10", f"http://127.0.0.1:{HTTP_PORT}{path}").stdout
         except AssertionError:
@@ -316,10 +316,10 @@ class Postgres(Release):
         self.assertEqual(least[0], 1, "one server was there at any moment")
         self.wait_for_robots(20)
         self.assert_agrees(fleet)
-        presence = self.cluster.kubectl("exec", "postgres", "--", "setpriv", "--reuid=postgres", "--clear-groups",
-                                        "psql", "-X", "-A", "-t", "-U", "uplinkd_owner", "-d", "uplinkd", "-c",
-                                        "SELECT count(*) FROM uplinkd.robots").stdout  # fmt: skip
-        self.assertEqual(presence.strip(), "20")
+        robots = self.cluster.kubectl("exec", "postgres", "--", "setpriv", "--reuid=postgres", "--clear-groups",
+                                      "psql", "-X", "-A", "-t", "-U", "uplinkd_owner", "-d", "uplinkd", "-c",
+                                      "SELECT count(*) FROM uplinkd.robots").stdout  # fmt: skip
+        self.assertEqual(robots.strip(), "20")
 
 
 if __name__ == "__main__":

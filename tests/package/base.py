@@ -39,7 +39,7 @@ class Base:
         return True
 
     def _fill(self, root, packages):
-        """A new root that holds our packages in /srv, and in apt's cache what they need."""
+        """A new root that holds our packages in /srv, and in apt's cache what they need; apt's text if that fails."""
         shutil.rmtree(root, ignore_errors=True)
         unpack(self.tar, root)
         for package in packages:
