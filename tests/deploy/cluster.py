@@ -8,8 +8,8 @@ import pathlib
 import shutil
 import subprocess
 
-from docker import DEBIAN_PACKAGES, POSTGRES
-from images import MINUTES, TOOLS, WORK, Podman, debian_root, run, wait_for
+from docker import POSTGRES
+from images import MINUTES, TOOLS, WORK, Podman, run, wait_for
 
 NODE, ADDRESS = "node", "192.0.2.1"
 TOKEN = "of-this-test-alone"
@@ -84,6 +84,7 @@ class Cluster:
         self.folder = WORK / "k8s"
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
+        self.ctr = ("ctr", "--address", self.folder / "containerd.sock", "--namespace", "k8s.io")
         self.sysctls = {name: self.sysctl(name) for name in SYSCTLS}
         self.started = []
         # Its first process: what it holds ends with it.
@@ -92,10 +93,14 @@ class Cluster:
             ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "sh", "-c", script],
             stdout=subprocess.PIPE,
         )  # fmt: skip
-        assert self.holder.stdout.readline() == b"ready\n"
-        (self.first,) = run("pgrep", "--parent", self.holder.pid).stdout.split()
-        self.images()
-        self.write_files()
+        try:
+            assert self.holder.stdout.readline() == b"ready\n"
+            (self.first,) = run("pgrep", "--parent", self.holder.pid).stdout.split()
+            self.images()
+            self.write_files()
+        except BaseException:
+            self.close()
+            raise
 
     @staticmethod
     def sysctl(name):
@@ -114,18 +119,28 @@ class Cluster:
             podman("import", "--change", 'ENTRYPOINT ["/catatonit", "-P"]', self.folder / "pause-root.tar",
                    "localhost/pause:1")  # fmt: skip
             podman("tag", image, f"docker.io/library/{self.image}")
-            podman("import", debian_root("compose-stand-ins", *DEBIAN_PACKAGES), "localhost/stand-ins")
-            postgres = self.folder / "postgres"
-            postgres.mkdir()
-            (postgres / "entry.sh").write_text(POSTGRES, encoding="utf-8")
-            (postgres / "Dockerfile").write_text(
-                'FROM localhost/stand-ins\nCOPY --chmod=755 entry.sh /\nENTRYPOINT ["/entry.sh"]\n', encoding="utf-8"
-            )
-            podman("build", "--pull-never", "--tag", "localhost/postgres:15", postgres)
             podman("save", "--format", "docker-archive", "--multi-image-archive", "--output", archive,
-                   f"docker.io/library/{self.image}", "localhost/pause:1", "localhost/postgres:15")  # fmt: skip
+                   f"docker.io/library/{self.image}", "localhost/pause:1")  # fmt: skip
         finally:
             podman.close()
+
+    def load_postgres(self):
+        """A stand-in for PostgreSQL's image, on the node as localhost/postgres:15."""
+        podman = Podman()
+        try:
+            podman.provide("localhost/stand-in", "postgres-stand-in", "postgresql-15")
+            folder = self.folder / "postgres"
+            folder.mkdir()
+            (folder / "entry.sh").write_text(POSTGRES, encoding="utf-8")
+            (folder / "Dockerfile").write_text(
+                'FROM localhost/stand-in\nCOPY --chmod=755 entry.sh /\nENTRYPOINT ["/entry.sh"]\n', encoding="utf-8"
+            )
+            podman("build", "--pull-never", "--tag", "localhost/postgres:15", folder, timeout=10 * MINUTES)
+            podman("save", "--format", "docker-archive", "--output", self.folder / "postgres.tar",
+                   "localhost/postgres:15", timeout=10 * MINUTES)  # fmt: skip
+        finally:
+            podman.close()
+        self.inside(*self.ctr, "images", "import", self.folder / "postgres.tar", timeout=10 * MINUTES)
 
     def write_files(self):
         values = {"folder": self.folder, "token": TOKEN}
@@ -179,9 +194,8 @@ class Cluster:
                    f"--root-ca-file={folder}/apiserver/apiserver.crt", "--bind-address=127.0.0.1")  # fmt: skip
         self.start("kube-scheduler", f"--kubeconfig={config}", "--leader-elect=false", "--bind-address=127.0.0.1")
         self.start("containerd", "--config", folder / "containerd.toml")
-        ctr = ("ctr", "--address", folder / "containerd.sock", "--namespace", "k8s.io")
-        self.wait_for(lambda: self.tries(*ctr, "version"), "containerd answers")
-        self.inside(*ctr, "images", "import", folder / "uplinkd.tar")
+        self.wait_for(lambda: self.tries(*self.ctr, "version"), "containerd answers")
+        self.inside(*self.ctr, "images", "import", folder / "uplinkd.tar")
         self.start("kubelet", f"--config={folder}/kubelet.yaml", f"--kubeconfig={config}",
                    f"--root-dir={folder}/kubelet", f"--hostname-override={NODE}", f"--node-ip={ADDRESS}")  # fmt: skip
         self.wait_for(

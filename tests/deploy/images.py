@@ -1,11 +1,9 @@
 """Images without a registry: podman with a store of its own, and roots of Debian's packages under the names
 that Dockerfile and compose files use."""
 
-import contextlib
 import fcntl
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import threading
@@ -63,33 +61,40 @@ def debian_root(name, *packages):
 
 
 class Podman:
-    """podman with images and containers of its own, which are gone with it."""
+    """podman with a store of its own below build/. Containers and volumes are gone with it; layers of images stay,
+    so that the next build is quick."""
 
     def __init__(self):
         self.folder = WORK / "podman"
         self.command = ["podman", "--root", str(self.folder / "storage"), "--runroot", str(self.folder / "run")]
-        if self.folder.exists():
-            self.close()
-        self.folder.mkdir(parents=True)
+        self.folder.mkdir(parents=True, exist_ok=True)
         configuration = self.folder / "containers.conf"
         configuration.write_text(CONTAINERS_CONF, encoding="utf-8")
         self.environment = {**os.environ, "CONTAINERS_CONF": str(configuration)}
+        # What a test that was killed left.
+        self.clean()
 
     def __call__(self, *arguments, code=0, timeout=2 * MINUTES):
         return run(*self.command, *arguments, code=code, timeout=timeout, env=self.environment)
 
     def build(self):
         """The image of uplinkd; gives its name."""
-        self("import", debian_root("debian-12-slim"), BASE)
+        self.provide(BASE, "debian-12-slim")
         # On the machine's own network, so that podman makes no bridge and no rules.
         environment = {**self.environment, "UPLINK_BIN_DIR": str(BIN), "UPLINK_IMAGE_FLAGS": "--pull-never --network host"}
-        run(SOURCE / "tools/dev/image.sh", *self.command, timeout=5 * MINUTES, env=environment)
+        run(SOURCE / "tools/dev/image.sh", *self.command, timeout=10 * MINUTES, env=environment)
         return f"localhost/uplinkd:{version()}"
 
+    def provide(self, image, root, *packages):
+        """The image, made of a small Debian with these packages, if it is not there."""
+        if subprocess.run([*self.command, "image", "exists", image], env=self.environment, check=False).returncode != 0:
+            self("import", debian_root(root, *packages), image, timeout=10 * MINUTES)
+
+    def clean(self):
+        self("rm", "--all", "--force", "--time", "0")
+        self("volume", "prune", "--force")
+
     def close(self):
-        with contextlib.suppress(AssertionError, AttributeError):
-            self("rm", "--all", "--force", "--time", "0")
-            self("volume", "prune", "--force")
+        self.clean()
         # podman leaves its own mount behind.
         subprocess.run(["umount", "--lazy", self.folder / "storage/overlay"], capture_output=True, check=False)
-        shutil.rmtree(self.folder)

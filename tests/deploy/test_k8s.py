@@ -59,6 +59,7 @@ spec:
 def setUpModule():
     began = time.monotonic()
     Release.cluster = Cluster()
+    # Last of all: tests stop their own programs before.
     unittest.addModuleCleanup(Release.cluster.close)
     Release.cluster.up()
     Release.folder = Release.cluster.folder
@@ -267,6 +268,7 @@ class Sqlite(Release):
 
 class Postgres(Release):
     def test_two_servers_are_replaced_one_by_one(self):
+        self.cluster.load_postgres()
         self.start_front()
         self.go_through(self.database, self.install, self.upgrade_under_a_fleet)
 
