@@ -197,7 +197,7 @@ class Sqlite(Release):
 
     def install(self):
         manifests = self.folder / "manifests.yaml"
-        manifests.write_text(self.helm("template", "networkPolicy.enabled=true").stdout, encoding="utf-8")
+        manifests.write_text(self.helm("template", "networkPolicy.enabled=true", flags=("--validate",)).stdout, encoding="utf-8")
         self.cluster.kubectl("apply", "--dry-run=server", "--validate=strict", "-f", manifests)
         self.deploy("install")
         pod = self.pod()
