@@ -54,8 +54,8 @@ std::string TreeOf(const CLI::App& app) {
     (part->get_name().empty() ? groups : commands).push_back(TreeOf(*part));
   }
   return "{\"name\":" + Quoted(app.get_name()) + ",\"about\":" + Quoted(app.get_description()) +
-         ",\"options\":" + Joined(options) + ",\"exactlyOneOf\":" + Joined(groups) +
-         ",\"commands\":" + Joined(commands) + "}";
+         ",\"footer\":" + Quoted(app.get_footer()) + ",\"options\":" + Joined(options) +
+         ",\"exactlyOneOf\":" + Joined(groups) + ",\"commands\":" + Joined(commands) + "}";
 }
 
 }  // namespace

@@ -10,6 +10,8 @@ from harness import BIN, SOURCE, run
 
 sys.path.insert(0, str(SOURCE / "tools/manual"))
 
+import program_pages  # noqa: E402
+import roff  # noqa: E402
 import settings_page  # noqa: E402
 import tree  # noqa: E402
 
@@ -66,6 +68,12 @@ class Manual(unittest.TestCase):
         self.assertGreater(len(rows), 50)
         for key, default in rows:
             self.assertIn(f"{key} = {default}", text)
+
+    def test_what_the_help_shows_below_the_flags_keeps_its_lines(self):
+        command = tree.command_of({"name": "p", "about": "A", "footer": "Examples:\n  p --one\n  .p", "options": [],
+                                   "exactlyOneOf": [], "commands": []})  # fmt: skip
+        page = program_pages.verb_page(command, lambda name, section: roff.Page(name, section, "1", ""))
+        self.assertEqual(page.lines[-6:], [".SH EXAMPLES", ".PP", ".nf", "p \\-\\-one", "\\&.p", ".fi"])
 
     def test_an_example_file_that_is_not_understood_is_an_error(self):
         for text in ("", "# Opening.\n\n[listen]\n", "# Opening.\n\n[listen]\n# a = 1\n\n# Text without a key.\n"):

@@ -85,6 +85,14 @@ def add_options(page, command):
         page.paragraph("Exactly one of " + " and ".join(each.names[-1] for each in group) + " is required.")
 
 
+def add_footer(page, command):
+    """Its first line is a heading, as in "Examples:"; the others are shown as they are."""
+    head, *lines = command.footer.strip("\n").split("\n")
+    if head:
+        page.head(head.rstrip(":").upper())
+        page.example("\n".join(each.strip() for each in lines))
+
+
 def add_exits(page, program, exit_codes):
     page.head("EXIT STATUS")
     for name, code, text in EXIT_ROW.findall(exit_codes):
@@ -98,6 +106,7 @@ def verb_page(command, make):
     page.head("SYNOPSIS").raw(synopsis(command))
     page.head("DESCRIPTION").paragraph(command.about.rstrip(".") + ".")
     add_options(page, command)
+    add_footer(page, command)
     return page
 
 
@@ -113,6 +122,7 @@ def program_page(program, section, make, exit_codes):
         for leaf in program.leaves():
             page.entry(f"{bold(leaf.page)}(1)", leaf.about)
     add_options(page, program)
+    add_footer(page, program)
     if name == "uplinkd":
         for title, rows in (("SIGNALS", SIGNALS), ("FILES", FILES)):
             page.head(title)

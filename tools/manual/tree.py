@@ -59,6 +59,8 @@ class Command:
     # The words that choose it: ("uplinkctl", "pki", "init").
     words: tuple
     about: str
+    # What the help shows below the flags, such as examples.
+    footer: str
     options: tuple
     positions: tuple
     # Of each group of flags, exactly one must be given.
@@ -94,6 +96,7 @@ def command_of(node, before=()):
     return Command(
         words,
         node["about"],
+        node["footer"],
         tuple(option for option in every if not option.position),
         tuple(option for option in every if option.position),
         groups,
