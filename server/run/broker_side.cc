@@ -1,6 +1,8 @@
 #include "server/run/broker_side.h"
 
 #include <future>
+#include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -65,25 +67,26 @@ struct BrokerSide::Parts {
   }
 
   broker::Broker::Context BrokerContext(const Context& context, cyberwave::Twins& twins) {
-    return {.clock = context.clock,
-            .logger = context.logger,
-            .fleet = context.fleet,
-            .journals = context.journals,
-            .ledger = context.ledgers.NewPage(model::MessageSource::kCyberwave),
-            .twins = twins,
-            .clients = ClientsOf(context.config),
-            .terms = JudgeTermsOf(context.config.cyberwave),
-            .fleet_name = context.config.cyberwave.fleet,
-            .payload_bytes_max = context.config.limits.payload_bytes_max,
-            .journal_over_half =
-                [&journals = context.journals, limits = context.journal_limits] {
-                  return OverHalf(journals, limits);
-                },
-            .make_link =
-                [this](mqtt::LinkEvents& events) { return mqtt::MakeAsioLink(loop.io(), events); },
-            .post = [this](std::function<void()> job) { loop.Post(std::move(job)); },
-            .random = context.random,
-            .allowances = context.allowances};
+    return {
+        .clock = context.clock,
+        .logger = context.logger,
+        .fleet = context.fleet,
+        .journals = context.journals,
+        .ledger = context.ledgers.NewPage(model::MessageSource::kCyberwave),
+        .twins = twins,
+        .clients = ClientsOf(context.config),
+        .terms = JudgeTermsOf(context.config.cyberwave),
+        .fleet_name = context.config.cyberwave.fleet,
+        .payload_bytes_max = context.config.limits.payload_bytes_max,
+        .journal_over_half = [&journals = context.journals,
+                              limits =
+                                  context.journal_limits] { return OverHalf(journals, limits); },
+        .make_link =
+            [this](mqtt::LinkEvents& events) { return mqtt::MakeAsioLink(loop.io(), events); },
+        .post = [this](std::function<void()> job) { loop.Post(std::move(job)); },
+        // The writers draw from the other one on their threads.
+        .random = [own = std::make_shared<std::mt19937_64>(context.random())] { return (*own)(); },
+        .allowances = context.allowances};
   }
 
   store::TopicRounds::Context TopicsContext(const Context& context) {

@@ -41,6 +41,7 @@ class BrokerSide final {
     storage::Reader& reader;
     store::LeaseRounds& leases;
     storage::ProcessId process{};
+    /// Evenly drawn; seeds the numbers of the broker.
     std::function<std::uint64_t()> random;
     /// What one robot may have stored.
     const ingest::Allowances& allowances;
