@@ -28,7 +28,7 @@ std::optional<model::MessageSource> ReadSource(Parameters& parameters) {
   const std::string text = parameters.Text("source");
   if (text.empty()) return std::nullopt;
   const std::optional<model::MessageSource> source = model::MessageSourceFromText(text);
-  if (!source) parameters.Reject("source", "must be uplink or cyberwave");
+  if (!source) parameters.Reject("source", "must be uplink, cyberwave or uncrew");
   return source;
 }
 

@@ -280,7 +280,7 @@ TEST_F(AllQuarantineTest, RefusesASourceThatDoesNotExist) {
   const Response answer = Get(path_ + "?source=mqtt");
   EXPECT_EQ(answer.status, 400);
   EXPECT_THAT(answer.body, HasSubstr(R"("field":"source")"));
-  EXPECT_THAT(answer.body, HasSubstr("must be uplink or cyberwave"));
+  EXPECT_THAT(answer.body, HasSubstr("must be uplink, cyberwave or uncrew"));
 }
 
 TEST_F(AllQuarantineTest, WhatStandsForNoRobotIsNone) {
