@@ -23,7 +23,6 @@ START_SECONDS = 30
 # WatchdogSec, RestartSec, and time to spare on a busy machine.
 WATCHDOG_SECONDS = 30 + 5 + 60
 FLEET_SECONDS = 180
-GOAL_SECONDS = 600
 KEYS = ("server.crt", "server.key", "ca.crt")
 INSTALL_PAGE = SOURCE / "docs/operate/install.md"
 BLOCK = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -153,15 +152,12 @@ class Host(unittest.TestCase):
         self.machine.wait_until(online, START_SECONDS, "a robot is online")
         seconds = time.monotonic() - Host.began
         print(f"from the empty root to the first robot online: {seconds:.1f} s")
-        self.assertLess(seconds, GOAL_SECONDS)
         self.all_agree(process, report)
 
     def test_the_robot_of_the_page_agrees(self):
         self.assertIn("all agree", self.follow("uplink-fleet"))
 
     def test_doctor_finds_no_reason_not_to_serve(self):
-        if "doctor" not in self.machine.run("uplinkctl", "--help").stdout:
-            return
         done = self.machine.run("uplinkctl", "doctor", "--config", "/etc/uplinkd/uplinkd.toml", code=None)
         self.assertIn(done.returncode, (0, 1), done.stdout)
 
