@@ -21,6 +21,7 @@ std::string What(const config::Problem& problem) {
 std::string RemedyOf(const config::Problem& problem, const std::string& user) {
   const std::string& text = problem.text;
   if (Holds(text, "chmod") || Holds(text, "removed")) return {};
+  if (Holds(text, "did you mean")) return "docs/operate/configuration.md has all keys";
   if (Holds(text, "unknown")) {
     return "correct its name, or remove it: docs/operate/configuration.md has all keys";
   }

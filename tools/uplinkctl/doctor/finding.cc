@@ -42,7 +42,7 @@ Finding Error(std::string where, std::string what, std::string remedy) {
 std::string ToText(const Finding& finding) {
   std::string line =
       fmt::format("{:<8} {}: {}", WordOf(finding.severity), finding.where, finding.what);
-  if (!finding.remedy.empty()) line += "; " + finding.remedy;
+  if (!finding.remedy.empty()) line += (line.ends_with('?') ? " " : "; ") + finding.remedy;
   return OneLine(line);
 }
 

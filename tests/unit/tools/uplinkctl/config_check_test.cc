@@ -26,12 +26,20 @@ TEST(ConfigCheck, AGoodFileIsSaidToBe) {
 
 TEST(ConfigCheck, AnUnknownKeyIsNamedWithItsLine) {
   const config::LoadResult read =
-      config::ParseConfig("[limits]\nrobot_max = 1\n", "a.toml", config::Environment());
+      config::ParseConfig("[limits]\nno_such_thing = 1\n", "a.toml", config::Environment());
   const Findings findings = ConfigFindings(read, kFile, "uplinkd");
   EXPECT_EQ(ToText(findings.front()),
-            "error    limits.robot_max: a.toml:2: unknown key; correct its name, or remove it: "
+            "error    limits.no_such_thing: a.toml:2: unknown key; correct its name, or remove it: "
             "docs/operate/configuration.md has all keys");
-  EXPECT_TRUE(KeysAtFault(read).contains("limits.robot_max"));
+  EXPECT_TRUE(KeysAtFault(read).contains("limits.no_such_thing"));
+}
+
+TEST(ConfigCheck, AnUnknownKeyThatIsLikeAnotherNamesThat) {
+  const config::LoadResult read =
+      config::ParseConfig("[limits]\nrobot_max = 1\n", "a.toml", config::Environment());
+  EXPECT_EQ(ToText(ConfigFindings(read, kFile, "uplinkd").front()),
+            "error    limits.robot_max: a.toml:2: unknown key; did you mean limits.robots_max? "
+            "docs/operate/configuration.md has all keys");
 }
 
 TEST(ConfigCheck, EachKindOfTroubleHasItsRemedy) {
