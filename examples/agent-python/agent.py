@@ -11,6 +11,7 @@ import math
 import os
 import pathlib
 import random
+import sqlite3
 import sys
 import threading
 import time
@@ -74,8 +75,11 @@ class Link:
             self.news.notify_all()
 
     def keep(self, kind, key, payload):
-        """A durable message: on disk when this returns."""
-        trouble = self.spool.keep(key, payload)
+        """A durable message: on disk when this returns, or told as lost."""
+        try:
+            trouble = self.spool.keep(key, payload)
+        except sqlite3.Error as error:
+            trouble = error
         if trouble:
             print(f"{kind}: lost, {trouble}", file=sys.stderr)
         with self.news:
@@ -121,6 +125,9 @@ class Stream:
         # The server reads nothing more.
         self.draining = False
         self.closed = False
+        self.call = None
+        # Why the spool failed, such as a full disk. It ends this stream, and the link opens another.
+        self.trouble = None
 
     def credentials(self):
         """Read anew for each connection: a renewed certificate is used."""
@@ -131,39 +138,51 @@ class Stream:
     def run(self):
         """How the call ended: the status, and the server's sentence."""
         try:
-            credentials = self.credentials()
-        except OSError as error:
+            credentials, hello = self.credentials(), self.spool.hello()
+        except (OSError, sqlite3.Error) as error:
             return grpc.StatusCode.UNAVAILABLE, str(error)
         with grpc.secure_channel(self.link.target, credentials, OPTIONS) as channel:
-            call = relay_pb2_grpc.UplinkRelayStub(channel).Relay(self.frames())
+            self.call = relay_pb2_grpc.UplinkRelayStub(channel).Relay(self.frames(*hello))
             try:
-                for response in call:
+                for response in self.call:
                     self.take(response)
             except grpc.RpcError:
                 pass
+            except sqlite3.Error as error:
+                self.trouble = error
             finally:
                 with self.news:
                     self.closed = True
                     self.news.notify_all()
-            return call.code(), call.details()
+            if self.trouble:
+                return grpc.StatusCode.UNAVAILABLE, f"spool: {self.trouble}"
+            return self.call.code(), self.call.details()
 
     def was_steady(self):
         return self.welcomed_at is not None and time.monotonic() - self.welcomed_at >= STEADY_SECONDS
 
-    def frames(self):
+    def frames(self, session, settled, judged):
         """What gRPC sends, in its own thread. It asks for the next frame when the server has room."""
-        session, settled, judged = self.spool.hello()
         yield relay.RelayRequest(hello=relay.Hello(
             session_id=session, settled_seq=settled, judged_seq=judged, agent_version=VERSION,
             schema=relay.PAYLOAD_SCHEMA_ROVER_NEXUS_0_1, declines_forwards=True,
         ))  # fmt: skip
+        try:
+            yield from self.batches()
+        except sqlite3.Error as error:
+            # gRPC would log it, and end the call without the reason.
+            self.trouble = error
+            self.call.cancel()
+
+    def batches(self):
+        """What waits, from Welcome on."""
         while True:
             with self.news:
                 self.news.wait_for(lambda: self.closed or (self.sent is not None and not self.draining))
                 if self.closed:
                     return
                 live = dict(self.link.live)
-                batch, has_live = self.spool.batch(self.sent, time.time(), list(live.values()))
+                batch, has_live = self.spool.batch(self.sent, time.monotonic(), list(live.values()))
                 if has_live:
                     self.link.live.clear()
                 if not batch:
@@ -198,13 +217,14 @@ class Stream:
                 self.draining = True
 
     def reject(self, reject):
-        self.spool.judged(reject.seq)
         if reject.reason == relay.REJECT_REASON_RATE_LIMITED:
-            self.spool.repeat(reject.seq, time.time() + reject.retry_after_ms / 1000)
+            self.spool.repeat(reject.seq, time.monotonic() + reject.retry_after_ms / 1000)
         else:
             # It is kept until an Ack covers it. Repair what made it: the same bytes are rejected again.
             reason = relay.RejectReason.Name(reject.reason)
             print(f"rejected: {reason} {reject.field}: {reject.detail}", file=sys.stderr)
+        # Last: what the spool could not take is not judged yet.
+        self.spool.judged(reject.seq)
 
     def resend(self, kinds):
         with self.news:

@@ -1,5 +1,6 @@
 """The agent's memory on disk: what has to be stored, until the server says that it is."""
 
+import contextlib
 import os
 import sqlite3
 import threading
@@ -21,7 +22,8 @@ CREATE TABLE IF NOT EXISTS message (
 
 class Spool:
     """Numbers and messages of one session, in a file of SQLite. A message has its number from the moment at
-    which it may be sent, and keeps it. Each change is on disk when its method returns. Thread-safe."""
+    which it may be sent, and keeps it. Each change is on disk when its method returns, and undone when it raises
+    sqlite3.Error, such as for a full disk. Thread-safe."""
 
     def __init__(self, path):
         self.lock = threading.Lock()
@@ -31,9 +33,21 @@ class Spool:
         self.base.executescript(TABLES)
         with self.change() as base:
             base.execute("INSERT OR IGNORE INTO session VALUES (1, ?, 0, 0, 0)", (os.urandom(16),))
+            # The monotonic clock may have begun anew since: what waits to be repeated is due at once.
+            base.execute("UPDATE message SET due = 0 WHERE seq IS NULL")
 
+    @contextlib.contextmanager
     def change(self):
-        return Change(self)
+        """A transaction: all of it, or nothing."""
+        with self.lock:
+            self.base.execute("BEGIN IMMEDIATE")
+            try:
+                yield self.base
+                self.base.execute("COMMIT")
+            finally:
+                # An error leaves it open, unless SQLite has rolled it back itself.
+                if self.base.in_transaction:
+                    self.base.execute("ROLLBACK")
 
     def one(self, query, *values):
         with self.lock:
@@ -101,7 +115,8 @@ class Spool:
             base.execute("UPDATE session SET judged = max(judged, ?)", (seq,))
 
     def repeat(self, seq, due):
-        """A message came too soon: it goes out again under a new number, not before `due`."""
+        """A message came too soon: it goes out again under a new number, not before `due` by time.monotonic(),
+        which no change of the wall clock moves."""
         with self.change() as base:
             found = base.execute("SELECT key FROM message WHERE seq = ?", (seq,)).fetchone()
             if found is None:
@@ -111,21 +126,3 @@ class Spool:
                 base.execute("DELETE FROM message WHERE seq = ?", (seq,))
             else:
                 base.execute("UPDATE message SET seq = NULL, due = ? WHERE seq = ?", (due, seq))
-
-
-class Change:
-    """A transaction: all of it, or nothing."""
-
-    def __init__(self, spool):
-        self.spool = spool
-
-    def __enter__(self):
-        self.spool.lock.acquire()
-        self.spool.base.execute("BEGIN IMMEDIATE")
-        return self.spool.base
-
-    def __exit__(self, error, *_):
-        try:
-            self.spool.base.execute("COMMIT" if error is None else "ROLLBACK")
-        finally:
-            self.spool.lock.release()

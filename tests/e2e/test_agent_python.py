@@ -3,9 +3,12 @@
 UPLINK_AGENT_PYTHON names an interpreter with grpcio, grpcio-tools and pycapnp (examples/agent-python/README.md).
 """
 
+import contextlib
 import os
 import re
+import resource
 import signal
+import sqlite3
 import subprocess
 import unittest
 import urllib.parse
@@ -33,6 +36,57 @@ def drive(robot, link, step):
 agent.drive = drive
 agent.main()
 """
+# The same where the clock is a year ahead until the first message has come too soon.
+SET_BACK = (
+    """
+import time
+
+import agent
+
+clock, ahead = time.time, [365 * 86_400]
+time.time = lambda: clock() + sum(ahead)
+repeat = agent.Spool.repeat
+
+
+def repeat_and_set_back(spool, seq, due):
+    repeat(spool, seq, due)
+    ahead.clear()
+
+
+agent.Spool.repeat = repeat_and_set_back
+"""
+    + HASTY
+)
+# The example whose spool fails for its first message, and in each of its first streams by another method.
+FAILING = """
+import sqlite3
+
+import agent
+
+agent.PAUSE_SECONDS = 0.01
+turns, failing = ["hello", "batch", "judged", "acked"], {"keep"}
+
+
+def let_fail(name):
+    method = getattr(agent.Spool, name)
+
+    def fail(*arguments):
+        if name == "hello" and turns:
+            failing.add(turns.pop(0))
+        if name in failing:
+            failing.remove(name)
+            raise sqlite3.OperationalError(f"no room to {name}")
+        return method(*arguments)
+
+    setattr(agent.Spool, name, fail)
+
+
+for name in ("keep", *turns):
+    let_fail(name)
+agent.main()
+"""
+# More than the agent's log has, and less than its spool.
+FILE_BYTES_MAX = 64 * 1024
 
 
 def has_packages():
@@ -75,6 +129,39 @@ class AgentPython(EndToEnd):
 
     def wait_for_step(self, agent, step):
         wait_until(agent, lambda: step in self.steps(), SECONDS, f"step {step}")
+
+    @contextlib.contextmanager
+    def full_disk(self, agent):
+        """A file of the agent grows no further: a write of the spool's log fails."""
+        _, most = resource.prlimit(agent.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (FILE_BYTES_MAX, most))
+        yield
+        resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (most, most))
+
+    @contextlib.contextmanager
+    def locked_file(self, _agent):
+        """Somebody else writes: no transaction of the agent begins."""
+        with contextlib.closing(sqlite3.connect(self.folder / "spool.db", isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            yield
+
+    def assert_outlives(self, trouble, error):
+        """While its spool fails it says what it loses; afterwards it goes on."""
+        agent = self.drive(0, 100_000)
+        self.wait_for_step(agent, 100)
+        before = self.steps()
+        with trouble(agent):
+            for said in (f"fault: lost, {error}", f"link: UNAVAILABLE: spool: {error}"):
+                wait_until(agent, lambda said=said: said in self.text(), SECONDS, said)
+        # What it says of the next step may have been lost.
+        after = self.steps()[-1] + 2
+        wait_until(agent, lambda: any(step >= after for step in self.stored()), SECONDS, "it sends again")
+        agent.send_signal(signal.SIGKILL)
+        agent.wait(SECONDS)
+        self.assertNotIn("Traceback", self.text())
+        done = before + [step for step in self.steps() if step >= after]
+        self.assert_ends_stored(self.drive(done[-1] + 2, 1))
+        self.assert_stored(done)
 
     def assert_ends_stored(self, agent):
         self.assertEqual(agent.wait(SECONDS), 0, self.text())
@@ -146,6 +233,43 @@ class AgentPython(EndToEnd):
         self.assert_ends_stored(self.drive(0, 2, program))
         self.assertNotIn("rejected", self.text())
         self.assertGreater(int(self.robot()["rateLimited"]["agentInfo"]), 0)
+
+    def test_a_wall_clock_that_is_set_back_delays_nothing(self):
+        program = self.folder / "set_back.py"
+        program.write_text(SET_BACK, encoding="utf-8")
+        self.assert_ends_stored(self.drive(0, 2, program))
+        self.assertGreater(int(self.robot()["rateLimited"]["agentInfo"]), 0)
+
+    def test_what_waits_for_its_time_is_sent_at_once_after_a_restart(self):
+        self.running.kill()
+        agent = self.drive(0, 1_000)
+        self.wait_for_step(agent, 50)
+        agent.send_signal(signal.SIGKILL)
+        agent.wait(SECONDS)
+        done = self.steps()
+        # As if they had come too soon, by a clock that no longer counts.
+        with contextlib.closing(sqlite3.connect(self.folder / "spool.db")) as spool, spool:
+            spool.execute("UPDATE message SET seq = NULL, due = 1e12")
+        self.running.start()
+        self.assert_ends_stored(self.drive(done[-1] + 2, 1))
+        self.assert_stored(done)
+
+    def test_it_outlives_a_full_disk(self):
+        self.assert_outlives(self.full_disk, "disk I/O error")
+
+    def test_it_outlives_a_spool_that_another_program_locks(self):
+        self.assert_outlives(self.locked_file, "database is locked")
+
+    def test_it_reconnects_after_each_failure_of_its_spool(self):
+        program = self.folder / "failing.py"
+        program.write_text(FAILING, encoding="utf-8")
+        self.assert_ends_stored(self.drive(0, 60, program))
+        text = self.text()
+        self.assertIn("agentInfo: lost, no room to keep", text)
+        for name in ("hello", "batch", "judged", "acked"):
+            self.assertRegex(text, rf"link: UNAVAILABLE: .*no room to {name}\n")
+        self.assertNotIn("Traceback", text)
+        self.assertEqual(self.stored(), list(range(SAYS - 1, 60, SAYS)))
 
 
 if __name__ == "__main__":
