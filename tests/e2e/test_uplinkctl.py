@@ -60,6 +60,38 @@ class Pki(EndToEnd):
         self.assertEqual((self.pki / "server.crt").read_bytes(), certificate)
         uplinkctl("pki", "server", "--keep", "--force", "--dir", self.pki, "--host", "localhost", code=2)
 
+    def test_keep_says_what_it_keeps(self):
+        uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
+        for verb, name in ((("init",), "ca"), (("server", "--host", "localhost"), "server")):
+            done = uplinkctl("pki", *verb, "--keep", "--dir", self.pki)
+            self.assertEqual(done.stdout, f"kept {self.pki}/{name}.crt\n")
+
+    def test_keep_replaces_nothing_where_one_file_of_two_is_missing(self):
+        uplinkctl("pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "r1")
+        robot = ("robot", "--ruri", "rcan://a", "--name", "r1")
+        for verb, name in ((robot, "r1"), (("init",), "ca")):
+            for there, missing in (("key", "crt"), ("crt", "key")):
+                with self.subTest(name=name, there=there):
+                    lone, gone = self.pki / f"{name}.{there}", self.pki / f"{name}.{missing}"
+                    before, text = lone.read_bytes(), gone.read_bytes()
+                    gone.unlink()
+                    done = uplinkctl("pki", *verb, "--keep", "--dir", self.pki, code=1)
+                    self.assertIn(f"{lone} is there and {gone} is missing; restore", done.stderr)
+                    self.assertEqual(lone.read_bytes(), before)
+                    self.assertFalse(gone.exists())
+                    gone.write_bytes(text)
+
+    def test_keep_refuses_what_a_server_could_not_use(self):
+        server = ("pki", "server", "--keep", "--dir", self.pki, "--host", "localhost")
+        uplinkctl(*server)
+        done = uplinkctl(*server, "--host", "192.0.2.7", code=1)
+        self.assertIn("server.crt: is for localhost, and not for 192.0.2.7; --force", done.stderr)
+        certificate = self.pki / "server.crt"
+        before = certificate.read_bytes()
+        uplinkctl("pki", "init", "--dir", self.pki, "--force")
+        self.assertIn("was not signed by the authority of", uplinkctl(*server, code=1).stderr)
+        self.assertEqual(certificate.read_bytes(), before)
+
     def test_a_copy_for_the_server_lacks_the_authoritys_key(self):
         copy = self.folder / "tls"
         for _ in range(2):

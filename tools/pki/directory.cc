@@ -27,7 +27,7 @@ absl::Status SystemError(const std::string& path, const char* doing, int error) 
 }
 
 absl::Status Taken(const std::string& path) {
-  return absl::AlreadyExistsError(fmt::format("{}: already there; --force replaces it", path));
+  return absl::AlreadyExistsError(fmt::format("{}: already there; --keep leaves it, --force replaces it for good", path));
 }
 
 bool Exists(const std::string& path) {
@@ -115,7 +115,17 @@ absl::Status Directory::Prepare() const {
   return absl::OkStatus();
 }
 
-bool Directory::Has(const std::string& name) const { return Exists(CertificatePath(name)); }
+absl::StatusOr<bool> Directory::HasPair(const std::string& name) const {
+  const bool certificate = Exists(CertificatePath(name));
+  const bool key = Exists(KeyPath(name));
+  if (certificate == key) return certificate;
+  const std::string there = certificate ? CertificatePath(name) : KeyPath(name);
+  const std::string missing = certificate ? KeyPath(name) : CertificatePath(name);
+  return absl::FailedPreconditionError(
+      fmt::format("{} is there and {} is missing; restore the missing file, or make both anew with "
+                  "--force in place of --keep",
+                  there, missing));
+}
 
 absl::Status Directory::CheckFree(const std::string& name) const {
   for (const std::string& path : {CertificatePath(name), KeyPath(name)}) {

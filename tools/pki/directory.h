@@ -31,8 +31,11 @@ class Directory final {
 
   /// Makes the folder if it is missing.
   [[nodiscard]] absl::Status Prepare() const;
-  /// The certificate is there; it is written after its key.
-  [[nodiscard]] bool Has(const std::string& name) const;
+  /// Whether the certificate and its key are there.
+  ///
+  /// Errors: kFailedPrecondition if one is there without the other, which a call that was
+  ///         interrupted or a restore of half a backup leaves.
+  [[nodiscard]] absl::StatusOr<bool> HasPair(const std::string& name) const;
   /// kAlreadyExists if Write(name, ..., kRefuse) would refuse.
   [[nodiscard]] absl::Status CheckFree(const std::string& name) const;
   [[nodiscard]] absl::Status Write(const std::string& name, const Credentials& credentials,

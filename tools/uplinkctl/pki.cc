@@ -5,8 +5,10 @@
 #include <absl/status/statusor.h>
 #include <fmt/core.h>
 
+#include "schema/base/clock.h"
 #include "tools/pki/authority.h"
 #include "tools/pki/directory.h"
+#include "tools/pki/kept.h"
 #include "tools/pki/profile.h"
 #include "tools/uplinkctl/command.h"
 
@@ -32,12 +34,8 @@ struct Request {
   std::string copy_to;
   int count = 0;
 
-  /// A pair that is there may stay. A key alone is what an interrupted call left.
-  [[nodiscard]] bool Keeps(const pki::Directory& folder, const std::string& pair) const {
-    return keep && folder.Has(pair);
-  }
   [[nodiscard]] pki::Existing existing() const {
-    return force || keep ? pki::Existing::kReplace : pki::Existing::kRefuse;
+    return force ? pki::Existing::kReplace : pki::Existing::kRefuse;
   }
 };
 using SharedRequest = std::shared_ptr<Request>;
@@ -50,10 +48,26 @@ absl::Status Report(const pki::Directory& directory, const std::string& name,
   return written;
 }
 
+/// Whether the call keeps a pair that is there; then it says so.
+///
+/// Errors: the pair is not whole, or not fit to be kept.
+absl::StatusOr<bool> Keeps(const Request& request, const std::string& name,
+                           const pki::Wanted& wanted) {
+  if (!request.keep) return false;
+  const pki::Directory directory(request.directory);
+  absl::StatusOr<bool> there = directory.HasPair(name);
+  if (!there.ok() || !*there) return there;
+  absl::Status fit = pki::CheckKept(directory, name, wanted, SystemClock().System());
+  if (!fit.ok()) return fit;
+  fmt::print("kept {}\n", directory.CertificatePath(name));
+  return true;
+}
+
 absl::Status Init(const Request& request) {
   const pki::Directory directory(request.directory);
   if (absl::Status status = directory.Prepare(); !status.ok()) return status;
-  if (request.Keeps(directory, pki::kAuthorityName)) return absl::OkStatus();
+  const absl::StatusOr<bool> kept = Keeps(request, pki::kAuthorityName, {});
+  if (!kept.ok() || *kept) return kept.status();
   const auto authority = pki::Authority::Create(request.name, request.days);
   if (!authority.ok()) return authority.status();
   return Report(
@@ -76,7 +90,9 @@ absl::Status IssueOne(const pki::Authority& authority, const Request& request,
                       const std::string& name, const absl::StatusOr<pki::Profile>& profile) {
   if (!profile.ok()) return profile.status();
   const pki::Directory directory(request.directory);
-  if (request.Keeps(directory, name)) return absl::OkStatus();
+  const absl::StatusOr<bool> kept =
+      Keeps(request, name, {authority.credentials().certificate_pem, request.hosts});
+  if (!kept.ok() || *kept) return kept.status();
   const absl::StatusOr<pki::Credentials> made = authority.Issue(*profile, request.days);
   if (!made.ok()) return made.status();
   return Report(directory, name, directory.Write(name, *made, request.existing()));
@@ -136,7 +152,9 @@ config::Flags& AddVerb(config::Flags& noun, const SharedRequest& request, const 
   flags.Add({"--dir", "Folder of the files"}, request->directory);
   flags.Add({"--days", "Days that the certificate is valid"}, request->days, {1, pki::kDaysMax});
   flags.AddSwitch({"--force", "Replace files that are already there"}, request->force);
-  flags.AddSwitch({"--keep", "Make nothing where the files are already there"}, request->keep);
+  flags.AddSwitch(
+      {"--keep", "Leave files that are already there: check them, and make those that are missing"},
+      request->keep);
   flags.AtMostOne({"--force", "--keep"});
   return flags;
 }
@@ -165,7 +183,8 @@ void AddServer(config::Flags& noun) {
              config::Flag::Need::kRequired},
             request->hosts);
   flags.Add({"--copy-to",
-             "Folder that gets copies of what the server needs: NAME.crt, NAME.key and ca.crt"},
+             "Folder that gets copies of what the server needs, in place of older ones: NAME.crt, "
+             "NAME.key and ca.crt"},
             request->copy_to);
   flags.Example("uplinkctl pki server --dir pki --host uplink.example.org --host 192.0.2.7");
 }

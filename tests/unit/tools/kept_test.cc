@@ -1,0 +1,101 @@
+#include "tools/pki/kept.h"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/temp_folder.h"
+
+namespace uplink::pki {
+namespace {
+
+using ::testing::HasSubstr;
+
+class KeptTest : public ::testing::Test {
+ protected:
+  KeptTest() {
+    Put("ca", authority_->credentials());
+    Put("server", Issue(*authority_, ServerProfile({"uplink.example.org", "2001:db8::1"})));
+  }
+
+  static Credentials Issue(const Authority& authority, const absl::StatusOr<Profile>& profile) {
+    return *authority.Issue(*profile, 1);
+  }
+  void Put(const std::string& name, const Credentials& credentials) {
+    ASSERT_TRUE(directory_.Write(name, credentials, Existing::kReplace).ok());
+  }
+  [[nodiscard]] std::string Judge(const std::vector<std::string>& hosts,
+                                  const std::string& name = "server") const {
+    const absl::Status status =
+        CheckKept(directory_, name, {authority_->credentials().certificate_pem, hosts}, now_);
+    return std::string(status.message());
+  }
+
+  const testing::TempFolder folder_;
+  const Directory directory_{folder_.File(".")};
+  const std::unique_ptr<Authority> authority_ = *Authority::Create("one", 1);
+  SystemTime now_ = SystemClock().System();
+};
+
+TEST_F(KeptTest, AGoodPairStays) {
+  EXPECT_EQ(Judge({"uplink.example.org"}), "");
+  EXPECT_EQ(Judge({"UPLINK.example.org", "2001:0db8:0::1"}), "");
+  EXPECT_TRUE(CheckKept(directory_, "ca", {}, now_).ok());
+  Put("r1", Issue(*authority_, RobotProfile("rcan://a", "north", "r1")));
+  EXPECT_EQ(Judge({}, "r1"), "");
+}
+
+TEST_F(KeptTest, HostsThatItLacksAreNamed) {
+  EXPECT_THAT(Judge({"uplink.example.org", "192.0.2.7", "other"}),
+              HasSubstr("server.crt: is for uplink.example.org, 2001:db8::1, and not for "
+                        "192.0.2.7, other; --force"));
+}
+
+TEST_F(KeptTest, AnotherAuthorityIsNamed) {
+  const auto other = *Authority::Create("one", 1);
+  Put("server", Issue(*other, ServerProfile({"localhost"})));
+  EXPECT_THAT(Judge({"localhost"}), HasSubstr("was not signed by the authority of "));
+}
+
+TEST_F(KeptTest, OneThatExpiredIsNamed) {
+  now_ += std::chrono::hours(23);
+  EXPECT_EQ(Judge({"uplink.example.org"}), "");
+  now_ += std::chrono::hours(1);
+  EXPECT_THAT(Judge({"uplink.example.org"}), HasSubstr("server.crt: expired at "));
+  EXPECT_THAT(std::string(CheckKept(directory_, "ca", {}, now_).message()),
+              HasSubstr("ca.crt: expired at "));
+}
+
+TEST_F(KeptTest, AKeyOfAnotherIsNamed) {
+  std::filesystem::copy(directory_.KeyPath("ca"), directory_.KeyPath("server"),
+                        std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(Judge({"uplink.example.org"}), HasSubstr("server.key: is not the key of "));
+}
+
+TEST_F(KeptTest, ARobotsCertificateIsNoServers) {
+  Put("server", Issue(*authority_, RobotProfile("rcan://a", "north", "r1")));
+  EXPECT_THAT(Judge({"localhost"}), HasSubstr("is no certificate of a server"));
+}
+
+TEST_F(KeptTest, WhatIsNoCertificateIsNamed) {
+  std::ofstream(directory_.CertificatePath("server")) << "notes";
+  EXPECT_THAT(Judge({"localhost"}), HasSubstr("server.crt"));
+}
+
+TEST_F(KeptTest, APairIsWholeOrAbsent) {
+  EXPECT_TRUE(*directory_.HasPair("ca"));
+  EXPECT_FALSE(*directory_.HasPair("r1"));
+  std::filesystem::remove(directory_.CertificatePath("ca"));
+  const std::string message(directory_.HasPair("ca").status().message());
+  EXPECT_THAT(message, HasSubstr("ca.key is there and "));
+  EXPECT_THAT(message, HasSubstr("ca.crt is missing; restore the missing file"));
+  std::filesystem::remove(directory_.KeyPath("server"));
+  EXPECT_THAT(std::string(directory_.HasPair("server").status().message()),
+              HasSubstr("server.key is missing"));
+}
+
+}  // namespace
+}  // namespace uplink::pki

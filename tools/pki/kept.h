@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "tools/pki/directory.h"
+
+namespace uplink::pki {
+
+/// What a pair that is already there must be, to stay instead of a new one.
+struct Wanted {
+  /// Certificate of the authority that signed it; empty for an authority's own pair.
+  std::string authority_pem;
+  /// It is a server's, and clients dial it by these names; none: it is no server's.
+  std::vector<std::string> hosts;
+};
+
+/// Whether the pair `name` of the folder can be used as if it had been made now: the key belongs to
+/// the certificate, the authority signed it, it has not expired, and it names the hosts. What it
+/// says of a robot, gateway or operator is not compared.
+///
+/// Errors: kFailedPrecondition names the file, what is wrong and what to do; those of
+///         Directory::Read.
+/// Thread: any; reads the two files.
+[[nodiscard]] absl::Status CheckKept(const Directory& directory, const std::string& name,
+                                     const Wanted& wanted, SystemTime now);
+
+}  // namespace uplink::pki
