@@ -128,7 +128,8 @@ class App::Impl {
                                  .robots = fleet_.size(),
                                  .robots_unread = store_.robots_unread(),
                                  .relay = relay_.Target().address,
-                                 .http = early_.http_address()});
+                                 .http = early_.http_address(),
+                                 .metrics = early_.metrics_address()});
     Supervisor::NoteReady();
   }
 

@@ -15,6 +15,7 @@
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
 #include "server/identity/server_names.h"
+#include "server/store/open.h"
 
 namespace uplink::run {
 namespace {
@@ -87,6 +88,10 @@ std::vector<std::string> ReadyLines(const config::Config& config, const Ready& r
     lines.push_back(fmt::format("  broker  {}, MQTT", broker.ok() ? broker->Text() : "?"));
   }
   lines.push_back(fmt::format("  http    {}: API, metrics, health", http));
+  if (ready.metrics.port != 0) {
+    lines.push_back(fmt::format("  metrics http://{}: probes and scrapes, without authentication",
+                                config::ToText(ready.metrics)));
+  }
   lines.push_back(fmt::format("  TLS     {}", certificate));
   lines.push_back(fmt::format("  next    curl {}/api/v1/robots   (Ctrl-C drains and stops)", http));
   return lines;
@@ -99,8 +104,10 @@ Greeting::Greeting(Context context)
 void Greeting::Begin() {
   if (!active_) return;
   context_.logger.SetLevel(log::Level::kWarn);
-  context_.logger.WritePlain(fmt::format("uplinkd {} starts with {}", config::VersionText(),
-                                         PrintableUtf8(context_.config_file, kShownBytesMax)));
+  context_.logger.WritePlain(
+      fmt::format("uplinkd {} starts with {}, store {}", config::VersionText(),
+                  PrintableUtf8(context_.config_file, kShownBytesMax),
+                  PrintableUtf8(store::NameOf(context_.config.store), kShownBytesMax)));
 }
 
 void Greeting::TellReady(const Ready& ready) {

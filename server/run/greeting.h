@@ -21,6 +21,8 @@ struct Ready {
   /// As they were really bound.
   config::ListenAddress relay;
   config::ListenAddress http;
+  /// Port 0 unless listen.metrics is set.
+  config::ListenAddress metrics;
 };
 
 /// What its certificate says. A value.
@@ -35,8 +37,8 @@ inline constexpr std::size_t kHostsShownMax = 3;
 /// `localhost, 127.0.0.1; 364 days left, until 2027-11-28T15:08:44Z`. Pure.
 [[nodiscard]] std::string CertificateText(const ShownCertificate& certificate, SystemTime now);
 
-/// Lines below the first one: store, listeners, certificate, what to try next; a broker and drones
-/// where the configuration has them. They hold no secret. Pure.
+/// Lines below the first one: store, listeners, certificate, what to try next; a broker, drones and
+/// the listener for metrics where the configuration has them. They hold no secret. Pure.
 [[nodiscard]] std::vector<std::string> ReadyLines(const config::Config& config, const Ready& ready,
                                                   const std::string& certificate);
 
@@ -59,7 +61,8 @@ class Greeting final {
   };
   explicit Greeting(Context context);
 
-  /// The first line. No info event is logged from now on.
+  /// The first line, which names the store: it may not answer yet. No info event is logged from now
+  /// on.
   void Begin();
   /// The other lines.
   void TellReady(const Ready& ready);

@@ -58,8 +58,10 @@ class Terminal:
 
 
 class OnATerminal(EndToEnd):
-    def start(self, settings=""):
+    def start(self, settings="", listen=""):
         self.config = self.server(settings).configuration()
+        text = self.config.read_text(encoding="utf-8")
+        self.config.write_text(text.replace("[listen]", f"[listen]\n{listen}"), encoding="utf-8")
         terminal = Terminal([str(BIN / "uplinkd"), "--config", str(self.config)])
         self.open_things.append(terminal)
         return terminal
@@ -72,7 +74,7 @@ class OnATerminal(EndToEnd):
         self.assertEqual(len(lines), 6, lines)
         folder = re.escape(str(self.folder))
         for line, pattern in zip(lines, (
-            rf"uplinkd \d+\.\d+\.\d+ {COMMIT} starts with {re.escape(str(self.config))}",
+            rf"uplinkd \d+\.\d+\.\d+ {COMMIT} starts with {re.escape(str(self.config))}, store {folder}/uplinkd\.db",
             rf"  store   {folder}/uplinkd\.db, 0 robots known",
             r"  robots  127\.0\.0\.1:\d+, gRPC with mutual TLS",
             r"  http    http://127\.0\.0\.1:\d+: API, metrics, health",
@@ -104,6 +106,23 @@ class OnATerminal(EndToEnd):
         self.assertIn("\n  drones  at the same address, AvatarService\n", shown)
         for secret in ("hidden-password", "hidden-user"):
             self.assertNotIn(secret, shown)
+
+    def test_the_listener_for_metrics_has_a_line(self):
+        terminal = self.start(listen='metrics = "127.0.0.1:0"')
+        terminal.wait_for(NEXT.pattern)
+        self.assertRegex(
+            terminal.text(), r"\n  metrics http://127\.0\.0\.1:\d+: probes and scrapes, without authentication\n"
+        )
+
+    def test_the_first_line_names_a_store_that_does_not_answer(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            address = f"127.0.0.1:{silent.getsockname()[1]}"
+            server = self.server()
+            server.store_url = f"postgresql://uplinkd@{address}/uplinkd"
+            terminal = Terminal([str(BIN / "uplinkd"), "--config", str(server.configuration())])
+            self.open_things.append(terminal)
+            terminal.wait_for(rf"uplinkd\.toml, store {re.escape(address)}/uplinkd$")
+            self.assertIsNone(NEXT.search(terminal.text()))
 
     def test_warnings_are_shown(self):
         self.server()

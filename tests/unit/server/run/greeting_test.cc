@@ -79,6 +79,14 @@ TEST(ReadyLinesTest, TellOfABrokerAndDronesWhereTheyAreSet) {
   for (const std::string& line : lines) EXPECT_THAT(line, Not(HasSubstr("secret")));
 }
 
+TEST(ReadyLinesTest, TellOfTheListenerForMetricsWhereItIsSet) {
+  Ready ready = SomeReady();
+  ready.metrics = {"0.0.0.0", 9464};
+  const std::vector<std::string> lines = ReadyLines({}, ready, "");
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_EQ(lines[3], "  metrics http://0.0.0.0:9464: probes and scrapes, without authentication");
+}
+
 TEST(ReadyLinesTest, SayThatRobotsAreNotReadYet) {
   Ready ready = SomeReady();
   ready.robots_unread = true;
@@ -93,6 +101,7 @@ class GreetingTest : public ::testing::Test {
     unlockpt(master_);
     terminal_ = open(ptsname(master_), O_RDWR | O_NOCTTY);
     const auto path = std::filesystem::path(::testing::TempDir()) / "greeting.crt";
+    config_.store.url = "sqlite:///s/u.db";
     config_.tls.certificate_file = path.string();
     std::ofstream(path) << testing::TestAuthority().Issue(testing::ServerSpec()).certificate;
   }
@@ -127,7 +136,14 @@ TEST_F(GreetingTest, ReplacesTheInfoEventsOfTheStartOnATerminal) {
                                   StartsWith("  store   "), StartsWith("  robots  "),
                                   StartsWith("  http    "), StartsWith("  TLS     localhost"),
                                   StartsWith("  next    curl "), HasSubstr(" info draining")));
-  EXPECT_THAT(lines_.front(), HasSubstr(" starts with u.toml"));
+  EXPECT_THAT(lines_.front(), HasSubstr(" starts with u.toml, store /s/u.db"));
+}
+
+TEST_F(GreetingTest, NamesADatabaseWithoutItsPasswordBeforeItAnswers) {
+  config_.store.url = "postgresql://uplinkd:secret@db.example.org/fleet";
+  StartOn(terminal_);
+  EXPECT_THAT(lines_.front(), HasSubstr(" starts with u.toml, store db.example.org:5432/fleet"));
+  EXPECT_THAT(lines_.front(), Not(HasSubstr("secret")));
 }
 
 TEST_F(GreetingTest, SaysNothingElsewhere) {
