@@ -229,4 +229,16 @@ absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Join(const std::string& path
   return lock;
 }
 
+absl::StatusOr<bool> FileLock::IsHeld(const std::string& path) {
+  absl::StatusOr<bool> by_name = ANameIsLocked(path);
+  if (!by_name.ok() || *by_name) return by_name;
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode)) return false;
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  // There is no file, or it may not be read: its name is not locked.
+  if (descriptor < 0) return false;
+  const Held closed(descriptor);
+  return FileIsLocked(descriptor);
+}
+
 }  // namespace uplink::storage::sqlite

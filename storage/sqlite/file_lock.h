@@ -43,6 +43,13 @@ class FileLock final {
   ///         has it by another name or through another mount, or if that cannot be known.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FileLock>> Join(const std::string& path);
 
+  /// Whether a process holds the store by any of the three locks, this one included. Makes nothing
+  /// and waits for nothing. For a process that has not opened the database: what it opens here and
+  /// closes would drop SQLite's locks.
+  ///
+  /// Errors: kFailedPrecondition, naming the file, if a lock file cannot be opened.
+  [[nodiscard]] static absl::StatusOr<bool> IsHeld(const std::string& path);
+
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
   ~FileLock();

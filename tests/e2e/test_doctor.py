@@ -1,8 +1,10 @@
 """`uplinkctl doctor` against real parts: each fault that is planted is named, and nothing is changed."""
 
+import contextlib
 import os
 import re
 import socket
+import sqlite3
 import subprocess
 import unittest
 
@@ -16,6 +18,11 @@ AS_ROOT = os.geteuid() == 0
 STATUS_SECONDS = 30
 # Over the bounds of a database that is silent.
 DOCTOR_SECONDS = 60
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return listener.getsockname()[1]
 
 
 class Report:
@@ -164,6 +171,39 @@ class Host(DoctorTest):
         self.assert_one_error(server.configuration(), "store.url", "has schema 1, and this program needs")
         store.write_bytes(b"no store")
         self.assert_one_error(server.configuration(), "store.url", "is not a store of uplinkd")
+
+    def test_a_schema_that_is_still_in_the_wal(self):
+        path = self.server().configuration()
+        store = self.folder / "uplinkd.db"
+        with contextlib.closing(sqlite3.connect(store)) as shell:
+            shell.execute("PRAGMA journal_mode = wal")
+            shell.executescript("BEGIN; CREATE TABLE t (x); PRAGMA application_id = 1; PRAGMA user_version = 1; COMMIT")
+            report = self.doctor(path)
+        self.assertEqual(report.of("error"), [])
+        self.assertIn("its schema is still in the -wal", report.text)
+
+    def test_a_store_that_is_no_file(self):
+        path = self.server().configuration()
+        store = self.folder / "uplinkd.db"
+        os.mkfifo(store)
+        self.assert_one_error(path, "store.url", "is no regular file")
+        for target, said in (("uplinkd.db", "leads to itself"), ("none/u.db", "whose folder is missing")):
+            store.unlink()
+            store.symlink_to(target)
+            self.assert_one_error(path, "store.url", said)
+        store.unlink()
+        store.symlink_to("later.db")
+        self.assertIn("later.db is not there yet: the server makes it", self.doctor(path).text)
+
+    def test_another_server_has_the_store_or_a_port(self):
+        server = self.server().start()
+        relay = server.relay
+        server.relay, server.http = f"127.0.0.1:{free_port()}", f"127.0.0.1:{free_port()}"
+        self.assert_one_error(server.configuration(), "store.url", "is in use by another process", "stop that")
+        server.relay = relay
+        server.store_url = f"sqlite://{self.folder}/other.db"
+        self.assert_one_error(server.configuration(), "listen.relay",
+                              f"by an uplinkd of another configuration (pid {server.process.pid})")  # fmt: skip
 
     def test_what_the_servers_user_may_not_do(self):
         server = self.server()

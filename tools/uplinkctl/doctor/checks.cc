@@ -1,6 +1,5 @@
 #include "tools/uplinkctl/doctor/checks.h"
 
-#include <cerrno>
 #include <optional>
 #include <set>
 #include <utility>
@@ -56,10 +55,12 @@ Findings CheckCertificates(const Config& config, SystemTime now) {
   return findings;
 }
 
-Findings CheckSqlite(const config::StoreConfig& store, const std::string& user) {
-  const SqliteFacts facts = ReadSqliteFacts(config::SqlitePath(store));
+/// The facts were read before the ports were tried: a server listens before it takes its store.
+Findings CheckSqlite(const SqliteFacts& facts, const config::StoreConfig& store,
+                     const PortUser& user, StoreHolder holder) {
   const auto needed = static_cast<std::int64_t>(storage::sqlite::Migrations().size());
-  Findings findings = SqliteFindings(facts, store, needed, user);
+  Findings findings = SqliteFindings(facts, store, needed, user.name);
+  Append(findings, HolderFindings(facts, holder));
   if (facts.space) findings.push_back(DiskFinding(facts.folder, *facts.space, store.free_min));
   return findings;
 }
@@ -75,25 +76,34 @@ Findings CheckPostgres(const config::StoreConfig& store, const Clock& clock) {
   return findings;
 }
 
-/// Ports, and the server that has them.
-Findings CheckServer(const Config& config, const CheckContext& context,
-                     const std::set<std::string>& at_fault) {
-  Findings findings;
-  std::optional<ServerProcess> server;
+std::vector<PortFacts> TryPorts(const Config& config, const std::set<std::string>& at_fault) {
+  std::vector<PortFacts> ports;
   for (Listener& listener : ListenersOf(config)) {
     if (at_fault.contains(listener.key)) continue;
     const int error = TryToBind(listener.address);
-    if (error == EADDRINUSE && !server) server = ServerAt(listener.address, context.machine);
-    findings.push_back(PortFinding({std::move(listener), error}, context.machine, context.user));
+    ports.push_back({std::move(listener), error});
   }
-  if (server) {
+  return ports;
+}
+
+StoreHolder HolderOf(const PortUser& user, const std::vector<PortFacts>& ports) {
+  if (user.running) return StoreHolder::kOwnServer;
+  return FixesPort(ports) ? StoreHolder::kOther : StoreHolder::kUnknown;
+}
+
+/// Ports, and the server that has them.
+Findings CheckServer(const Config& config, const std::vector<PortFacts>& ports,
+                     const MachineFacts& machine, const PortUser& user) {
+  Findings findings;
+  for (const PortFacts& port : ports) findings.push_back(PortFinding(port, machine, user));
+  if (user.running) {
     link::HttpClient client(config::ToText(ProbeAddress(config)), {kProbeDeadline, kProbeBytesMax});
     findings.push_back(ServerFinding(client.Ask(ProbePath(Probe::kReady))));
   } else {
     // A running server says it itself, by its word `clock`.
     findings.push_back(ClockFinding(store::KernelClockSynchronised()));
   }
-  findings.push_back(DescriptorsFinding(config, server, context.machine));
+  findings.push_back(DescriptorsFinding(config, user.running, machine));
   return findings;
 }
 
@@ -103,12 +113,24 @@ Findings CheckAll(const CheckContext& context) {
   if (!context.configuration.readable) return {};
   const Config& config = *context.configuration.readable;
   const std::set<std::string> at_fault = KeysAtFault(context.configuration);
-  Findings findings = CheckCertificates(config, context.clock.System());
-  if (!at_fault.contains("store.url")) {
-    Append(findings, config::IsPostgres(config.store) ? CheckPostgres(config.store, context.clock)
-                                                      : CheckSqlite(config.store, context.user));
+  const bool checks_store = !at_fault.contains("store.url");
+  std::optional<SqliteFacts> file;
+  if (checks_store && !config::IsPostgres(config.store)) {
+    file = ReadSqliteFacts(config::SqlitePath(config.store));
   }
-  Append(findings, CheckServer(config, context, at_fault));
+  const std::vector<PortFacts> ports = TryPorts(config, at_fault);
+  // A server that starts meanwhile has ports that it did not have when the machine was read.
+  const MachineFacts machine = HasUnknownHolder(ports, context.machine)
+                                   ? ReadMachineAgain(context.machine)
+                                   : context.machine;
+  const PortUser user{context.user, OwnServer(ports, machine)};
+  Findings findings = CheckCertificates(config, context.clock.System());
+  if (file) {
+    Append(findings, CheckSqlite(*file, config.store, user, HolderOf(user, ports)));
+  } else if (checks_store) {
+    Append(findings, CheckPostgres(config.store, context.clock));
+  }
+  Append(findings, CheckServer(config, ports, machine, user));
   return findings;
 }
 

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -11,6 +12,8 @@
 
 namespace uplink::ctl {
 namespace {
+
+constexpr const char* kRelayKey = "listen.relay";
 
 bool IsAny(const std::string& host) { return host == "::" || host == "0.0.0.0"; }
 
@@ -35,18 +38,67 @@ std::string HolderText(const config::ListenAddress& address, const MachineFacts&
   return fmt::format("{} (pid {})", holder->second.name, holder->second.pid);
 }
 
-Finding TakenFinding(const Listener& listener, const MachineFacts& machine) {
+Finding TakenFinding(const Listener& listener, const MachineFacts& machine,
+                     const std::optional<ServerProcess>& running) {
   const std::string address = config::ToText(listener.address);
   if (const auto server = ServerAt(listener.address, machine)) {
-    return Ok(listener.key,
-              fmt::format("{} is held by the running uplinkd (pid {})", address, server->pid));
+    if (running && running->pid == server->pid) {
+      return Ok(listener.key,
+                fmt::format("{} is held by the running uplinkd (pid {})", address, server->pid));
+    }
+    return Error(listener.key,
+                 fmt::format("{} is held by an uplinkd of another configuration (pid {})", address,
+                             server->pid),
+                 fmt::format("stop that server, or set {} to another port", listener.key));
   }
   return Error(listener.key,
                fmt::format("{} is held by {}", address, HolderText(listener.address, machine)),
                fmt::format("stop that program, or set {} to another port", listener.key));
 }
 
+/// Whether every socket of the process that can be seen is one of these ports.
+bool ListensOnlyAt(const std::vector<PortFacts>& ports, pid_t pid, const MachineFacts& machine) {
+  return std::all_of(machine.sockets.begin(), machine.sockets.end(),
+                     [&](const ListeningSocket& socket) {
+                       const auto holder = machine.holders.find(socket.inode);
+                       return holder == machine.holders.end() || holder->second.pid != pid ||
+                              std::any_of(ports.begin(), ports.end(), [&](const PortFacts& port) {
+                                return port.listener.address.port == socket.port;
+                              });
+                     });
+}
+
 }  // namespace
+
+bool HasUnknownHolder(const std::vector<PortFacts>& ports, const MachineFacts& machine) {
+  return std::any_of(ports.begin(), ports.end(), [&](const PortFacts& port) {
+    return port.bind_error == EADDRINUSE && SocketAt(port.listener.address, machine) == nullptr;
+  });
+}
+
+bool FixesPort(const std::vector<PortFacts>& ports) {
+  return std::any_of(ports.begin(), ports.end(),
+                     [](const PortFacts& port) { return port.listener.address.port != 0; });
+}
+
+std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
+                                       const MachineFacts& machine) {
+  std::optional<ServerProcess> own;
+  bool relay_free = false;
+  for (const PortFacts& port : ports) {
+    if (port.listener.address.port == 0) continue;
+    if (port.listener.key == kRelayKey && port.bind_error == 0) {
+      relay_free = true;
+      continue;
+    }
+    std::optional<ServerProcess> server;
+    if (port.bind_error == EADDRINUSE) server = ServerAt(port.listener.address, machine);
+    if (!server || (own && own->pid != server->pid)) return std::nullopt;
+    own = std::move(server);
+  }
+  if (own && relay_free && !ListensOnlyAt(ports, own->pid, machine)) return std::nullopt;
+  return own;
+}
 
 std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
                                       const MachineFacts& machine) {
@@ -62,7 +114,7 @@ std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
   return *found;
 }
 
-Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const std::string& user) {
+Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const PortUser& user) {
   const Listener& listener = port.listener;
   const std::string address = config::ToText(listener.address);
   switch (port.bind_error) {
@@ -70,9 +122,9 @@ Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const st
       return Ok(listener.key, listener.address.port == 0 ? address + " takes any free port"
                                                          : address + " is free");
     case EADDRINUSE:
-      return TakenFinding(listener, machine);
+      return TakenFinding(listener, machine, user.running);
     case EACCES:
-      return Error(listener.key, fmt::format("{} may not listen on {}", user, address),
+      return Error(listener.key, fmt::format("{} may not listen on {}", user.name, address),
                    "set a port from 1024 on");
     case EADDRNOTAVAIL:
       return Error(listener.key, fmt::format("no interface of this machine has {}", address),

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "server/config/config.h"
 #include "tools/uplinkctl/doctor/finding.h"
@@ -27,9 +29,27 @@ struct PortFacts {
   /// TryToBind's.
   int bind_error = 0;
 };
-/// Whether a server of `user` can listen there.
+/// A port is in use, and `machine` knows no socket there: the program came after it was read.
+[[nodiscard]] bool HasUnknownHolder(const std::vector<PortFacts>& ports,
+                                    const MachineFacts& machine);
+/// The running server of this configuration: one uplinkd that has every port that the configuration
+/// fixes. While a server starts or stops, listen.relay may be free, if the server listens at no
+/// other port.
+[[nodiscard]] std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
+                                                     const MachineFacts& machine);
+/// A port does not stand for any free one.
+[[nodiscard]] bool FixesPort(const std::vector<PortFacts>& ports);
+
+/// For whom a port is judged. A value.
+struct PortUser {
+  /// The server's user.
+  std::string name;
+  /// OwnServer's.
+  std::optional<ServerProcess> running;
+};
+/// Whether the server can listen there, or does.
 [[nodiscard]] Finding PortFinding(const PortFacts& port, const MachineFacts& machine,
-                                  const std::string& user);
+                                  const PortUser& user);
 
 /// Descriptors that the configuration may need.
 [[nodiscard]] std::size_t DescriptorsWanted(const config::Config& config);

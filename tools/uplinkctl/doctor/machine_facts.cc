@@ -172,6 +172,15 @@ MachineFacts ReadMachine() {
   return facts;
 }
 
+MachineFacts ReadMachineAgain(const MachineFacts& before) {
+  MachineFacts facts = ReadMachine();
+  for (const ListeningSocket& socket : facts.sockets) {
+    const auto known = before.holders.find(socket.inode);
+    if (known != before.holders.end()) facts.holders.insert(*known);
+  }
+  return facts;
+}
+
 int TryToBind(const config::ListenAddress& address) {
   const SocketAddress place = AddressOf(address);
   if (place.size == 0) return EINVAL;

@@ -51,6 +51,10 @@ inline constexpr std::size_t kProcessesMax = 100'000;
 /// Any thread; reads /proc.
 [[nodiscard]] MachineFacts ReadMachine();
 
+/// ReadMachine once more. What `before` knew of sockets that are still there stays known: it may
+/// have been read as root.
+[[nodiscard]] MachineFacts ReadMachineAgain(const MachineFacts& before);
+
 /// The listening sockets of /proc/net/tcp or /proc/net/tcp6. A pure function; lines that it cannot
 /// read count for nothing.
 [[nodiscard]] std::vector<ListeningSocket> ParseSockets(std::string_view table);

@@ -1,8 +1,10 @@
 #include "tools/uplinkctl/doctor/sqlite_check.h"
 
 #include <cerrno>
+#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -16,16 +18,45 @@ constexpr const char* kSqlitePage = "docs/operate/sqlite.md";
 
 std::string Reason(int error) { return std::generic_category().message(error); }
 
+/// Nothing has been written from the WAL into the file yet.
+bool IsFresh(const SqliteHeader& header) {
+  return header.is_sqlite && header.application_id == 0 && header.schema_version == 0 &&
+         header.changes_of_tables == 0;
+}
+
+/// Why no server opens what the path leads to; nothing if that is a file, or can become one.
+std::optional<Finding> PlaceFinding(const SqliteFacts& facts, const std::string& user) {
+  constexpr const char* kRemedy = "name a file";
+  if (facts.place == StorePlace::kLoop) {
+    return Error(kKey, fmt::format("{} is a link that leads to itself", facts.path), kRemedy);
+  }
+  if (facts.place == StorePlace::kNoFile) {
+    return Error(kKey, fmt::format("{} is no regular file", facts.path), kRemedy);
+  }
+  if (!facts.target.empty() && facts.folder_error == ENOENT) {
+    return Error(
+        kKey, fmt::format("{} is a link to {}, whose folder is missing", facts.path, facts.target),
+        fmt::format("name a file, or run install -d -o {} {}", user, facts.folder));
+  }
+  return std::nullopt;
+}
+
 Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store,
                       std::int64_t needed) {
-  if (facts.wal_alone) {
+  if (!facts.header && facts.wal_filled) {
     return Error(kKey, fmt::format("{} is missing or empty, and its -wal holds rows", facts.path),
                  fmt::format("do not start the server, follow {}", kSqlitePage));
   }
   if (!facts.header) {
-    return Ok(kKey, fmt::format("{} is not there yet: the server makes it", facts.path));
+    const std::string& missing = facts.target.empty() ? facts.path : facts.target;
+    return Ok(kKey, fmt::format("{} is not there yet: the server makes it", missing));
   }
   const SqliteHeader& header = *facts.header;
+  if (IsFresh(header) && facts.wal_filled) {
+    return Ok(kKey,
+              fmt::format("{}: its schema is still in the -wal; the server reads it when it starts",
+                          facts.path));
+  }
   if (!header.is_sqlite || header.application_id != storage::sqlite::kApplicationId) {
     return Error(kKey, fmt::format("{} is not a store of uplinkd", facts.path),
                  "name another file, or restore a backup");
@@ -43,6 +74,7 @@ Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store
 
 Findings SqliteFindings(const SqliteFacts& facts, const config::StoreConfig& store,
                         std::int64_t schema_needed, const std::string& user) {
+  if (auto place = PlaceFinding(facts, user)) return {*std::move(place)};
   Findings findings;
   if (facts.folder_error != 0) {
     findings.push_back(Error(kKey,
@@ -71,6 +103,17 @@ Findings SqliteFindings(const SqliteFacts& facts, const config::StoreConfig& sto
       !facts.header && !facts.files.empty() && facts.files.front().access_error != 0;
   if (!unread) findings.push_back(SchemaFinding(facts, store, schema_needed));
   return findings;
+}
+
+Findings HolderFindings(const SqliteFacts& facts, StoreHolder holder) {
+  if (!facts.held || holder == StoreHolder::kOwnServer) return {};
+  const std::string used = fmt::format("{} is in use by another process", facts.path);
+  if (holder == StoreHolder::kUnknown) {
+    return {Warning(kKey, used + ", which may be a server of this configuration",
+                    "set fixed ports: by them its server is known")};
+  }
+  return {Error(kKey, used + ", and no uplinkd has the ports of this configuration",
+                "stop that process, or name another file")};
 }
 
 }  // namespace uplink::ctl

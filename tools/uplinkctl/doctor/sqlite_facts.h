@@ -15,6 +15,8 @@ struct SqliteHeader {
   bool is_sqlite = false;
   std::int64_t application_id = 0;
   std::int64_t schema_version = 0;
+  /// How often tables were made or changed; 0: the file has none.
+  std::int64_t changes_of_tables = 0;
 };
 
 /// A file of the store that is there.
@@ -24,9 +26,23 @@ struct StoreFile {
   int access_error = 0;
 };
 
+/// What the store's path leads to. Closed.
+enum class StorePlace : std::uint8_t {
+  kNothing,
+  kFile,
+  /// A pipe, a device or a socket.
+  kNoFile,
+  /// A link to itself, also by way of others.
+  kLoop,
+};
+
 /// An SQLite store as it lies on disk. A value.
 struct SqliteFacts {
   std::string path;
+  StorePlace place = StorePlace::kNothing;
+  /// Where a link leads whose target is missing; else empty.
+  std::string target;
+  /// Of the file itself, where a link leads.
   std::string folder;
   /// Why this user may not make files there, an errno value.
   int folder_error = 0;
@@ -38,14 +54,17 @@ struct SqliteFacts {
   std::uint64_t links = 0;
   /// The server noted that the file is damaged.
   bool damaged = false;
-  /// There is no file, and what was committed may lie in a WAL beside it.
-  bool wal_alone = false;
+  /// The WAL beside it holds what was committed, also where there is no file.
+  bool wal_filled = false;
+  /// Another process holds the store, as a server does.
+  bool held = false;
   std::optional<storage::DiskSpace> space;
 };
 
 /// Looks at names, rights and the file's first bytes. Nothing is opened by SQLite: where the WAL's
 /// index is missing beside a running server, that alone could damage the store. A step of the
-/// schema that was applied last and still lies in the WAL does not show.
+/// schema that was applied last and still lies in the WAL does not show. The locks are asked and
+/// neither made nor waited for.
 ///
 /// Thread: any; asks the file system.
 [[nodiscard]] SqliteFacts ReadSqliteFacts(const std::string& path);

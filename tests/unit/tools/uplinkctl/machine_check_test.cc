@@ -1,9 +1,12 @@
 #include "tools/uplinkctl/doctor/machine_check.h"
 
+#include <algorithm>
 #include <cerrno>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 namespace uplink::ctl {
 namespace {
@@ -32,6 +35,17 @@ MachineFacts Machine() {
   machine.holders[4713] = {10, "uplinkd", 997};
   machine.servers.push_back({{10, "uplinkd", 997}, 65'536});
   return machine;
+}
+
+/// The configuration's relay alone, which is in use.
+Finding FindingOfRelay(const MachineFacts& machine) {
+  const PortFacts port{Relay(), EADDRINUSE};
+  return PortFinding(port, machine, {"uplinkd", OwnServer({port}, machine)});
+}
+
+/// As a configuration has them, with errors of TryToBind.
+std::vector<PortFacts> Ports(int relay, int http) {
+  return {{Relay(), relay}, {{"listen.http", {"127.0.0.1", 7480}}, http}};
 }
 
 TEST(MachineFacts, SocketsThatListenAreRead) {
@@ -65,36 +79,101 @@ TEST(MachineFacts, ThisProcessIsSeen) {
 }
 
 TEST(PortCheck, AFreePortIsGood) {
-  EXPECT_EQ(PortFinding({Relay(), 0}, {}, "uplinkd"), Ok("listen.relay", "[::]:7443 is free"));
+  EXPECT_EQ(PortFinding({Relay(), 0}, {}, {"uplinkd", {}}),
+            Ok("listen.relay", "[::]:7443 is free"));
 }
 
 TEST(PortCheck, OneThatTheServerHoldsIsGood) {
-  EXPECT_EQ(PortFinding({Relay(), EADDRINUSE}, Machine(), "uplinkd"),
+  EXPECT_EQ(FindingOfRelay(Machine()),
             Ok("listen.relay", "[::]:7443 is held by the running uplinkd (pid 10)"));
 }
 
 TEST(PortCheck, AServerWhoseSocketsAreHiddenIsKnownByItsUser) {
   MachineFacts machine = Machine();
   machine.holders.clear();
-  EXPECT_EQ(PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd").severity, Severity::kOk);
+  EXPECT_EQ(FindingOfRelay(machine).severity, Severity::kOk);
   machine.sockets.front().owner = 33;
-  EXPECT_THAT(PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd").what,
-              HasSubstr("held by a program of user id 33"));
+  EXPECT_THAT(FindingOfRelay(machine).what, HasSubstr("held by a program of user id 33"));
 }
 
 TEST(PortCheck, AnotherHolderIsNamed) {
   MachineFacts machine = Machine();
   // The server runs, on other ports.
   machine.holders[4713] = {20, "nginx", 33};
-  const Finding finding = PortFinding({Relay(), EADDRINUSE}, machine, "uplinkd");
+  const Finding finding = FindingOfRelay(machine);
   EXPECT_EQ(finding.severity, Severity::kError);
   EXPECT_EQ(finding.what, "[::]:7443 is held by nginx (pid 20)");
   EXPECT_THAT(finding.remedy, HasSubstr("listen.relay to another port"));
 }
 
+TEST(OwnServerCheck, OneProcessHasEveryPort) {
+  MachineFacts machine = Machine();
+  EXPECT_EQ(OwnServer(Ports(EADDRINUSE, 0), machine), std::nullopt);
+  machine.sockets.push_back({"127.0.0.1", 7480, 997, 4714});
+  machine.holders[4714] = {10, "uplinkd", 997};
+  const auto own = OwnServer(Ports(EADDRINUSE, EADDRINUSE), machine);
+  ASSERT_TRUE(own.has_value());
+  EXPECT_EQ(own->pid, 10);
+  // Another server's.
+  machine.holders[4714] = {11, "uplinkd", 997};
+  machine.servers.push_back({{11, "uplinkd", 997}, 65'536});
+  EXPECT_EQ(OwnServer(Ports(EADDRINUSE, EADDRINUSE), machine), std::nullopt);
+}
+
+TEST(OwnServerCheck, APortThatMayBeAnyDoesNotCount) {
+  std::vector<PortFacts> ports = Ports(EADDRINUSE, 0);
+  EXPECT_TRUE(FixesPort(ports));
+  ports[1].listener.address.port = 0;
+  EXPECT_TRUE(OwnServer(ports, Machine()).has_value());
+  ports[0] = {{"listen.relay", {"::", 0}}, 0};
+  EXPECT_EQ(OwnServer(ports, Machine()), std::nullopt);
+  EXPECT_FALSE(FixesPort(ports));
+}
+
+TEST(OwnServerCheck, AServerThatStartsHasNoRelayYet) {
+  MachineFacts machine;
+  machine.sockets.push_back({"127.0.0.1", 7480, 997, 4714});
+  machine.holders[4714] = {10, "uplinkd", 997};
+  machine.servers.push_back({{10, "uplinkd", 997}, 65'536});
+  EXPECT_TRUE(OwnServer(Ports(0, EADDRINUSE), machine).has_value());
+  // Its relay is elsewhere.
+  machine.sockets.push_back({"::", 7444, 997, 4715});
+  machine.holders[4715] = {10, "uplinkd", 997};
+  EXPECT_EQ(OwnServer(Ports(0, EADDRINUSE), machine), std::nullopt);
+}
+
+TEST(OwnServerCheck, AServerOfAnotherConfigurationIsNamed) {
+  const PortFacts port{Relay(), EADDRINUSE};
+  const Finding finding =
+      PortFinding(port, Machine(), {"uplinkd", OwnServer(Ports(EADDRINUSE, 0), Machine())});
+  EXPECT_EQ(finding.severity, Severity::kError);
+  EXPECT_EQ(finding.what, "[::]:7443 is held by an uplinkd of another configuration (pid 10)");
+  EXPECT_THAT(finding.remedy, HasSubstr("stop that server"));
+}
+
+TEST(PortCheck, AHolderThatCameLaterIsLookedUp) {
+  EXPECT_FALSE(HasUnknownHolder(Ports(EADDRINUSE, 0), Machine()));
+  EXPECT_FALSE(HasUnknownHolder(Ports(0, 0), {}));
+  EXPECT_TRUE(HasUnknownHolder(Ports(0, EADDRINUSE), Machine()));
+}
+
+TEST(MachineFacts, AHolderThatWasKnownStaysKnown) {
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  MachineFacts before = ReadMachine();
+  const auto own = std::find_if(before.holders.begin(), before.holders.end(),
+                                [](const auto& each) { return each.second.pid == ::getpid(); });
+  ASSERT_NE(own, before.holders.end());
+  EXPECT_EQ(ReadMachineAgain({}).holders.at(own->first).pid, ::getpid());
+  // A socket that is gone is forgotten.
+  before.holders[1] = {1, "init", 0};
+  EXPECT_FALSE(ReadMachineAgain(before).holders.contains(1));
+  ::close(listener);
+}
+
 TEST(PortCheck, EachRefusalHasItsRemedy) {
   const auto finding = [](int error) {
-    return PortFinding({{"listen.relay", {"::", 443}}, error}, {}, "uplinkd");
+    return PortFinding({{"listen.relay", {"::", 443}}, error}, {}, {"uplinkd", {}});
   };
   EXPECT_THAT(finding(EACCES).what, HasSubstr("uplinkd may not listen on [::]:443"));
   EXPECT_THAT(finding(EADDRNOTAVAIL).remedy, HasSubstr("ip address"));

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/schema.h"
 #include "tests/support/temp_folder.h"
 #include "tools/uplinkctl/doctor/disk_check.h"
@@ -116,6 +119,7 @@ SqliteFacts File() {
   facts.folder = "/s";
   facts.files = {{"/s/u.db", 0}};
   facts.links = 1;
+  facts.place = StorePlace::kFile;
   facts.header = SqliteHeader{true, storage::sqlite::kApplicationId, kNeeded};
   return facts;
 }
@@ -171,6 +175,50 @@ TEST(SqliteCheck, TheSchemaIsHeldAgainstTheProgram) {
   EXPECT_EQ(OfFile(facts, store).severity, Severity::kWarning);
 }
 
+TEST(SqliteCheck, ASchemaThatIsStillInTheWalIsGood) {
+  SqliteFacts facts = File();
+  facts.header = SqliteHeader{.is_sqlite = true};
+  EXPECT_THAT(OfFile(facts).what, HasSubstr("is not a store of uplinkd"));
+  facts.wal_filled = true;
+  EXPECT_EQ(OfFile(facts), Ok("store.url",
+                              "/s/u.db: its schema is still in the -wal; the server reads it when "
+                              "it starts"));
+  // Another program's, which has tables.
+  facts.header->changes_of_tables = 1;
+  EXPECT_THAT(OfFile(facts).what, HasSubstr("is not a store of uplinkd"));
+}
+
+TEST(SqliteCheck, WhatIsNoFileIsAnError) {
+  SqliteFacts facts;
+  facts.path = "/s/u.db";
+  facts.place = StorePlace::kLoop;
+  EXPECT_EQ(OfFile(facts).what, "/s/u.db is a link that leads to itself");
+  facts.place = StorePlace::kNoFile;
+  EXPECT_EQ(OfFile(facts), Error("store.url", "/s/u.db is no regular file", "name a file"));
+}
+
+TEST(SqliteCheck, ALinkToNothingIsGoodWhereTheServerCanMakeTheFile) {
+  SqliteFacts facts;
+  facts.path = "/s/u.db";
+  facts.target = "/t/u.db";
+  facts.folder = "/t";
+  EXPECT_EQ(OfFile(facts), Ok("store.url", "/t/u.db is not there yet: the server makes it"));
+  facts.folder_error = ENOENT;
+  EXPECT_EQ(OfFile(facts).what, "/s/u.db is a link to /t/u.db, whose folder is missing");
+  EXPECT_EQ(OfFile(facts).severity, Severity::kError);
+}
+
+TEST(SqliteCheck, AStoreThatAnotherServerHoldsIsAnError) {
+  SqliteFacts facts = File();
+  EXPECT_TRUE(HolderFindings(facts, StoreHolder::kOther).empty());
+  facts.held = true;
+  EXPECT_TRUE(HolderFindings(facts, StoreHolder::kOwnServer).empty());
+  const Finding other = Worst(HolderFindings(facts, StoreHolder::kOther));
+  EXPECT_EQ(other.severity, Severity::kError);
+  EXPECT_THAT(other.what, HasSubstr("/s/u.db is in use by another process"));
+  EXPECT_EQ(Worst(HolderFindings(facts, StoreHolder::kUnknown)).severity, Severity::kWarning);
+}
+
 TEST(SqliteCheck, WhatWouldLoseRowsIsAnError) {
   SqliteFacts facts = File();
   facts.damaged = true;
@@ -180,17 +228,19 @@ TEST(SqliteCheck, WhatWouldLoseRowsIsAnError) {
   EXPECT_THAT(OfFile(facts).what, HasSubstr("2 names"));
   facts = File();
   facts.header.reset();
-  facts.wal_alone = true;
+  facts.wal_filled = true;
   EXPECT_THAT(OfFile(facts).remedy, HasSubstr("do not start the server"));
 }
 
 TEST(SqliteFactsOf, AHeaderIsReadByItsPlaces) {
   std::string bytes("SQLite format 3\0", 16);
   bytes.resize(kSqliteHeaderBytes, '\0');
+  bytes[43] = 5;
   bytes[63] = 7;
   bytes.replace(68, 4, "UPLK");
   const SqliteHeader header = ParseHeader(bytes);
   EXPECT_TRUE(header.is_sqlite);
+  EXPECT_EQ(header.changes_of_tables, 5);
   EXPECT_EQ(header.schema_version, 7);
   EXPECT_EQ(header.application_id, storage::sqlite::kApplicationId);
   bytes.pop_back();
@@ -205,9 +255,45 @@ TEST(SqliteFactsOf, AFolderIsLookedAtAndLeftAsItIs) {
   EXPECT_EQ(none.folder_error, 0);
   EXPECT_TRUE(none.space.has_value());
   std::ofstream(folder.File("u.db-wal")) << "rows";
-  EXPECT_TRUE(ReadSqliteFacts(folder.File("u.db")).wal_alone);
+  EXPECT_TRUE(ReadSqliteFacts(folder.File("u.db")).wal_filled);
   EXPECT_EQ(ReadSqliteFacts(folder.File("no/u.db")).folder_error, ENOENT);
   EXPECT_FALSE(std::filesystem::exists(folder.File("u.db")));
+}
+
+TEST(SqliteFactsOf, LinksAndPipesAreTold) {
+  const testing::TempFolder folder;
+  const auto link = [&](const char* to, const char* name) {
+    std::filesystem::create_symlink(to, folder.File(name));
+    return ReadSqliteFacts(folder.File(name));
+  };
+  EXPECT_EQ(link("self.db", "self.db").place, StorePlace::kLoop);
+  const SqliteFacts dangling = link("b.db", "a.db");
+  EXPECT_EQ(dangling.place, StorePlace::kNothing);
+  EXPECT_EQ(dangling.target, folder.File("b.db"));
+  EXPECT_EQ(dangling.folder_error, 0);
+  EXPECT_EQ(link("a.db", "twice.db").target, folder.File("b.db"));
+  EXPECT_EQ(link("no/b.db", "lost.db").folder_error, ENOENT);
+  EXPECT_EQ(link("/dev/null", "null.db").place, StorePlace::kNoFile);
+  ASSERT_EQ(::mkfifo(folder.File("pipe.db").c_str(), 0600), 0);
+  EXPECT_EQ(ReadSqliteFacts(folder.File("pipe.db")).place, StorePlace::kNoFile);
+}
+
+TEST(SqliteFactsOf, TheLocksAreAskedAndNotMade) {
+  const testing::TempFolder folder;
+  const std::string path = folder.File("u.db");
+  EXPECT_FALSE(ReadSqliteFacts(path).held);
+  EXPECT_FALSE(std::filesystem::exists(path + ".lock"));
+  {
+    const auto lock = storage::sqlite::FileLock::Take(path);
+    ASSERT_TRUE(lock.ok());
+    EXPECT_TRUE(ReadSqliteFacts(path).held);
+    // By another name that leads to it.
+    std::filesystem::create_symlink("u.db", folder.File("link.db"));
+    EXPECT_TRUE(ReadSqliteFacts(folder.File("link.db")).held);
+    std::filesystem::remove(path + ".lock");
+    EXPECT_TRUE(ReadSqliteFacts(path).held);
+  }
+  EXPECT_FALSE(ReadSqliteFacts(path).held);
 }
 
 TEST(DiskCheck, TheBoundsAreTheServers) {
