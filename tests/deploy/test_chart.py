@@ -22,6 +22,8 @@ KUBERNETES = ("1.25", "1.34")
 # Kinds of operators: Kubernetes has no schema for them.
 FOREIGN = {"Certificate", "PodMonitor", "PrometheusRule"}
 SECTION = re.compile(r"^\[([a-z_]+)\]$")
+# kProbeDeadline of tools/uplinkctl/probe.h.
+PROBE_SECONDS = 5
 KEY = re.compile(r"^# ([a-z_.]+) = ")
 
 
@@ -130,6 +132,18 @@ class Chart(unittest.TestCase):
             self.assertEqual(settings["drain"]["timeout"], "120s")
             pause = pod["containers"][0]["lifecycle"]["preStop"]["sleep"]["seconds"]
             self.assertGreater(pod["terminationGracePeriodSeconds"], 120 + pause + 2)
+
+    def test_no_probe_asks_a_port_that_other_pods_reach(self):
+        for values in SETS:
+            pod = one(rendered(values, KUBERNETES[-1])[1], "StatefulSet")["spec"]["template"]["spec"]
+            (container,) = pod["containers"]
+            for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
+                ready = ["--ready"] if probe == "readinessProbe" else []
+                self.assertEqual(
+                    container[probe]["exec"]["command"],
+                    ["/usr/bin/uplinkctl", "health", *ready, "--config", "/etc/uplinkd/uplinkd.toml"],
+                )
+                self.assertGreater(container[probe]["timeoutSeconds"], PROBE_SECONDS, "uplinkctl says why first")
 
     def test_a_changed_setting_restarts_pods_and_an_unchanged_one_does_not(self):
         def template(*flags):
