@@ -295,9 +295,12 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "number, or 0 if it is not set.",
      kByListener},
     {kHttpConnectionsRefused, "uplinkd_http_connections_refused_total", kCounter, "connections",
-     "HTTP connections that were closed at accept because the limit was reached.", kByListener},
+     "HTTP connections that were closed at accept because the limit was reached, or on "
+     "listen.metrics that of their source address.",
+     kByListener},
     {kHttpConnectionsGivenUp, "uplinkd_http_connections_given_up_total", kCounter, "connections",
-     "HTTP connections without a request under way that were closed, because further ones came.",
+     "HTTP connections that were closed because further ones came: idle ones first, then slow "
+     "readers and scrapes.",
      kByListener},
     {kHttpReadsWaiting, "uplinkd_http_reads_waiting", kGauge, "requests",
      "API requests that wait for the thread that reads."},

@@ -45,9 +45,9 @@ Method MethodOf(bhttp::verb verb) {
 
 class Connection final : public PlaceHolder, public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket)
+  Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket, const Source& source)
       : context_(std::move(context)), stream_(std::move(socket)), incoming_(context_->limits) {
-    place_ = context_->places.Take(*this, context_->server.clock.Steady());
+    place_ = context_->places.Take(*this, source, context_->server.clock.Steady());
     context_->probe().open.Add(1);
   }
   ~Connection() override {
@@ -199,7 +199,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   }
 
   void Answer(Response answer) {
-    if (answer.closes) keep_alive_ = false;
+    if (answer.closes || (place_ && context_->places.Crowded(*place_))) keep_alive_ = false;
     answered_any_ = true;
     // A client that is refused because no place is free has no place to keep.
     Note(answer.closes ? Places::State::kIdle : Places::State::kAnswering);
@@ -283,8 +283,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
 }  // namespace
 
-void ServeConnection(const std::shared_ptr<ConnectionContext>& context, tcp::socket socket) {
-  std::make_shared<Connection>(context, std::move(socket))->ReadRequest();
+void ServeConnection(const std::shared_ptr<ConnectionContext>& context, tcp::socket socket,
+                     const Source& source) {
+  std::make_shared<Connection>(context, std::move(socket), source)->ReadRequest();
 }
 
 }  // namespace uplink::http

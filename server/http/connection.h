@@ -18,7 +18,7 @@ struct ConnectionContext {
       : server(all),
         listener(options.listener),
         limits(options.limits),
-        places(options.limits.connections_max) {}
+        places(options.limits.connections_max, options.limits.source_share) {}
 
   [[nodiscard]] ConnectionProbe& probe() const {
     return server.probe.connections[PlaceOf(listener)];
@@ -33,10 +33,9 @@ struct ConnectionContext {
   Places places;
 };
 
-/// Serves one accepted socket, for which there is a place, until either side ends it; keeps itself
-/// alive by its handlers.
-/// Confined to the loop's thread.
+/// Serves one accepted socket of a source, for which there is a place, until either side ends it;
+/// keeps itself alive by its handlers. Confined to the loop's thread.
 void ServeConnection(const std::shared_ptr<ConnectionContext>& context,
-                     boost::asio::ip::tcp::socket socket);
+                     boost::asio::ip::tcp::socket socket, const Source& source);
 
 }  // namespace uplink::http

@@ -13,6 +13,9 @@ namespace uplink::http {
 struct ListenerLimits {
   /// Over kMonitoringPlaces.
   std::size_t connections_max = 0;
+  /// Of these, what one source has at most; 0: all. Where it is set, a connection ends with its
+  /// answer while over half of all, or of its source's, are taken.
+  std::size_t source_share = 0;
   /// Bytes of a request's line and headers together, and of a body, which is read and not looked
   /// at. Of what a client sends ahead of its answers we hold so much together; the rest waits in
   /// the kernel. One request of a connection is under way at most.
@@ -34,9 +37,11 @@ inline constexpr ListenerLimits kHttpLimits{.header_bytes_max = 16UL * 1024,
                                             .idle_wait = std::chrono::seconds(75)};
 
 /// Of listen.metrics, which strangers may reach: room for some Prometheus servers with two jobs
-/// each and the probes of a cluster. Their requests are short; a large answer over a slow line is
-/// not.
+/// each and the probes of a cluster. One source has a quarter at most, so that a client that asks
+/// without a pause leaves room for others. Their requests are short; a large answer over a slow
+/// line is not.
 inline constexpr ListenerLimits kMetricsLimits{.connections_max = 32,
+                                               .source_share = 8,
                                                .header_bytes_max = 8UL * 1024,
                                                .body_bytes_max = 1024,
                                                .request_wait = std::chrono::seconds(10),
@@ -46,8 +51,8 @@ inline constexpr ListenerLimits kMetricsLimits{.connections_max = 32,
 /// Connections that each listener holds at most, by ListenerId; 0: there is no such listener.
 using ConnectionsMax = std::array<std::size_t, kListenerKeys.size()>;
 
-/// Connections that are accepted in one turn of the loop, and at most half of all places, so that
-/// each is read before it could give way to the next ones.
+/// Connections that are accepted in one turn of the loop, and at most half of all places, or of a
+/// source's share, so that each is read before it could give way to the next ones.
 inline constexpr std::size_t kAcceptsPerTurn = 16;
 /// How long the listener rests after a failed accept (no descriptors).
 inline constexpr std::chrono::milliseconds kAcceptPause{100};

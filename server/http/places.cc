@@ -46,10 +46,12 @@ bool MayGiveWay(const Places::Place& place, SteadyTime now) {
 
 }  // namespace
 
-Places::Room Places::MakeRoom(SteadyTime now) {
-  if (taken_.size() < places_) return Room::kFree;
+Places::Room Places::MakeRoom(const Source& source, SteadyTime now) {
+  const bool has_its_share = source_share_ > 0 && TakenBy(source) >= source_share_;
+  if (!has_its_share && taken_.size() < places_) return Room::kFree;
   Handle first = taken_.end();
   for (Handle place = taken_.begin(); place != taken_.end(); ++place) {
+    if (has_its_share && place->source != source) continue;
     if (!MayGiveWay(*place, now)) continue;
     if (first == taken_.end() || GivesWayBefore(*place, *first, now)) first = place;
   }
@@ -60,12 +62,14 @@ Places::Room Places::MakeRoom(SteadyTime now) {
   return Room::kGivenWay;
 }
 
-Places::Handle Places::Take(PlaceHolder& holder, SteadyTime now) {
+Places::Handle Places::Take(PlaceHolder& holder, const Source& source, SteadyTime now) {
   const bool monitoring_only = others_ + kMonitoringPlaces >= places_;
   if (!monitoring_only) ++others_;
-  return taken_.insert(
-      taken_.end(),
-      {.holder = &holder, .state = State::kNew, .since = now, .monitoring_only = monitoring_only});
+  return taken_.insert(taken_.end(), {.holder = &holder,
+                                      .state = State::kNew,
+                                      .since = now,
+                                      .source = source,
+                                      .monitoring_only = monitoring_only});
 }
 
 void Places::Leave(Handle place) {
@@ -76,6 +80,17 @@ void Places::Leave(Handle place) {
 void Places::Note(Handle place, State state, SteadyTime now) {
   place->state = state;
   place->since = now;
+}
+
+bool Places::Crowded(Handle place) const {
+  if (source_share_ == 0) return false;
+  return 2 * taken_.size() > places_ || 2 * TakenBy(place->source) > source_share_;
+}
+
+std::size_t Places::TakenBy(const Source& source) const {
+  return static_cast<std::size_t>(
+      std::count_if(taken_.begin(), taken_.end(),
+                    [&source](const Place& place) { return place.source == source; }));
 }
 
 }  // namespace uplink::http

@@ -6,6 +6,7 @@
 #include <list>
 
 #include "schema/base/clock.h"
+#include "server/http/source.h"
 
 namespace uplink::http {
 
@@ -30,8 +31,12 @@ class PlaceHolder {
 /// that has had no request under way for longest gives way to a further one, else the one whose
 /// peer has taken its answer for longest, else the scrape that was asked for last: who scrapes
 /// again and again is more likely to be that one than who does it every 15 s. A connection that has
-/// just come gives way last, for a probe among many that come at once is not read yet. Confined to
-/// one thread.
+/// just come gives way last, for a probe among many that come at once is not read yet.
+///
+/// A source may have a share of the places. Where it has all of that, its own connections alone
+/// give way to its further one, so that it keeps no other source out.
+///
+/// Confined to one thread.
 class Places final {
  public:
   /// What a connection does.
@@ -51,26 +56,35 @@ class Places final {
     PlaceHolder* holder = nullptr;
     State state = State::kNew;
     SteadyTime since;
+    Source source{};
     /// It answers probes and scrapes alone.
     bool monitoring_only = false;
   };
   using Handle = std::list<Place>::iterator;
 
-  /// `places`: over kMonitoringPlaces.
-  explicit Places(std::size_t places) : places_(places) {}
+  /// `places`: over kMonitoringPlaces. `source_share`: places that one source has at most; 0: all.
+  explicit Places(std::size_t places, std::size_t source_share = 0)
+      : places_(places), source_share_(source_share) {}
   Places(const Places&) = delete;
   Places& operator=(const Places&) = delete;
 
-  /// Whether there is a place; if not, a connection gives way if one may.
+  /// Whether there is a place for this source; if not, a connection gives way if one may.
   enum class Room : std::uint8_t { kFree, kGivenWay, kNone };
-  [[nodiscard]] Room MakeRoom(SteadyTime now);
+  [[nodiscard]] Room MakeRoom(const Source& source, SteadyTime now);
   /// After MakeRoom found some.
-  [[nodiscard]] Handle Take(PlaceHolder& holder, SteadyTime now);
+  [[nodiscard]] Handle Take(PlaceHolder& holder, const Source& source, SteadyTime now);
   void Leave(Handle place);
   static void Note(Handle place, State state, SteadyTime now);
+  /// Whether the connection should end with its answer, because over half of all places, or of its
+  /// source's share, are taken: a peer that sends requests ahead would be answered without a pause
+  /// in which it could give way. Never without shares.
+  [[nodiscard]] bool Crowded(Handle place) const;
 
  private:
+  [[nodiscard]] std::size_t TakenBy(const Source& source) const;
+
   const std::size_t places_;
+  const std::size_t source_share_;
   /// Of those that are not for monitoring only.
   std::size_t others_ = 0;
   std::list<Place> taken_;

@@ -1,6 +1,7 @@
 #include "server/http/server.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -20,6 +21,22 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+/// Unknown if the peer is gone already.
+Source SourceOfPeer(const tcp::socket& socket) {
+  error_code error;
+  const asio::ip::address address = socket.remote_endpoint(error).address();
+  if (error) return {};
+  const auto v6 = address.is_v6() ? address.to_v6()
+                                  : asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4());
+  return SourceOf(v6.to_bytes());
+}
+
+/// At most half of what one source may have, so that each is read before it could give way.
+std::size_t AcceptsPerTurn(const ListenerLimits& limits) {
+  const std::size_t places = limits.source_share > 0 ? limits.source_share : limits.connections_max;
+  return std::min(kAcceptsPerTurn, places / 2);
+}
+
 }  // namespace
 
 /// Accepts for ever, up to kAcceptsPerTurn waiting connections in one turn of the loop. One
@@ -28,7 +45,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
  public:
   Listener(const Context& context, const Options& options)
       : context_(std::make_shared<ConnectionContext>(context, options)),
-        accepts_per_turn_(std::min(kAcceptsPerTurn, options.limits.connections_max / 2)),
+        accepts_per_turn_(AcceptsPerTurn(options.limits)),
         acceptor_(context.io),
         pause_(context.io) {}
 
@@ -75,7 +92,8 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   void Admit(tcp::socket socket) {
     const HttpServer::Context& server = context_->server;
     ConnectionProbe& probe = context_->probe();
-    switch (context_->places.MakeRoom(server.clock.Steady())) {
+    const Source source = SourceOfPeer(socket);
+    switch (context_->places.MakeRoom(source, server.clock.Steady())) {
       case Places::Room::kNone: {
         probe.refused.Add();
         error_code ignored;
@@ -88,7 +106,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
       case Places::Room::kFree:
         break;
     }
-    ServeConnection(context_, std::move(socket));
+    ServeConnection(context_, std::move(socket), source);
   }
 
   void Rest() {

@@ -5,6 +5,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 import unittest
 import urllib.error
 import urllib.request
@@ -18,6 +19,10 @@ METRICS = re.compile(r" listening .*? metrics=\"?([^ \"]+)\"?")
 ELSEWHERE = "127.0.0.2"
 SHOWN = ("/livez", "/readyz", "/metrics", "/metrics/robots")
 HALF_REQUESTS = 40
+# One source has a quarter of the connections at most.
+SOURCES = 4
+FLOODERS = 32
+PROBES = 20
 
 
 def ask(address, path, method="GET", host="uplinkd.example"):
@@ -80,8 +85,9 @@ class MetricsListener(EndToEnd):
         server = self.begin(f"{ELSEWHERE}:0")
         address = (ELSEWHERE, int(self.metrics_port))
         with contextlib.ExitStack() as held:
-            for _ in range(HALF_REQUESTS):
-                end = held.enter_context(socket.create_connection(address, timeout=WAIT_SECONDS))
+            for index in range(HALF_REQUESTS):
+                source = (f"127.0.0.{3 + index % SOURCES}", 0)
+                end = held.enter_context(socket.create_connection(address, WAIT_SECONDS, source))
                 end.sendall(b"GET /metrics HTTP/1.1\r\nHost: x\r\n")
             limit = server.metric('uplinkd_http_connections_limit{listener="metrics"}')
             wait_until(
@@ -96,6 +102,33 @@ class MetricsListener(EndToEnd):
             for path in SHOWN:
                 self.assertEqual(ask(f"{ELSEWHERE}:{self.metrics_port}", path), 200, path)
             self.assertEqual(server.metric('uplinkd_http_connections_given_up_total{listener="http"}'), 0)
+
+    def test_probes_without_a_pause_from_one_source_shut_no_other_out(self):
+        server = self.begin(f"{ELSEWHERE}:0")
+        address = (ELSEWHERE, int(self.metrics_port))
+        ended = threading.Event()
+
+        def flood(source):
+            while not ended.is_set():
+                with contextlib.suppress(OSError), socket.create_connection(address, WAIT_SECONDS, source) as end:
+                    while not ended.is_set():
+                        end.sendall(b"GET /livez HTTP/1.1\r\nHost: x\r\n\r\n" * 20)
+                        if not end.recv(1 << 16):
+                            break
+
+        threads = [threading.Thread(target=flood, args=(("127.0.0.3", 0),)) for _ in range(FLOODERS)]
+        for thread in threads:
+            thread.start()
+        try:
+            given_up = 'uplinkd_http_connections_given_up_total{listener="metrics"}'
+            wait_until(server.process, lambda: server.metric(given_up) > 0, WAIT_SECONDS, "it has its share")
+            for _ in range(PROBES):
+                self.assertEqual(ask(f"{ELSEWHERE}:{self.metrics_port}", "/livez"), 200)
+                self.assertEqual(ask(server.http, "/livez", host="localhost"), 200)
+        finally:
+            ended.set()
+            for thread in threads:
+                thread.join()
 
     def test_a_reload_says_that_it_needs_a_restart(self):
         server = self.server()

@@ -15,7 +15,7 @@
 
 namespace uplink::testing {
 
-RawConnection::RawConnection(std::uint16_t port, int receive_bytes)
+RawConnection::RawConnection(std::uint16_t port, int receive_bytes, const char* from)
     : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
   UPLINK_CHECK(socket_ >= 0, "a test can open a socket");
   const timeval wait{.tv_sec = 10, .tv_usec = 0};
@@ -25,6 +25,11 @@ RawConnection::RawConnection(std::uint16_t port, int receive_bytes)
   }
   sockaddr_in address{};
   address.sin_family = AF_INET;
+  if (from != nullptr) {
+    address.sin_addr.s_addr = inet_addr(from);
+    UPLINK_CHECK(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0,
+                 "a test can have an address of loopback");
+  }
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   // Without a connection nothing can be sent or read below.

@@ -19,8 +19,9 @@ struct RawAnswer {
 /// what its server said last. Confined to one thread.
 class RawConnection final {
  public:
-  /// `receive_bytes`: what the kernel may hold unread, about; 0: as it likes.
-  explicit RawConnection(std::uint16_t port, int receive_bytes = 0);
+  /// `receive_bytes`: what the kernel may hold unread, about; 0: as it likes. `from`: its address,
+  /// of 127.0.0.0/8; null: 127.0.0.1.
+  explicit RawConnection(std::uint16_t port, int receive_bytes = 0, const char* from = nullptr);
   ~RawConnection();
   RawConnection(const RawConnection&) = delete;
   RawConnection& operator=(const RawConnection&) = delete;

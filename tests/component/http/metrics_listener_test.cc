@@ -23,6 +23,9 @@ using testing::RawAnswer;
 using testing::RawConnection;
 using ::testing::StartsWith;
 
+/// Another source than 127.0.0.1.
+constexpr const char* kElsewhere = "127.0.0.2";
+
 class MetricsListenerTest : public HttpServerTest {
  protected:
   ~MetricsListenerTest() override { loop_.Stop(); }
@@ -98,7 +101,8 @@ TEST_F(MetricsListenerTest, ConnectionsAreBoundedAndTakeNoPlaceOfTheOthers) {
   const std::uint16_t port = ServeBoth();
   std::vector<std::unique_ptr<RawConnection>> slow;
   for (std::size_t i = 0; i < kMetricsLimits.connections_max; ++i) {
-    slow.push_back(std::make_unique<RawConnection>(port));
+    const std::string from = "127.0.0." + std::to_string(2 + i / kMetricsLimits.source_share);
+    slow.push_back(std::make_unique<RawConnection>(port, 0, from.c_str()));
     slow.back()->Send("GET /metr");  // and no more of it
   }
   const auto most = static_cast<int>(kMetricsLimits.connections_max);
@@ -117,6 +121,96 @@ TEST_F(MetricsListenerTest, ConnectionsAreBoundedAndTakeNoPlaceOfTheOthers) {
   EXPECT_THAT(page, HasSubstr("uplinkd_http_connections{listener=\"http\"} 1\n"));
   EXPECT_THAT(page, HasSubstr("uplinkd_http_connections{listener=\"metrics\"} "));
   EXPECT_THAT(page, HasSubstr("uplinkd_http_connections_given_up_total{listener=\"http\"} 0\n"));
+}
+
+TEST_F(MetricsListenerTest, ASourceThatHasItsShareGivesWayToItselfAlone) {
+  const std::uint16_t port = ServeBoth();
+  RawConnection first(port);
+  first.SendGet("/livez");
+  ASSERT_EQ(first.Read()->status, 200);
+  std::vector<std::unique_ptr<RawConnection>> slow;
+  const auto hold_one = [&] {
+    slow.push_back(std::make_unique<RawConnection>(port, 0, kElsewhere));
+    slow.back()->Send("GET /liv");
+  };
+  for (std::size_t i = 0; i < kMetricsLimits.source_share; ++i) hold_one();
+  const auto open = static_cast<int>(kMetricsLimits.source_share) + 1;
+  ASSERT_TRUE(testing::Eventually([&] { return Metrics().open.value() == open; }));
+  EXPECT_EQ(Metrics().given_up.value(), 0);
+  hold_one();
+  EXPECT_TRUE(slow.front()->AtEnd());
+  EXPECT_EQ(Metrics().given_up.value(), 1);
+  EXPECT_EQ(Metrics().refused.value(), 0);
+  first.SendGet("/livez");
+  EXPECT_EQ(first.Read()->status, 200) << "idle for longer, and of another source";
+}
+
+TEST_F(MetricsListenerTest, ASourceIsRefusedPastItsShareAndKeepsNoOtherOut) {
+  constexpr int kLittle = 4096;
+  AddRobotsOfManyWords(world_);
+  // By a clock that stands still none of them is slow.
+  auto monitoring = HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
+                                        *scrapes_, world_.http_probe, world_.clock, logger_},
+                                       {ListenerId::kMetrics, {"::", 0}, kMetricsLimits});
+  ASSERT_TRUE(monitoring.ok()) << monitoring.status();
+  monitoring_ = *std::move(monitoring);
+  Serve();
+  const std::uint16_t port = monitoring_->bound().port;
+  std::vector<std::unique_ptr<RawConnection>> unread;
+  for (std::size_t i = 0; i < kMetricsLimits.source_share; ++i) {
+    unread.push_back(std::make_unique<RawConnection>(port, kLittle, kElsewhere));
+    unread.back()->SendGet("/metrics/robots");
+  }
+  const std::string answered =
+      "uplinkd_http_requests_total{route=\"metrics_robots\",code=\"2xx\"} " +
+      std::to_string(kMetricsLimits.source_share) + "\n";
+  ASSERT_TRUE(testing::Eventually(
+      [&] { return HttpGet(port, "/metrics").body.find(answered) != std::string::npos; }));
+  EXPECT_EQ(Metrics().refused.value(), 0);
+  RawConnection further(port, 0, kElsewhere);
+  EXPECT_TRUE(further.AtEnd());
+  EXPECT_EQ(Metrics().refused.value(), 1);
+  for (const char* path : {"/livez", "/readyz"}) EXPECT_EQ(HttpGet(port, path).status, 200) << path;
+  EXPECT_EQ(Metrics().given_up.value(), 0);
+  unread.pop_back();
+  EXPECT_TRUE(testing::Eventually([&] {
+    RawConnection again(port, 0, kElsewhere);
+    again.SendGet("/livez");
+    return again.Read().value_or(RawAnswer()).status == 200;
+  }));
+}
+
+TEST_F(MetricsListenerTest, OverHalfOfAShareIsNotKeptAfterItsAnswer) {
+  const std::uint16_t port = ServeBoth();
+  const std::string twice = Ask("GET /livez", "x") + Ask("GET /livez", "x");
+  std::vector<std::unique_ptr<RawConnection>> kept;
+  for (std::size_t i = 0; i < kMetricsLimits.source_share / 2; ++i) {
+    kept.push_back(std::make_unique<RawConnection>(port, 0, kElsewhere));
+    kept.back()->Send(twice);
+    for (int answer = 0; answer < 2; ++answer) {
+      EXPECT_THAT(kept.back()->Read()->head, HasSubstr("Connection: keep-alive\r\n"));
+    }
+  }
+  RawConnection further(port, 0, kElsewhere);
+  further.Send(twice);
+  EXPECT_THAT(further.Read()->head, HasSubstr("Connection: close\r\n"));
+  EXPECT_TRUE(further.AtEnd());
+  RawConnection other(port);
+  other.Send(twice);
+  for (int answer = 0; answer < 2; ++answer) EXPECT_EQ(other.Read()->status, 200);
+}
+
+TEST_F(MetricsListenerTest, ProbesThatAreSentAheadShutNoOtherOut) {
+  constexpr int kAhead = 100;
+  const std::uint16_t port = ServeBoth();
+  std::string ahead;
+  for (int i = 0; i < kAhead; ++i) ahead += Ask("GET /livez", "x");
+  std::vector<std::unique_ptr<RawConnection>> flood;
+  for (std::size_t i = 0; i < 2 * kMetricsLimits.connections_max; ++i) {
+    flood.push_back(std::make_unique<RawConnection>(port, 0, kElsewhere));
+    flood.back()->Send(ahead);
+    EXPECT_EQ(HttpGet(port, "/livez").status, 200) << i;
+  }
 }
 
 TEST_F(MetricsListenerTest, ScrapersThatDoNotReadLeaveATextToThoseOfTheMachine) {

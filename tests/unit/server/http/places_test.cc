@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,12 +25,12 @@ class PlacesTest : public ::testing::Test {
  protected:
   static constexpr std::size_t kPlaces = kMonitoringPlaces + 2;
 
-  Room MakeRoom() { return places_.MakeRoom(clock_.Steady()); }
+  Room MakeRoom() { return places_.MakeRoom({}, clock_.Steady()); }
   /// Takes all places, a second apart.
   void Fill() {
     for (Holder& holder : holders_) {
       ASSERT_EQ(MakeRoom(), Room::kFree);
-      taken_.push_back(places_.Take(holder, clock_.Steady()));
+      taken_.push_back(places_.Take(holder, {}, clock_.Steady()));
       clock_.Advance(std::chrono::seconds(1));
     }
   }
@@ -51,14 +53,14 @@ TEST_F(PlacesTest, APlaceThatIsFreeAgainIsForAnything) {
   Fill();
   places_.Leave(taken_[0]);
   EXPECT_EQ(MakeRoom(), Room::kFree);
-  EXPECT_FALSE(places_.Take(holders_[0], clock_.Steady())->monitoring_only);
+  EXPECT_FALSE(places_.Take(holders_[0], {}, clock_.Steady())->monitoring_only);
 }
 
 TEST_F(PlacesTest, AFreePlaceForMonitoringStaysOne) {
   Fill();
   places_.Leave(taken_[5]);
   EXPECT_EQ(MakeRoom(), Room::kFree);
-  EXPECT_TRUE(places_.Take(holders_[5], clock_.Steady())->monitoring_only);
+  EXPECT_TRUE(places_.Take(holders_[5], {}, clock_.Steady())->monitoring_only);
 }
 
 TEST_F(PlacesTest, WhoHasBeenIdleForLongestGivesWay) {
@@ -80,7 +82,7 @@ TEST_F(PlacesTest, WhoTakesAnAnswerSlowlyGivesWayAfterTheIdle) {
   Note(4, State::kIdle);
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_TRUE(holders_[4].gave_way);
-  static_cast<void>(places_.Take(holders_[4], clock_.Steady()));
+  static_cast<void>(places_.Take(holders_[4], {}, clock_.Steady()));
   Note(3, State::kAnswering);
   clock_.Advance(kNotReadYet + milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
@@ -91,19 +93,19 @@ TEST_F(PlacesTest, WhoHasJustComeGivesWayAfterAScrape) {
   Fill();
   for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kScraping);
   places_.Leave(taken_[5]);
-  taken_[5] = places_.Take(holders_[5], clock_.Steady());
+  taken_[5] = places_.Take(holders_[5], {}, clock_.Steady());
   clock_.Advance(kNotReadYet);
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_FALSE(holders_[5].gave_way) << "its request may be there, and is not read yet";
   EXPECT_TRUE(holders_[4].gave_way);
-  taken_[4] = places_.Take(holders_[4], clock_.Steady());
+  taken_[4] = places_.Take(holders_[4], {}, clock_.Steady());
   clock_.Advance(milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_TRUE(holders_[5].gave_way) << "it says nothing";
 }
 
 TEST_F(PlacesTest, WhereAllHaveJustComeTheFirstOfThemGivesWay) {
-  for (Holder& holder : holders_) taken_.push_back(places_.Take(holder, clock_.Steady()));
+  for (Holder& holder : holders_) taken_.push_back(places_.Take(holder, {}, clock_.Steady()));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_TRUE(holders_[0].gave_way);
 }
@@ -119,10 +121,10 @@ TEST_F(PlacesTest, AScrapeGivesWayLastAndTheNewestFirst) {
   clock_.Advance(kSlowAnswer + milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   EXPECT_TRUE(holders_[1].gave_way) << "a slow peer before a scrape";
-  static_cast<void>(places_.Take(holders_[1], clock_.Steady()));
+  static_cast<void>(places_.Take(holders_[1], {}, clock_.Steady()));
   clock_.Advance(kNotReadYet + milliseconds(1));
   EXPECT_EQ(MakeRoom(), Room::kGivenWay) << "the new one is idle";
-  taken_[1] = places_.Take(holders_[1], clock_.Steady());
+  taken_[1] = places_.Take(holders_[1], {}, clock_.Steady());
   Note(1, State::kBusy);
   EXPECT_EQ(MakeRoom(), Room::kGivenWay);
   for (const std::size_t i : {0U, 2U, 3U, 4U}) EXPECT_FALSE(holders_[i].gave_way) << i;
@@ -134,6 +136,77 @@ TEST_F(PlacesTest, WhoIsAnsweredNeverGivesWay) {
   for (std::size_t i = 0; i < kPlaces; ++i) Note(i, State::kBusy);
   clock_.Advance(std::chrono::hours(1));
   EXPECT_EQ(MakeRoom(), Room::kNone);
+}
+
+TEST_F(PlacesTest, NoneIsCrowdedWithoutShares) {
+  Fill();
+  for (const Places::Handle& place : taken_) EXPECT_FALSE(places_.Crowded(place));
+}
+
+/// Sixteen places, four for a source.
+class SharedPlacesTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kPlaces = 16;
+  static constexpr std::size_t kShare = 4;
+
+  static Source SourceAt(std::uint8_t n) { return {n}; }
+  Room MakeRoom(std::uint8_t source) { return places_.MakeRoom(SourceAt(source), clock_.Steady()); }
+  /// For each of so many connections of a source, a millisecond apart.
+  void Take(std::uint8_t source, std::size_t count, State state) {
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(MakeRoom(source), Room::kFree);
+      taken_.push_back(places_.Take(holders_.emplace_back(), SourceAt(source), clock_.Steady()));
+      Places::Note(taken_.back(), state, clock_.Steady());
+      clock_.Advance(milliseconds(1));
+    }
+  }
+
+  testing::ManualClock clock_;
+  std::deque<Holder> holders_;
+  Places places_{kPlaces, kShare};
+  std::vector<Places::Handle> taken_;
+};
+
+TEST_F(SharedPlacesTest, ASourceThatIsAnsweredHasItsShareAndNoMore) {
+  Take(1, kShare, State::kBusy);
+  EXPECT_EQ(MakeRoom(1), Room::kNone);
+  EXPECT_EQ(MakeRoom(2), Room::kFree);
+  places_.Leave(taken_[2]);
+  EXPECT_EQ(MakeRoom(1), Room::kFree);
+}
+
+TEST_F(SharedPlacesTest, ASourceThatHasItsShareGivesWayToItselfAlone) {
+  Take(2, 1, State::kIdle);
+  Take(1, kShare - 1, State::kBusy);
+  Take(1, 1, State::kIdle);
+  EXPECT_EQ(MakeRoom(1), Room::kGivenWay);
+  EXPECT_TRUE(holders_[kShare].gave_way);
+  EXPECT_FALSE(holders_[0].gave_way) << "idle for longer, and of another source";
+}
+
+TEST_F(SharedPlacesTest, WhereAllAreTakenAnySourceGivesWay) {
+  for (std::uint8_t source = 1; source <= kPlaces / kShare; ++source) {
+    Take(source, kShare, source == 3 ? State::kIdle : State::kBusy);
+  }
+  EXPECT_EQ(MakeRoom(1), Room::kNone) << "it has its share";
+  EXPECT_EQ(MakeRoom(9), Room::kGivenWay);
+  EXPECT_TRUE(holders_[2 * kShare].gave_way);
+}
+
+TEST_F(SharedPlacesTest, IsCrowdedOverHalfOfTheSharesPlaces) {
+  Take(1, kShare / 2, State::kBusy);
+  EXPECT_FALSE(places_.Crowded(taken_[0]));
+  Take(1, 1, State::kBusy);
+  for (const Places::Handle& place : taken_) EXPECT_TRUE(places_.Crowded(place));
+  Take(2, 1, State::kBusy);
+  EXPECT_FALSE(places_.Crowded(taken_.back())) << "another source is not";
+}
+
+TEST_F(SharedPlacesTest, IsCrowdedOverHalfOfAllPlaces) {
+  for (std::uint8_t source = 1; source <= kPlaces / 2; ++source) Take(source, 1, State::kBusy);
+  EXPECT_FALSE(places_.Crowded(taken_[0]));
+  Take(9, 1, State::kBusy);
+  for (const Places::Handle& place : taken_) EXPECT_TRUE(places_.Crowded(place));
 }
 
 }  // namespace
