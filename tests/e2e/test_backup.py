@@ -108,8 +108,7 @@ class Backup(EndToEnd):
         for there, here in (
             ("/var/lib/uplinkd/", f"{self.folder}/"),
             ("/backup/", f"{self.folder}/backup/"),
-            # Midnight may pass between the commands.
-            ("$(date +%F)", "2025-01-01"),
+            ("$(date +%F)", "2026-11-27"),
             ("-o uplinkd -g uplinkd ", ""),
         ):
             line = line.replace(there, here)
@@ -120,17 +119,36 @@ class Backup(EndToEnd):
         self.assertEqual(said[-1], "ok\n")
 
     def restore_sqlite(self, stop, start):
-        """On an empty server: nothing of the old store is left."""
         steps = {"systemctl stop uplinkd": stop, "systemctl start uplinkd": start}
-        for line in commands(PAGE, "How do I restore SQLite?"):
-            if line not in steps:
+        look, *rest = commands(PAGE, "How do I restore SQLite?")
+        self.assertEqual(self.run_of_sqlite(look), "ok\n")
+        for line in rest:
+            if line in steps:
+                steps.pop(line)()
+            else:
                 self.run_of_sqlite(line)
-                continue
-            steps.pop(line)()
-            if line.startswith("systemctl stop"):
-                for path in self.folder.glob("uplinkd.db*"):
-                    path.unlink()
         self.assertEqual(steps, {})
+        self.assertTrue((self.folder / "old/uplinkd.db").exists(), "the old store is put aside")
+
+    def test_without_the_backup_nothing_of_the_old_store_is_lost(self):
+        server = self.server().start()
+        robots = self.fleet(server, "--robots", 2)
+        server.wait_for_status(lambda status: status["streams"] == "2", 30, "both stream")
+        self.assert_agrees(robots)
+        server.kill()
+        look, *rest = commands(PAGE, "How do I restore SQLite?")
+        with self.assertRaisesRegex(AssertionError, "unable to open database"):
+            self.run_of_sqlite(look)
+        for line in rest:
+            if line.startswith("install "):
+                with self.assertRaisesRegex(AssertionError, "No such file"):
+                    self.run_of_sqlite(line)
+            elif not line.startswith("systemctl "):
+                self.run_of_sqlite(line)
+        for path in (self.folder / "old").iterdir():
+            path.rename(self.folder / path.name)
+        server.start()
+        self.assertEqual(len(server.get("/api/v1/robots")["robots"]), 2)
 
     def test_a_copy_of_sqlite(self):
         self.take_and_restore(self.campaign("sqlite"), self.take_sqlite, self.restore_sqlite)

@@ -27,7 +27,8 @@ absl::Status SystemError(const std::string& path, const char* doing, int error) 
 }
 
 absl::Status Taken(const std::string& path) {
-  return absl::AlreadyExistsError(fmt::format("{}: already there; --keep leaves it, --force replaces it for good", path));
+  return absl::AlreadyExistsError(
+      fmt::format("{}: already there; --keep leaves it, --force replaces it for good", path));
 }
 
 bool Exists(const std::string& path) {
