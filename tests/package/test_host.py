@@ -30,11 +30,11 @@ EXPOSURE_MAX_TENTHS = 15
 
 
 def block(beginning):
-    """The commands of the page that begin so, with this machine's places. The root has no curl."""
+    """The commands of the page that begin so, with this machine's places."""
     text = next(each for each in BLOCK.findall(INSTALL_PAGE.read_text(encoding="utf-8")) if each.startswith(beginning))
     for there, here in (("uplink.example.org", "127.0.0.1"), ("apt-get install ./", "apt-get -q -y install ./")):
         text = text.replace(there, here)
-    return "\n".join(line for line in text.splitlines() if not line.startswith("curl "))
+    return text
 
 
 def package(name):
