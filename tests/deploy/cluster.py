@@ -183,7 +183,8 @@ class Cluster:
         self.start("etcd", "--data-dir", folder / "etcd", "--listen-client-urls", "http://127.0.0.1:2379",
                    "--advertise-client-urls", "http://127.0.0.1:2379", "--listen-peer-urls", "http://127.0.0.1:2380")  # fmt: skip
         self.start("kube-apiserver", "--etcd-servers=http://127.0.0.1:2379", f"--advertise-address={ADDRESS}",
-                   "--bind-address=127.0.0.1", f"--cert-dir={folder}/apiserver", "--allow-privileged=true",
+                   "--bind-address=127.0.0.1", "--kubelet-preferred-address-types=InternalIP",
+                   f"--cert-dir={folder}/apiserver", "--allow-privileged=true",
                    "--service-cluster-ip-range=203.0.113.0/24", "--authorization-mode=RBAC",
                    f"--token-auth-file={folder}/tokens", "--service-account-issuer=https://kubernetes.default.svc",
                    f"--service-account-signing-key-file={folder}/accounts.key",
