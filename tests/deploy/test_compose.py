@@ -14,8 +14,12 @@ from images import MINUTES, SOURCE, WORK, run, wait_for
 
 FOLDERS = ("compose", "prometheus", "grafana", "mosquitto")
 RECEIVER_PORT = 9999
+# A machine for tests may not grant 65,536 descriptors.
 OVERRIDE = """
 services:
+  uplinkd: {ulimits: {nofile: 16384}}
+  uplinkd-postgres: {ulimits: {nofile: 16384}}
+  uplinkd-cyberwave: {ulimits: {nofile: 16384}}
   grafana:
     profiles: [without-its-image]
   alertmanager:

@@ -138,8 +138,10 @@ class Release(unittest.TestCase):
         raise AssertionError(f"no process of {pod['metadata']['name']}")
 
     def start_front(self):
-        front = subprocess.Popen([*self.cluster.enter(), "python3", SOURCE / "tests/deploy/front.py",
-                                  str(RELAY_PORT), str(HTTP_PORT), self.folder / "pods"])  # fmt: skip
+        # It finds the pods' networks by the processes of this machine, so it is only in the cluster's network.
+        front = subprocess.Popen(["nsenter", "--net", "--target", self.cluster.first, "python3",
+                                  SOURCE / "tests/deploy/front.py", str(RELAY_PORT), str(HTTP_PORT),
+                                  self.folder / "pods"])  # fmt: skip
         self.addCleanup(front.wait, 30)
         self.addCleanup(front.kill)
 
