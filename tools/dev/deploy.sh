@@ -36,6 +36,7 @@ helm() {
 cluster() {
   local program module source folder="$tools/kubernetes-$kubernetes_version"
   local missing=() programs=(kube-apiserver kube-controller-manager kube-scheduler kubelet)
+  command -v kubectl >/dev/null || programs+=(kubectl)
   for program in "${programs[@]}"; do
     [[ -x "$tools/bin/$program" ]] || missing+=("$program")
   done
