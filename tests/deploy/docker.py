@@ -21,6 +21,8 @@ PATH="/usr/lib/postgresql/15/bin:$PATH" PGDATA=/var/lib/postgresql/data
 export PATH PGDATA
 if [ "$(id -u)" = 0 ]; then
   mkdir -p "$PGDATA" && chown postgres "$PGDATA" && chmod 700 "$PGDATA"
+  # Debian makes it at boot.
+  install -d -o postgres -g postgres -m 775 /var/run/postgresql
   exec setpriv --reuid=postgres --regid=postgres --init-groups "$0"
 fi
 if [ ! -s "$PGDATA/PG_VERSION" ]; then

@@ -66,7 +66,10 @@ class Compose(unittest.TestCase):
         settings.write_text(text.replace("PROFILES=sqlite", f"PROFILES={profile}"), encoding="utf-8")
         began = time.monotonic()
         self.addCleanup(self.compose, "down", "--volumes", "--timeout", "30")
-        self.compose("up", "--detach")
+        try:
+            self.compose("up", "--detach")
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{self.compose('logs', '--tail', '20').stdout}") from None
         self.service = "uplinkd" if profile == "sqlite" else f"uplinkd-{profile}"
         self.wait_until_healthy()
         print(f"\n{profile}: healthy after {time.monotonic() - began:.0f} s")
