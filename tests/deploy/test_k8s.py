@@ -34,6 +34,7 @@ kind: Pod
 metadata: {name: postgres}
 spec:
   enableServiceLinks: false
+  automountServiceAccountToken: false
   containers:
     - name: postgres
       image: localhost/postgres:15
