@@ -123,7 +123,7 @@ class Host(DoctorTest):
         server = self.server()
         path = server.configuration()
         (server.pki / "server.key").write_bytes((server.pki / "ca.key").read_bytes())
-        self.assert_one_error(path, "tls.certificate_file", "server.key: is not the key of", "name the key")
+        self.assert_one_error(path, "tls.certificate_file", "server.key: is not the key of", "issued together")
 
     def test_a_key_that_everybody_may_read(self):
         server = self.server()
@@ -133,13 +133,13 @@ class Host(DoctorTest):
         self.assertEqual(report.code, 1)
         warnings = report.of("warning")
         self.assertEqual([where for where, _ in warnings], ["tls.key_file"])
-        self.assertIn(f"run chmod o-r {key}", warnings[0][1])
+        self.assertIn(f"chmod o-r {key}", warnings[0][1])
 
     def test_a_missing_file(self):
         server = self.server()
         path = server.configuration()
         (server.pki / "server.key").unlink()
-        self.assert_one_error(path, "tls.key_file", "server.key: cannot be read: No such file", "put it there")
+        self.assert_one_error(path, "tls.key_file", "server.key: cannot be read: No such file", "make the file")
 
     def test_an_unknown_key(self):
         path = self.server("[presence]\ntime_out = 1\n").configuration()
@@ -216,7 +216,7 @@ class Host(DoctorTest):
         server.pki.chmod(0o755)
         errors = self.doctor(path, user="daemon").of("error")
         self.assertIn("tls.key_file", [where for where, _ in errors])
-        self.assertIn("let daemon read it", str(errors))
+        self.assertIn("let the user daemon read it", str(errors))
         self.assertIn(("store.url", f"daemon may not write the folder {self.folder}: Permission denied;"
                        f" run chown daemon {self.folder}"), errors)  # fmt: skip
 

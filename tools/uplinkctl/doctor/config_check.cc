@@ -11,10 +11,18 @@ bool Holds(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
+constexpr std::string_view kDenied = "Permission denied";
+/// What stands in most texts between what is wrong and what to do.
+constexpr std::string_view kBeforeRemedy = "; ";
+
 /// `where` of the problem, unless its text names that already, and the text.
 std::string What(const config::Problem& problem) {
-  if (problem.where.empty() || Holds(problem.text, problem.where)) return problem.text;
-  return problem.where + ": " + problem.text;
+  // Whom the file must be readable for, only we know.
+  std::string text = Holds(problem.text, kDenied)
+                         ? problem.text.substr(0, problem.text.find(kBeforeRemedy))
+                         : problem.text;
+  if (problem.where.empty() || Holds(text, problem.where)) return text;
+  return problem.where + ": " + text;
 }
 
 /// What the text does not say itself.
@@ -22,12 +30,10 @@ std::string RemedyOf(const config::Problem& problem, const std::string& user) {
   const std::string& text = problem.text;
   if (Holds(text, "chmod") || Holds(text, "removed")) return {};
   if (Holds(text, "did you mean")) return "docs/operate/configuration.md has all keys";
-  if (Holds(text, "unknown")) {
-    return "correct its name, or remove it: docs/operate/configuration.md has all keys";
+  if (Holds(text, kDenied) || Holds(text, "cannot be opened")) {
+    return fmt::format("let the user {} read it, and enter its folders (chgrp, chmod)", user);
   }
-  if (Holds(text, "Permission denied") || Holds(text, "cannot be opened")) {
-    return fmt::format("let {} read it, and enter its folders (chgrp, chmod)", user);
-  }
+  if (Holds(text, kBeforeRemedy)) return {};
   if (Holds(text, "No such file") || Holds(text, "does not exist")) {
     return "put it there, or correct the path";
   }
@@ -39,6 +45,7 @@ std::string RemedyOf(const config::Problem& problem, const std::string& user) {
 }
 
 std::string RemedyOf(const config::Note& note) {
+  if (Holds(note.text, "chmod")) return {};
   if (note.event == "secret_readable") return "run chmod o-r " + note.where;
   if (note.event == "secret_writable") return "run chmod g-w " + note.where;
   if (note.event == "setting_without_effect") return "remove it";

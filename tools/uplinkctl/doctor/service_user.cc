@@ -69,6 +69,7 @@ absl::Status Become(const User& user) {
   if (::initgroups(user.name.c_str(), user.gid) != 0) return Refused("groups", user);
   if (::setresgid(user.gid, user.gid, user.gid) != 0) return Refused("group", user);
   if (::setresuid(user.uid, user.uid, user.uid) != 0) return Refused("user", user);
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread has begun
   ::setenv("HOME", user.home.c_str(), 1);
   return absl::OkStatus();
 }

@@ -37,7 +37,7 @@ class KeyFilesTest : public ::testing::Test {
   /// What a start says of the files; empty if it takes them.
   [[nodiscard]] std::string SaidAtAStart() const {
     const auto problems = config::ValidateFiles(config_);
-    return problems.empty() ? std::string() : config::ToText(problems.front());
+    return problems.empty() ? std::string() : problems.front().where + ": " + problems.front().text;
   }
 
   /// What a server that runs says of these after good ones; empty if it serves with them.

@@ -28,9 +28,10 @@ TEST(ConfigCheck, AnUnknownKeyIsNamedWithItsLine) {
   const config::LoadResult read =
       config::ParseConfig("[limits]\nno_such_thing = 1\n", "a.toml", config::Environment());
   const Findings findings = ConfigFindings(read, kFile, "uplinkd");
-  EXPECT_EQ(ToText(findings.front()),
-            "error    limits.no_such_thing: a.toml:2: unknown key; correct its name, or remove it: "
-            "docs/operate/configuration.md has all keys");
+  EXPECT_EQ(
+      ToText(findings.front()),
+      "error    limits.no_such_thing: a.toml:2: unknown key; delete it, or take one of those in "
+      "the reference (docs/operate/configuration.md)");
   EXPECT_TRUE(KeysAtFault(read).contains("limits.no_such_thing"));
 }
 
@@ -47,12 +48,22 @@ TEST(ConfigCheck, EachKindOfTroubleHasItsRemedy) {
     return FindingOf({"/a.key", "tls.key_file", text}).remedy;
   };
   EXPECT_THAT(remedy("/a.key: cannot be read: Permission denied"),
-              HasSubstr("let uplinkd read it"));
+              HasSubstr("let the user uplinkd read it"));
   EXPECT_THAT(remedy("/a.key: cannot be read: No such file or directory"),
               HasSubstr("put it there"));
   EXPECT_THAT(remedy("/a.key: is not the key of /a.crt"), HasSubstr("name the key"));
   EXPECT_THAT(remedy("the file cannot be read"), HasSubstr("let uplinkd read it"));
   EXPECT_THAT(remedy("something else"), HasSubstr("correct it"));
+}
+
+TEST(ConfigCheck, ARemedyIsGivenOnce) {
+  EXPECT_EQ(FindingOf({"/a.key", "tls.key_file", "cannot be read: gone; make the file"}).remedy,
+            "");
+  EXPECT_EQ(
+      ToText(FindingOf(
+          {"/a.key", "tls.key_file", "cannot be read: Permission denied; let this user read it"})),
+      "error    tls.key_file: /a.key: cannot be read: Permission denied; let the user uplinkd "
+      "read it, and enter its folders (chgrp, chmod)");
 }
 
 TEST(ConfigCheck, AFileIsNamedOnce) {
