@@ -1,5 +1,6 @@
 #include "server/run/greeting.h"
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -99,7 +100,9 @@ class GreetingTest : public ::testing::Test {
   GreetingTest() {
     grantpt(master_);
     unlockpt(master_);
-    terminal_ = open(ptsname(master_), O_RDWR | O_NOCTTY);
+    std::array<char, 64> name{};
+    EXPECT_EQ(ptsname_r(master_, name.data(), name.size()), 0);
+    terminal_ = open(name.data(), O_RDWR | O_NOCTTY);
     const auto path = std::filesystem::path(::testing::TempDir()) / "greeting.crt";
     config_.store.url = "sqlite:///s/u.db";
     config_.tls.certificate_file = path.string();
