@@ -105,6 +105,8 @@ class FleetRun(EndToEnd):
         self.assertGreater(report["run"]["breaks"], 0)
         self.assertGreater(report["run"]["resent"], 0)
         self.assertGreater(report["run"]["rejects"], 0)
+        acked = next(check for check in report["checks"] if check["what"] == "durable messages acked")
+        self.assertEqual(str(report["run"]["ackedDurable"]), acked["server"], "one count, without the wrong ones")
 
     def test_robots_by_the_grpc_library_agree_though_their_streams_break(self):
         _, fleet = self.at_work(

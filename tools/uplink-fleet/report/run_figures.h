@@ -29,6 +29,7 @@ struct RunFigures {
   std::uint64_t resent = 0;
   /// Messages that the server judged and said so to the robots.
   std::uint64_t judged = 0;
+  /// Good durable messages that Acks covered; wrong ones count in `rejects` alone.
   std::uint64_t acked_durable = 0;
   std::uint64_t rejects = 0;
   /// Rejects that robots were told, by reason as JSON spells it.

@@ -122,19 +122,21 @@ void Account::GiveWay(std::uint64_t tag) {
   ++gave_way_;
 }
 
-void Account::Settle(Settled settled) {
+bool Account::Settle(Settled settled) {
   if (const auto wrong = wrongs_.find(settled.tag); wrong != wrongs_.end()) {
     wrong->second.seq = settled.seq;
     wrong->second.acked = true;
     wrong->second.told = std::move(settled.rejection);
-    return;
+    return false;
   }
-  if (settled.tag == 0 || settled.tag > sent_.size()) return;
+  if (settled.tag == 0 || settled.tag > sent_.size()) return false;
   SentMessage& message = sent_[settled.tag - 1];
   message.seq = settled.seq;
   message.acked = true;
-  if (!settled.rejection) return;
-  if (good_rejected_++ == 0) first_good_rejection_ = settled.rejection->detail;
+  if (settled.rejection && good_rejected_++ == 0) {
+    first_good_rejection_ = settled.rejection->detail;
+  }
+  return true;
 }
 
 }  // namespace uplink::synthetic

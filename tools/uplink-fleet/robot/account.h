@@ -85,8 +85,8 @@ class Account final {
   void EnterLive(const model::Body& body);
   void EnterRcan(model::RcanState state) { live_.rcan = std::move(state); }
   std::uint64_t EnterWrong(model::RejectReason reason, std::string field);
-  /// An Ack covered the message of that tag.
-  void Settle(Settled settled);
+  /// An Ack covered the message of that tag; true if good_acked counts it.
+  bool Settle(Settled settled);
   /// The message of that tag gave way to a later one, and is not sent any more.
   void GiveWay(std::uint64_t tag);
 

@@ -161,9 +161,10 @@ absl::Status Agent::OnFrame(const v1::RelayResponse& frame, SteadyTime now) {
     TakeForward(frame.forward(), now);
   }
   for (Settled& settled : model_.TakeSettled()) {
-    shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
     if (frame.has_ack()) latencies_.durable.Record(now - settled.due);
-    account_.Settle(std::move(settled));
+    if (account_.Settle(std::move(settled))) {
+      shared_.acked_durable.fetch_add(1, std::memory_order_relaxed);
+    }
   }
   for (const SteadyTime due : model_.TakeJudged()) latencies_.live.Record(now - due);
   NoteGaveWay(now);

@@ -58,6 +58,7 @@ struct Shared {
   std::atomic<std::int64_t> streams{0};
   std::atomic<std::uint64_t> welcomes{0};
   std::atomic<std::uint64_t> sent{0};
+  /// Good durable messages that Acks covered; wrong ones count in `rejects` alone.
   std::atomic<std::uint64_t> acked_durable{0};
   /// Rejects that the robots were told, by reason; the last: of reasons that this program does not
   /// know.

@@ -187,6 +187,9 @@ TEST_F(AgentTest, TheAccountKnowsWhatWasAckedAndWhatWasTold) {
   }
   ASSERT_GT(outcome.account.good(), 10U);
   EXPECT_EQ(outcome.account.good_rejected(), outcome.account.good());
+  // What is shown while it runs is what the comparison counts: without the wrong ones.
+  EXPECT_EQ(shared_.acked_durable.load(), outcome.account.good_acked());
+  EXPECT_EQ(shared_.acked_durable.load(), outcome.account.good());
   EXPECT_EQ(outcome.mark, "test-1");
 }
 
