@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import unittest
 
 from harness import BIN, SOURCE, EndToEnd, run
@@ -92,6 +93,45 @@ wait $pid"""
                       ["--for", "soon"], ["--for"], ["--nonsense"], ["--cyberwave", "--uncrew"]):  # fmt: skip
             with self.subTest(flags):
                 self.demo(*flags, code=2)
+
+    def test_it_takes_as_many_robots_as_the_fleet(self):
+        refused = self.demo("--robots", "50001", code=2)
+        self.assertEqual(refused.stderr, "dev: demo: --robots takes a number from 1 to 50000\n")
+        self.assertIn("50000", run(BIN / "uplink-fleet", "--robots", "50001", code=2).stderr)
+        self.demo("--robots", "50000", code=3, programs=self.with_fleet("exit 3"))
+
+
+class Help(unittest.TestCase):
+    """What ./dev says of itself: no verb runs."""
+
+    def dev(self, *arguments, code=0):
+        return run(SOURCE / "dev", *arguments, code=code)
+
+    def verbs(self):
+        """Each verb that the usage names."""
+        heads = re.findall(r"^  ([a-z][a-z0-9-]*(?:, [a-z0-9-]+)*)", self.dev("help").stdout, re.MULTILINE)
+        return sorted({verb for head in heads for verb in head.split(", ")})
+
+    def test_each_verb_shows_its_own_lines(self):
+        verbs = self.verbs()
+        self.assertIn("chart-test", verbs)
+        self.assertGreater(len(verbs), 20)
+        usage = self.dev("help").stdout
+        for verb in verbs:
+            with self.subTest(verb):
+                lines = self.dev(verb, "--help").stdout
+                self.assertIn(verb, lines.splitlines()[0])
+                self.assertTrue(set(lines.splitlines()) <= set(usage.splitlines()), lines)
+                self.assertLess(len(lines.splitlines()), 16, "of this verb alone")
+
+    def test_the_demo_names_its_flags(self):
+        shown = self.dev("demo", "--robots", "5", "--help").stdout
+        for flag in ("--for", "--robots", "--gateways", "--store", "--seed", "--cyberwave", "--uncrew"):
+            self.assertIn(flag, shown)
+        self.assertNotIn("--kills", shown)
+
+    def test_an_unknown_verb_has_no_help(self):
+        self.assertIn("unknown verb: nonsense", self.dev("nonsense", "--help", code=2).stderr)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ readonly demo="${UPLINK_DEMO_DIR:-$PWD/build/demo}"
 readonly start_seconds=30
 # To start, settle and compare.
 readonly check_seconds=10
+# kRobotsNumber of tools/uplink-fleet/scenario/scenario.h.
+readonly robots_max=50000
 
 duration=30s
 robots=50
@@ -57,7 +59,8 @@ case "$store" in
   sqlite | postgres) ;;
   *) die_usage "demo: unknown store: $store (sqlite or postgres)" ;;
 esac
-[[ "$robots" =~ ^[1-9][0-9]{0,4}$ ]] || die_usage "demo: --robots takes a number from 1 to 99999"
+[[ "$robots" =~ ^[1-9][0-9]{0,4}$ && "$robots" -le "$robots_max" ]] ||
+  die_usage "demo: --robots takes a number from 1 to $robots_max"
 [[ "$gateways" =~ ^[0-9]{1,4}$ ]] || die_usage "demo: --gateways takes a number from 0 to 9999"
 [[ -z "$cyberwave$uncrew" || "$gateways" -eq 0 ]] ||
   die_usage "demo: --gateways are not for --cyberwave and --uncrew"
