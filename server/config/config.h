@@ -239,6 +239,10 @@ struct UncrewConfig {
   std::string ruri_template = "rcan://local.rcan/uncrew/uav/{uav_id}";
 };
 
+/// Connections of listen.metrics held at once: room for some Prometheus servers with two jobs each
+/// and the probes of a cluster.
+inline constexpr std::size_t kMetricsConnectionsMax = 32;
+
 struct HttpConfig {
   /// Names under which /api may be asked for, beside addresses and localhost; without a port.
   std::vector<std::string> hosts;

@@ -17,6 +17,7 @@
 #include "server/front/tls/tls_context.h"
 #include "server/front/worker.h"
 #include "server/log/rate_limited.h"
+#include "server/transport/descriptors.h"
 #include "server/transport/gate.h"
 #include "server/transport/key_files.h"
 
@@ -79,7 +80,7 @@ struct FrontServer::Impl {
 
   absl::Status ServeFiles();
   absl::Status Serve(const transport::PemTexts& texts);
-  /// Computes the bounds of connections, and warns if there are fewer than two per robot.
+  /// Shows the bound of connections, and warns if the descriptors do not reach for all bounds.
   void TellLimits() const;
   void StartWorkers();
   void OpenDoor();
@@ -149,8 +150,10 @@ absl::StatusOr<std::unique_ptr<FrontServer>> FrontServer::Start(
 void FrontServer::Impl::TellLimits() const {
   const std::size_t connections = limits.book.connections_max;
   context.probe.connections_limit.Set(static_cast<std::int64_t>(connections));
-  if (connections >= options.streams_max || context.logger == nullptr) return;
+  const std::size_t wanted = transport::DescriptorsWanted(options);
+  if (DescriptorsMax() >= wanted || context.logger == nullptr) return;
   context.logger->Warn("descriptors_few", {{"descriptors_max", DescriptorsMax()},
+                                           {"descriptors_wanted", wanted},
                                            {"connections_limit", connections},
                                            {"connections_wanted", options.streams_max}});
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "schema/base/clock.h"
+#include "server/config/config.h"
 #include "server/http/listeners.h"
 
 namespace uplink::http {
@@ -36,11 +37,10 @@ inline constexpr ListenerLimits kHttpLimits{.header_bytes_max = 16UL * 1024,
                                             .answer_wait = std::chrono::seconds(30),
                                             .idle_wait = std::chrono::seconds(75)};
 
-/// Of listen.metrics, which strangers may reach: room for some Prometheus servers with two jobs
-/// each and the probes of a cluster. One source has a quarter at most, so that a client that asks
-/// without a pause leaves room for others. Their requests are short; a large answer over a slow
-/// line is not.
-inline constexpr ListenerLimits kMetricsLimits{.connections_max = 32,
+/// Of listen.metrics, which strangers may reach. One source has a quarter at most, so that a client
+/// that asks without a pause leaves room for others. Their requests are short; a large answer over
+/// a slow line is not.
+inline constexpr ListenerLimits kMetricsLimits{.connections_max = config::kMetricsConnectionsMax,
                                                .source_share = 8,
                                                .header_bytes_max = 8UL * 1024,
                                                .body_bytes_max = 1024,

@@ -4,30 +4,28 @@
 #include <chrono>
 #include <utility>
 
+#include "server/transport/descriptors.h"
+
 namespace uplink::front {
 namespace {
 
+using transport::kHandshakesMax;
+using transport::kHandshakesWaitingMax;
+using transport::kLingersMax;
+using transport::kProxyHeadersMax;
+using transport::kSpareConnections;
 using transport::TurnedAway;
 
 /// A younger handshake may be honest and just slow to be served.
 constexpr std::chrono::seconds kSpared{1};
-/// Handshakes at once: each holds some 60 KiB and a place until its peer answers.
-constexpr std::size_t kHandshakesMax = 512;
-constexpr std::size_t kWaitingMax = 4096;
 /// Handshakes that were admitted and wait for a thread: some 10 ms of two threads.
 constexpr std::size_t kUnbegunMax = 32;
-/// Connections whose load balancer has not said where they come from, which it does at once.
-constexpr std::size_t kProxyHeadersMax = 1024;
-/// Connections without a place whose peers may still read why.
-constexpr std::size_t kLingersMax = 256;
 /// The part of the descriptors for connections without a certificate, and the reserve's maximum.
 constexpr std::size_t kUnprovenPart = 4;
 /// Those whose load balancer has not said where they come from, of connections without a
 /// certificate.
 constexpr std::size_t kProxyHeadersPart = 4;
 constexpr std::size_t kReservePart = 4;
-/// Connections beyond one per stream: new ones that come before the old one has ended.
-constexpr std::size_t kSpareConnections = 1024;
 
 }  // namespace
 
@@ -35,7 +33,8 @@ DoorLimits DoorLimitsFor(const DoorNeeds& needs) {
   const std::size_t descriptors_max = needs.descriptors_max;
   const bool expected = needs.headers == ProxyHeaders::kExpected;
   const std::size_t reserve = std::min(needs.reserved, descriptors_max / kReservePart);
-  const std::size_t unproven_max = kHandshakesMax + kWaitingMax + (expected ? kProxyHeadersMax : 0);
+  const std::size_t unproven_max =
+      kHandshakesMax + kHandshakesWaitingMax + (expected ? kProxyHeadersMax : 0);
   const std::size_t unproven =
       std::clamp<std::size_t>(descriptors_max / kUnprovenPart, expected ? 3 : 2, unproven_max);
   const std::size_t handshakes = std::clamp<std::size_t>(unproven / 2, 1, kHandshakesMax);

@@ -8,6 +8,7 @@
 
 #include "server/front/door/evictions.h"
 #include "server/front/door/place.h"
+#include "server/transport/descriptors.h"
 #include "tests/component/front/front_world.h"
 #include "tests/component/front/shared_lines.h"
 
@@ -191,16 +192,33 @@ TEST_F(NamingCrowds, AKeyThatEvictsItsOwnAgainAndAgain) {
 }
 
 TEST_F(Naming, TooFewDescriptors) {
-  EXPECT_THAT(LinesOf("descriptors_few"), IsEmpty());
   {
     const DescriptorLimit limit(1024);
     Make();
   }
   // 1,000 streams are asked for.
-  EXPECT_THAT(LinesOf("descriptors_few"),
-              Contains(AllOf(HasSubstr("descriptors_max=1024"), HasSubstr("connections_limit=384"),
-                             HasSubstr("connections_wanted=1000"))));
+  EXPECT_THAT(
+      LinesOf("descriptors_few"),
+      Contains(AllOf(HasSubstr("descriptors_max=1024"), HasSubstr("descriptors_wanted=7144"),
+                     HasSubstr("connections_limit=384"), HasSubstr("connections_wanted=1000"))));
   EXPECT_EQ(world_->relay_probe.connections_limit.value(), 384);
+}
+
+TEST_F(Naming, DescriptorsAreFewBelowWhatIsWanted) {
+  transport::RelayOptions options;
+  options.streams_max = world_->options.streams_max;
+  const std::size_t wanted = transport::DescriptorsWanted(options);
+  const std::size_t before = LinesOf("descriptors_few").size();
+  {
+    const DescriptorLimit limit(wanted);
+    Make();
+  }
+  EXPECT_THAT(LinesOf("descriptors_few"), SizeIs(before));
+  {
+    const DescriptorLimit limit(wanted - 1);
+    Make();
+  }
+  EXPECT_THAT(LinesOf("descriptors_few"), SizeIs(before + 1));
 }
 
 }  // namespace

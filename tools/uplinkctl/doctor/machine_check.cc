@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-#include "server/transport/options.h"
+#include "server/transport/descriptors.h"
 
 namespace uplink::ctl {
 namespace {
@@ -140,11 +140,14 @@ Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const Po
 }
 
 std::size_t DescriptorsWanted(const config::Config& config) {
-  const std::size_t http = config.http.connections_max;
-  const std::size_t usual = config::HttpConfig().connections_max;
-  return transport::kStreamsPerRobot * config.limits.robots_max + kDescriptorsBeside +
-         (config.listen.proxy_protocol_from.empty() ? 0 : kDescriptorsOfProxies) +
-         (http > usual ? http - usual : 0);
+  const std::size_t of_metrics =
+      config.listen.metrics.host.empty() ? 0 : config::kMetricsConnectionsMax;
+  transport::RelayOptions options;
+  options.proxy_protocol_from = config.listen.proxy_protocol_from;
+  options.descriptors_reserved =
+      transport::DescriptorsReserved(config.http.connections_max + of_metrics);
+  options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
+  return transport::DescriptorsWanted(options);
 }
 
 Finding DescriptorsFinding(const config::Config& config, const std::optional<ServerProcess>& server,

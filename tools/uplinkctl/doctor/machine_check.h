@@ -12,12 +12,6 @@
 
 namespace uplink::ctl {
 
-/// Descriptors beside those of robots: peers without a certificate, the store, HTTP
-/// (docs/operate/capacity.md).
-inline constexpr std::size_t kDescriptorsBeside = 6'144;
-/// Connections of load balancers that have not yet said for whom they are.
-inline constexpr std::size_t kDescriptorsOfProxies = 1'024;
-
 /// The uplinkd that listens there, if one does: by its sockets, or, where these cannot be seen, by
 /// the user who owns the socket. All here are pure functions.
 [[nodiscard]] std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
@@ -51,7 +45,8 @@ struct PortUser {
 [[nodiscard]] Finding PortFinding(const PortFacts& port, const MachineFacts& machine,
                                   const PortUser& user);
 
-/// Descriptors that the configuration may need.
+/// Descriptors that the configuration may need, as the server computes them for its warning
+/// (transport::DescriptorsWanted, docs/operate/capacity.md).
 [[nodiscard]] std::size_t DescriptorsWanted(const config::Config& config);
 /// `server`: the one that runs, if one does.
 [[nodiscard]] Finding DescriptorsFinding(const config::Config& config,

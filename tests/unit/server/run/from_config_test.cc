@@ -14,6 +14,7 @@
 
 #include "server/broker/limits.h"
 #include "server/config/settings.h"
+#include "server/transport/descriptors.h"
 
 namespace uplink::run {
 namespace {
@@ -236,6 +237,17 @@ TEST(FromConfig, TheListenerOfMetricsHasConnectionsOfItsOwn) {
   config.listen.metrics = {"::", 9090};
   EXPECT_EQ(HttpConnectionsMaxOf(config), (http::ConnectionsMax{1000, 32}));
   EXPECT_EQ(RelayOptionsOf(config, 1000).descriptors_reserved, 1160U);
+}
+
+// The same numbers as doctor's (DescriptorsCheck.TheNeedIsThatOfThePage).
+TEST(FromConfig, TheRelayWantsTheDescriptorsOfThePage) {
+  config::Config config;
+  EXPECT_EQ(transport::DescriptorsWanted(RelayOptionsOf(config, 0)), 46'144U);
+  config.listen.proxy_protocol_from = {*config::Network::Parse("10.0.0.0/8")};
+  config.http.connections_max += 100;
+  EXPECT_EQ(transport::DescriptorsWanted(RelayOptionsOf(config, 0)), 47'268U);
+  config.listen.metrics = {"0.0.0.0", 9464};
+  EXPECT_EQ(transport::DescriptorsWanted(RelayOptionsOf(config, 0)), 47'300U);
 }
 
 TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {

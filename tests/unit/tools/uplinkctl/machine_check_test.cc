@@ -188,6 +188,8 @@ TEST(DescriptorsCheck, TheNeedIsThatOfThePage) {
   config.listen.proxy_protocol_from.push_back(*config::Network::Parse("10.0.0.0/8"));
   config.http.connections_max += 100;
   EXPECT_EQ(DescriptorsWanted(config), 47'268U);
+  config.listen.metrics = {"0.0.0.0", 9464};
+  EXPECT_EQ(DescriptorsWanted(config), 47'300U);
 }
 
 TEST(DescriptorsCheck, TheRunningServersLimitComesFirst) {

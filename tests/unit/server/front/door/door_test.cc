@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/transport/descriptors.h"
+
 namespace uplink::front {
 namespace {
 
@@ -171,6 +173,16 @@ TEST(DoorLimits, WhatTheRestOfTheServerNeedsIsLeft) {
   };
   EXPECT_EQ(connections(256) - connections(1256), 1000U);
   EXPECT_EQ(connections(5000), connections(19'000));  // a quarter at most
+}
+
+TEST(DoorLimits, AreFullWithTheDescriptorsThatAreWanted) {
+  transport::RelayOptions options;
+  options.streams_max = 40'000;
+  options.descriptors_reserved = 256;
+  const std::size_t wanted = transport::DescriptorsWanted(options);
+  const std::size_t full = LimitsFor(2 * wanted).book.connections_max;
+  EXPECT_EQ(LimitsFor(wanted).book.connections_max, full);
+  EXPECT_EQ(LimitsFor(wanted - 1).book.connections_max, full - 1);
 }
 
 TEST(DoorLimits, LeaveAReserveAndNeverShareWithStrangers) {
