@@ -128,7 +128,7 @@ int ServeBy(const Arguments& arguments, const config::LoadResult& loaded,
                               .version = std::string(config::Version()),
                               .greeting = greeting});
   if (!app.ok()) {
-    logger.Error("start_failed", {{"error", std::string(app.status().message())}});
+    greeting.TellFailed(app.status());
     return kExitFailed;
   }
   return (*app)->Run();

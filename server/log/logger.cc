@@ -40,7 +40,24 @@ Logger::Logger(std::unique_ptr<LineSink> sink, const Clock& clock, Format format
 
 void Logger::Write(Level level, std::string_view event, std::span<const Field> fields) const {
   if (!Enabled(level)) return;
-  sink_->Write(level, LineText(format_, level, event, fields, clock_.System()));
+  const Quiet quiet = quiet_.load();
+  if (quiet != Quiet::kNone && level < Level::kWarn) return;
+  std::string line = LineText(format_, level, event, fields, clock_.System());
+  if (quiet == Quiet::kWarnings) {
+    if (level == Level::kWarn && held_.Add(line)) return;
+    WriteHeld();
+  }
+  sink_->Write(level, line);
+}
+
+void Logger::SetQuiet(Quiet quiet) {
+  if (quiet == Quiet::kWarnings) held_.Begin();
+  quiet_.store(quiet);
+  if (quiet != Quiet::kWarnings) WriteHeld();
+}
+
+void Logger::WriteHeld() const {
+  for (const std::string& line : held_.Take()) sink_->Write(Level::kWarn, line);
 }
 
 }  // namespace uplink::log

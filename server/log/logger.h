@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "schema/base/clock.h"
+#include "server/log/held_lines.h"
 
 namespace uplink::log {
 
@@ -19,6 +20,13 @@ enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 /// How long the end of the process waits for a reader of the log.
 inline constexpr milliseconds kFlushWait{1000};
+
+/// What waits or is left out while a person reads other lines, whatever the level is meanwhile.
+enum class Quiet : std::uint8_t {
+  kNone,
+  kInfo,      // events below warn are left out
+  kWarnings,  // they are, and warnings wait for another Quiet, for an error, or until many wait
+};
 
 enum class Format : std::uint8_t {
   kText,  // 2025-11-21T00:00:00.000Z warn store_away path=/x error="disk full"
@@ -118,16 +126,22 @@ class Logger final {
   [[nodiscard]] bool Enabled(Level level) const { return level >= level_.load(); }
   /// Lines below `level` are left out from now on.
   void SetLevel(Level level) { level_.store(level); }
+  /// Writes the warnings that waited, unless they go on waiting. Called by one thread at a time.
+  void SetQuiet(Quiet quiet);
   /// Before the process ends: waits until all lines are written, kFlushWait at most.
   void Flush() const { sink_->Flush(kFlushWait); }
   [[nodiscard]] LineCounts counts() const { return sink_->counts(); }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
+  void WriteHeld() const;
+
   std::unique_ptr<LineSink> sink_;
   const Clock& clock_;
   Format format_;
   std::atomic<Level> level_;
+  std::atomic<Quiet> quiet_{Quiet::kNone};
+  mutable HeldLines held_;
 };
 
 }  // namespace uplink::log

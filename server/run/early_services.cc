@@ -15,7 +15,7 @@ EarlyServices::EarlyServices(Context context)
       entrance_(http::KnownHosts(context_.http.hosts),
                 context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
                                                   : http::Entrance::Covered::kData),
-      stop_signal_(context_.logger),
+      stop_signal_(context_.logger, [this](int signal) { context_.greeting.TellStopped(signal); }),
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);

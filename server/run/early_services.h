@@ -16,6 +16,7 @@
 #include "server/loop/one_at_a_time.h"
 #include "server/loop/read_thread.h"
 #include "server/rcan/probe.h"
+#include "server/run/greeting.h"
 #include "server/run/periodic.h"
 #include "server/run/stop_signal.h"
 
@@ -38,6 +39,7 @@ class EarlyServices final {
     log::Logger& logger;
     config::ListenConfig listen;
     config::HttpConfig http;
+    Greeting& greeting;
   };
   explicit EarlyServices(Context context);
   ~EarlyServices();

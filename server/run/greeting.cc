@@ -22,6 +22,8 @@ namespace {
 
 /// Bytes that are shown of a path or a name.
 constexpr std::size_t kShownBytesMax = 256;
+/// The same of one line of an error.
+constexpr std::size_t kErrorBytesMax = log::Field::kValueBytesMax;
 
 std::string Counted(std::int64_t count, std::string_view one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
@@ -103,7 +105,7 @@ Greeting::Greeting(Context context)
 
 void Greeting::Begin() {
   if (!active_) return;
-  context_.logger.SetLevel(log::Level::kWarn);
+  context_.logger.SetQuiet(log::Quiet::kWarnings);
   context_.logger.WritePlain(
       fmt::format("uplinkd {} starts with {}, store {}", config::VersionText(),
                   PrintableUtf8(context_.config_file, kShownBytesMax),
@@ -117,10 +119,30 @@ void Greeting::TellReady(const Ready& ready) {
   for (const std::string& line : ReadyLines(context_.config, ready, certificate)) {
     context_.logger.WritePlain(line);
   }
+  context_.logger.SetQuiet(log::Quiet::kInfo);
+}
+
+void Greeting::TellFailed(const absl::Status& why) {
+  const std::string text(why.message());
+  if (!active_) {
+    context_.logger.Error("start_failed", {{"error", text}});
+    return;
+  }
+  context_.logger.SetQuiet(log::Quiet::kInfo);
+  context_.logger.WritePlain("uplinkd: " + PrintableUtf8(text, kErrorBytesMax));
+}
+
+void Greeting::TellStopped(int signal) {
+  if (!active_) {
+    context_.logger.Info("stopped_while_starting", {{"signal", signal}});
+    return;
+  }
+  context_.logger.SetQuiet(log::Quiet::kInfo);
+  context_.logger.WritePlain("uplinkd: stopped before it was ready");
 }
 
 void Greeting::End() {
-  if (active_) context_.logger.SetLevel(log::Level::kInfo);
+  if (active_) context_.logger.SetQuiet(log::Quiet::kNone);
 }
 
 }  // namespace uplink::run

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <absl/status/status.h>
+
 #include "schema/base/clock.h"
 #include "server/config/address.h"
 #include "server/config/config.h"
@@ -42,11 +44,12 @@ inline constexpr std::size_t kHostsShownMax = 3;
 [[nodiscard]] std::vector<std::string> ReadyLines(const config::Config& config, const Ready& ready,
                                                   const std::string& certificate);
 
-/// Tells a person at a terminal in a few lines that the server starts, in place of the log's info
-/// events. Does nothing unless standard error is a terminal and the log is text of level info.
-/// Warnings and errors are logged meanwhile.
+/// Tells a person at a terminal in a few lines that the server starts, or why it does not, in place
+/// of the log's info events. Warnings are logged after the last of these lines, errors at once.
+/// Unless standard error is a terminal and the log is text of level info, it tells nothing and
+/// events are logged as ever.
 ///
-/// Thread: main; End from any.
+/// Thread: main; End and TellStopped from any.
 class Greeting final {
  public:
   /// The references outlive it.
@@ -62,11 +65,16 @@ class Greeting final {
   explicit Greeting(Context context);
 
   /// The first line, which names the store: it may not answer yet. No info event is logged from now
-  /// on.
+  /// on, and warnings wait.
   void Begin();
-  /// The other lines.
+  /// The other lines, then the warnings.
   void TellReady(const Ready& ready);
-  /// The start is over: info events are logged again.
+  /// The start failed, and why; elsewhere it is the event start_failed.
+  void TellFailed(const absl::Status& why);
+  /// A signal ended the start; elsewhere it is the event stopped_while_starting.
+  void TellStopped(int signal);
+  /// The start is over: info events are logged again if the level, which may be another by now,
+  /// lets them through.
   void End();
 
  private:

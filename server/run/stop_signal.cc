@@ -12,7 +12,7 @@ void StopSignal::OnSignal(int signal) {
   }
   stopping_ = true;
   if (!started_.load()) {
-    logger_.Info("stopped_while_starting", {{"signal", signal}});
+    tell_stopped_(signal);
     logger_.Flush();
     std::_Exit(0);
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <semaphore>
+#include <utility>
 
 #include "schema/base/clock.h"
 #include "server/log/logger.h"
@@ -15,7 +17,9 @@ namespace uplink::run {
 /// Thread: OnSignal and OnFailure on one thread (the loop's); the rest on another (main).
 class StopSignal final {
  public:
-  explicit StopSignal(const log::Logger& logger) : logger_(logger) {}
+  /// `tell_stopped` says, on the loop's thread, that the signal of that number ends the start.
+  StopSignal(const log::Logger& logger, std::function<void(int)> tell_stopped)
+      : logger_(logger), tell_stopped_(std::move(tell_stopped)) {}
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
@@ -35,6 +39,7 @@ class StopSignal final {
 
  private:
   const log::Logger& logger_;
+  const std::function<void(int)> tell_stopped_;
   std::atomic<bool> started_{false};
   std::atomic<bool> failed_{false};
   bool stopping_ = false;

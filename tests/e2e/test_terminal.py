@@ -2,6 +2,7 @@
 
 import json
 import os
+import pathlib
 import pty
 import re
 import signal
@@ -40,6 +41,11 @@ class Terminal:
 
     def wait_for(self, pattern):
         return wait_until(self.process, lambda: re.search(pattern, self.text(), re.M), START_SECONDS, pattern)
+
+    def catches(self, number):
+        """The program has a handler for this signal."""
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8")
+        return int(re.search(r"^SigCgt:\s+(\w+)", status, re.M).group(1), 16) >> (number - 1) & 1
 
     def end(self, code):
         """Waits until it has ended; what it showed."""
@@ -123,26 +129,45 @@ class OnATerminal(EndToEnd):
             self.open_things.append(terminal)
             terminal.wait_for(rf"uplinkd\.toml, store {re.escape(address)}/uplinkd$")
             self.assertIsNone(NEXT.search(terminal.text()))
+            wait_until(terminal.process, lambda: terminal.catches(signal.SIGINT), START_SECONDS, "it hears signals")
+            terminal.process.send_signal(signal.SIGINT)
+            self.assertEqual(terminal.end(0).splitlines()[1:], ["uplinkd: stopped before it was ready"])
 
-    def test_warnings_are_shown(self):
+    def test_warnings_follow_the_six_lines(self):
         self.server()
         (self.folder / "pki/server.key").chmod(0o644)
-        terminal = self.start()
-        terminal.wait_for(NEXT.pattern)
-        self.assertIn(" warn secret_readable note=", terminal.text())
+        terminal = self.start("[limits]\nrobots_max = 100")
+        terminal.wait_for(" warn secret_readable note=")
+        lines = terminal.text().splitlines()
+        self.assertRegex(lines[5], NEXT.pattern)
+        self.assertIn(" warn secret_readable note=", lines[6])
+
+    def test_too_few_descriptors_are_told_after_the_six_lines_as_doctor_tells_them(self):
+        self.config = self.server("[limits]\nrobots_max = 100").configuration()
+        limit = ["prlimit", "--nofile=6000:6000"]
+        terminal = Terminal([*limit, str(BIN / "uplinkd"), "--config", str(self.config)])
+        self.open_things.append(terminal)
+        terminal.wait_for(" warn descriptors_few ")
+        lines = terminal.text().splitlines()
+        self.assertRegex(lines[5], NEXT.pattern)
+        self.assertIn(" warn descriptors_few descriptors_max=6000 descriptors_wanted=6344 ", lines[6])
+        doctor = [*limit, str(BIN / "uplinkctl"), "doctor", "--config", str(self.config)]
+        told = subprocess.run(doctor, capture_output=True, text=True, timeout=START_SECONDS, check=False).stdout
+        self.assertIn("limits.robots_max = 100 needs 6344", told)
 
     def test_a_start_that_fails_says_why_and_what_to_do(self):
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             server = self.server()
+            server.settings = "[limits]\nrobots_max = 100"
             server.relay = f"127.0.0.1:{taken.getsockname()[1]}"
             terminal = Terminal([str(BIN / "uplinkd"), "--config", str(server.configuration())])
             self.open_things.append(terminal)
             shown = terminal.end(1)
-        self.assertIn(" error start_failed ", shown)
-        self.assertIn("set an address of this machine and a free port", shown)
-        self.assertIsNone(NEXT.search(shown))
+        self.assertNotIn("start_failed", shown)
+        self.assertRegex(shown, r"\nuplinkd: .*set an address of this machine and a free port.*\n\Z")
+        self.assertEqual(len(shown.splitlines()), 2, shown)
 
     def test_a_log_that_is_set_otherwise_is_as_it_is_elsewhere(self):
         terminal = self.start('[log]\nformat = "json"')

@@ -12,6 +12,7 @@ namespace uplink::log {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::IsEmpty;
 using ::uplink::log::testing::RecordedLog;
 using ::uplink::testing::ManualClock;
@@ -99,6 +100,45 @@ TEST(LoggerTest, KeepsBackWhatIsBelowItsLevel) {
 TEST(LoggerTest, ShowsNumbersThatJsonLacksAsNull) {
   EXPECT_EQ(Field("k", std::numeric_limits<double>::quiet_NaN()).text(), "null");
   EXPECT_EQ(Field("k", std::numeric_limits<double>::infinity()).text(), "null");
+}
+
+TEST(LoggerTest, QuietLeavesOutInfoAndLetsWarningsWait) {
+  const ManualClock clock(kNoon);
+  RecordedLog log(clock, Format::kText, Level::kDebug);
+  log.logger.SetQuiet(Quiet::kWarnings);
+  log.logger.Info("a");
+  log.logger.Warn("b");
+  log.logger.WritePlain("c");
+  EXPECT_THAT(log.lines, ElementsAre("c"));
+  log.logger.SetQuiet(Quiet::kInfo);
+  log.logger.Debug("d");
+  log.logger.Warn("e");
+  log.logger.SetQuiet(Quiet::kNone);
+  log.logger.Info("f");
+  EXPECT_THAT(log.lines,
+              ElementsAre("c", EndsWith(" warn b"), EndsWith(" warn e"), EndsWith(" info f")));
+}
+
+TEST(LoggerTest, AnErrorGoesAtOnceAfterTheWarningsThatWaited) {
+  const ManualClock clock(kNoon);
+  RecordedLog log(clock, Format::kText, Level::kInfo);
+  log.logger.SetQuiet(Quiet::kWarnings);
+  log.logger.Warn("a");
+  log.logger.Error("b");
+  log.logger.Warn("c");
+  EXPECT_THAT(log.lines,
+              ElementsAre(EndsWith(" warn a"), EndsWith(" error b"), EndsWith(" warn c")));
+}
+
+TEST(LoggerTest, SoManyWarningsWaitAndNoMore) {
+  const ManualClock clock(kNoon);
+  RecordedLog log(clock, Format::kText, Level::kInfo);
+  log.logger.SetQuiet(Quiet::kWarnings);
+  for (std::size_t i = 0; i < HeldLines::kLinesMax; ++i) log.logger.Warn("a");
+  EXPECT_THAT(log.lines, IsEmpty());
+  log.logger.Warn("b");
+  ASSERT_EQ(log.lines.size(), HeldLines::kLinesMax + 1);
+  EXPECT_THAT(log.lines.back(), EndsWith(" warn b"));
 }
 
 }  // namespace

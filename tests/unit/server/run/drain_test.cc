@@ -54,7 +54,7 @@ class DrainTest : public ::testing::Test {
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), world_.clock,
                       log::Format::kText, log::Level::kInfo};
-  StopSignal signal_{logger_};
+  StopSignal signal_{logger_, [](int /*signal*/) {}};
   std::size_t streams_ = 0;
   bool others_ = false;
 };

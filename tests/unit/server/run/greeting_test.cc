@@ -4,11 +4,13 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include "server/identity/expiry.h"
@@ -113,17 +115,22 @@ class GreetingTest : public ::testing::Test {
     close(master_);
   }
 
-  /// A start that logs one info event and one warning on its way.
-  void StartOn(int descriptor) {
+  /// A start that logs one info event and one warning on its way, and then does `end`.
+  void BeginOn(int descriptor, const std::function<void(log::Logger&, Greeting&)>& end) {
     log::Logger logger(std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                        log::Level::kInfo);
     Greeting greeting({logger, config_, "u.toml", clock_, descriptor});
     greeting.Begin();
     logger.Info("store_opening");
     logger.Warn("store_unsafe");
-    greeting.TellReady(SomeReady());
-    greeting.End();
-    logger.Info("draining");
+    end(logger, greeting);
+  }
+  void StartOn(int descriptor) {
+    BeginOn(descriptor, [](log::Logger& logger, Greeting& greeting) {
+      greeting.TellReady(SomeReady());
+      greeting.End();
+      logger.Info("draining");
+    });
   }
 
   config::Config config_;
@@ -135,11 +142,55 @@ class GreetingTest : public ::testing::Test {
 
 TEST_F(GreetingTest, ReplacesTheInfoEventsOfTheStartOnATerminal) {
   StartOn(terminal_);
-  EXPECT_THAT(lines_, ElementsAre(StartsWith("uplinkd "), HasSubstr(" warn store_unsafe"),
-                                  StartsWith("  store   "), StartsWith("  robots  "),
-                                  StartsWith("  http    "), StartsWith("  TLS     localhost"),
-                                  StartsWith("  next    curl "), HasSubstr(" info draining")));
+  EXPECT_THAT(lines_, ElementsAre(StartsWith("uplinkd "), StartsWith("  store   "),
+                                  StartsWith("  robots  "), StartsWith("  http    "),
+                                  StartsWith("  TLS     localhost"), StartsWith("  next    curl "),
+                                  HasSubstr(" warn store_unsafe"), HasSubstr(" info draining")));
   EXPECT_THAT(lines_.front(), HasSubstr(" starts with u.toml, store /s/u.db"));
+}
+
+TEST_F(GreetingTest, TellsWhyTheStartFailed) {
+  BeginOn(terminal_, [](log::Logger& logger, Greeting& greeting) {
+    greeting.TellFailed(absl::UnavailableError("the port is taken: set a free one\x1b[2J"));
+    logger.Info("stopped");
+  });
+  EXPECT_THAT(lines_, ElementsAre(StartsWith("uplinkd "), HasSubstr(" warn store_unsafe"),
+                                  "uplinkd: the port is taken: set a free one\\x1b[2J"));
+}
+
+TEST_F(GreetingTest, TellsThatASignalEndedTheStart) {
+  BeginOn(terminal_,
+          [](log::Logger& /*logger*/, Greeting& greeting) { greeting.TellStopped(SIGINT); });
+  EXPECT_THAT(lines_, ElementsAre(StartsWith("uplinkd "), HasSubstr(" warn store_unsafe"),
+                                  "uplinkd: stopped before it was ready"));
+}
+
+TEST_F(GreetingTest, ElsewhereBothAreEvents) {
+  const auto end = [](log::Logger& /*logger*/, Greeting& greeting) {
+    greeting.TellFailed(absl::UnavailableError("no store"));
+    greeting.TellStopped(SIGINT);
+  };
+  config_.log.format = config::LogFormat::kJson;
+  BeginOn(terminal_, end);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("store_opening"), HasSubstr("store_unsafe"),
+                                  HasSubstr(" error start_failed error=\"no store\""),
+                                  HasSubstr(" info stopped_while_starting signal=2")));
+}
+
+TEST_F(GreetingTest, LeavesALevelThatAReloadSetMeanwhile) {
+  BeginOn(terminal_, [](log::Logger& logger, Greeting& greeting) {
+    logger.SetLevel(log::Level::kDebug);
+    logger.Info("reloaded");
+    greeting.TellReady(SomeReady());
+    greeting.End();
+    logger.Debug("connection_came");
+    logger.SetLevel(log::Level::kError);
+    greeting.End();
+    logger.Warn("store_away");
+  });
+  ASSERT_FALSE(lines_.empty());
+  EXPECT_THAT(lines_.back(), HasSubstr(" debug connection_came"));
+  for (const std::string& line : lines_) EXPECT_THAT(line, Not(HasSubstr("reloaded")));
 }
 
 TEST_F(GreetingTest, NamesADatabaseBeforeItAnswers) {

@@ -1,5 +1,6 @@
 #include "server/run/stop_signal.h"
 
+#include <iostream>
 #include <memory>
 #include <thread>
 
@@ -16,11 +17,12 @@ class StopSignalTest : public ::testing::Test {
   SystemClock clock_;
   log::Logger logger_{std::make_unique<testing::NoLines>(), clock_, log::Format::kText,
                       log::Level::kInfo};
-  StopSignal signal_{logger_};
+  StopSignal signal_{logger_, [](int /*signal*/) {}};
 };
 
 TEST_F(StopSignalTest, OneDuringTheStartEndsTheProcessWithZero) {
-  EXPECT_EXIT(signal_.OnSignal(SIGTERM), ::testing::ExitedWithCode(0), "");
+  StopSignal signal(logger_, [](int number) { std::cerr << "stopped by " << number; });
+  EXPECT_EXIT(signal.OnSignal(SIGTERM), ::testing::ExitedWithCode(0), "stopped by 15");
 }
 
 TEST_F(StopSignalTest, TheFirstEndsTheWait) {
