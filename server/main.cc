@@ -23,6 +23,7 @@
 #include "server/log/standard_error.h"
 #include "server/run/app.h"
 #include "server/run/deadline.h"
+#include "server/run/drain.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
 #include "server/run/process_setup.h"
@@ -152,7 +153,7 @@ int Serve(const Arguments& arguments) {
                             {"memory_bytes_max", health::MemoryMax()}});
   const int code = ServeBy(arguments, loaded, machine_clock, *logger, greeting);
   // The log's end waits for its reader for kFlushWait; in a write that blocks (WriteAll) for ever.
-  const run::Deadline last(2 * log::kFlushWait, [code] { std::_Exit(code); });
+  const run::Deadline last(run::kLogEndWait, [code] { std::_Exit(code); });
   logger.reset();
   return code;
 }

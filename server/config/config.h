@@ -258,8 +258,8 @@ struct LogConfig {
 };
 
 struct DrainConfig {
-  /// From the signal to the exit, two seconds more while the store fails; what is unsettled then is
-  /// counted in a warning.
+  /// How long the drain may take after the signal (run::kExitWait is added until the exit); what is
+  /// unsettled then is counted in a warning.
   milliseconds timeout = std::chrono::seconds(20);
 };
 

@@ -744,8 +744,8 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kDuration,
      .min = 100,
      .max = 10 * kMinute,
-     .text = "From the signal to the exit; two seconds more while the store fails. What is "
-             "unsettled then is counted in a warning.",
+     .text = "How long the drain may take after the signal; the exit comes 7 s later at the "
+             "latest. What is unsettled then is counted in a warning.",
      UPLINK_BIND(drain, DrainConfig, timeout)},
 });
 

@@ -18,6 +18,13 @@ namespace uplink::run {
 /// The time after drain.timeout for ending what is left: streams, the commit under way.
 inline constexpr std::chrono::seconds kStopWait{5};
 
+/// The time for the log's last lines if nothing reads them.
+inline constexpr milliseconds kLogEndWait = 2 * log::kFlushWait;
+
+/// From the end of drain.timeout to the exit, at most. The unit's TimeoutStopSec, the chart and the
+/// compose files wait longer (docs/operate/server.md).
+inline constexpr milliseconds kExitWait = kStopWait + kLogEndWait;
+
 /// The least time in which a drain commits what waits, however long the streams took.
 inline constexpr std::chrono::seconds kLastWrites{2};
 

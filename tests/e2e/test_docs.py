@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import unittest
 import urllib.parse
 
 from harness import BIN, SOURCE, EndToEnd, uplinkctl, wait_until
@@ -120,3 +121,27 @@ class Commands(EndToEnd):
                 earlier += "".join(f"{line}\n" for line in ASSIGNMENT.findall(kept))
         self.assertEqual(set(SKIPPED) - used, set(), "begins no command: take it off SKIPPED")
         self.assertEqual(set(ANSWERS) - answered, set(), "begins no command: take it off ANSWERS")
+
+
+class Stop(unittest.TestCase):
+    """How long a stop may take is told in one place, and who waits for it waits longer."""
+
+    def number(self, path, pattern):
+        return int(re.search(pattern, (SOURCE / path).read_text(encoding="utf-8"), re.MULTILINE).group(1))
+
+    def test_who_stops_the_server_waits_longer(self):
+        timeout = self.number("deploy/uplinkd.toml", r'^\[drain\]$[^\[]*^# timeout = "(\d+)s"$')
+        after = self.number("docs/operate/server.md", r"exits within `drain\.timeout` and (\d+) s")
+        self.assertEqual(after, self.number("deploy/uplinkd.toml", r"the exit comes (\d+) s later"))
+        for path, pattern in (
+            ("deploy/systemd/uplinkd.service", r"^TimeoutStopSec=(\d+)$"),
+            ("deploy/compose/compose.yaml", r"stop_grace_period: (\d+)s"),
+            ("docs/operate/install.md", r"--stop-timeout (\d+)"),
+            ("deploy/container/Dockerfile", r"--time (\d+)"),
+        ):
+            with self.subTest(path):
+                self.assertGreater(self.number(path, pattern), timeout + after)
+        # The chart adds to its own drain.timeoutSeconds.
+        grace = r"terminationGracePeriodSeconds: \{\{ add .*timeoutSeconds (\d+) \}\}"
+        self.assertGreater(self.number("deploy/helm/uplinkd/templates/statefulset.yaml", grace), after)
+        self.assertGreater(self.number("docs/reference/exit-codes.md", r"Keep it (\d+) s above"), after)

@@ -59,6 +59,11 @@ class DrainTest : public ::testing::Test {
   bool others_ = false;
 };
 
+TEST(ExitWait, IsWhatThePagesAndTheUnitSay) {
+  // docs/operate/server.md; tests/e2e/test_docs.py compares unit, chart and compose files.
+  EXPECT_EQ(kExitWait, std::chrono::seconds(7));
+}
+
 TEST_F(DrainTest, EndsTheStreamsThenStops) {
   Run();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("draining streams=0 timeout_ms=20000"), "drain", "wait",
