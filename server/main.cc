@@ -70,9 +70,8 @@ config::LoadResult Load(const std::string& path) {
 int CheckConfig(const Arguments& arguments) {
   config::LoadResult result = Load(arguments.config_file);
   if (result.readable) {
-    for (config::Problem& problem :
-         config::ExpiredFiles(*result.readable, SystemClock().System())) {
-      result.problems.push_back(std::move(problem));
+    for (config::Note& note : config::ExpiredFiles(*result.readable, SystemClock().System())) {
+      result.notes.push_back(std::move(note));
     }
   }
   for (const config::Note& note : result.notes) {

@@ -150,8 +150,8 @@ LoadResult WithFiles(LoadResult result) {
   return result;
 }
 
-std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now) {
-  std::vector<Problem> problems;
+std::vector<Note> ExpiredFiles(const Config& config, SystemTime now) {
+  std::vector<Note> notes;
   const auto check = [&](const std::string& key, const std::string& path) {
     if (path.empty()) return;
     const auto certificate = identity::ReadPem(path);
@@ -159,12 +159,15 @@ std::vector<Problem> ExpiredFiles(const Config& config, SystemTime now) {
     const auto expiry = identity::ExpiryOf(*certificate);
     if (!expiry.ok() || *expiry > now) return;
     const auto ago = std::chrono::duration_cast<std::chrono::hours>(now - *expiry);
-    problems.push_back(
-        {path, key, fmt::format("the certificate expired {} h ago; replace it", ago.count())});
+    notes.push_back({{path, key,
+                      fmt::format("the certificate expired {} h ago by this machine's clock; "
+                                  "replace it",
+                                  ago.count())},
+                     "certificate_expired"});
   };
   check("tls.certificate_file", config.tls.certificate_file);
   check("mqtt.client_certificate_file", config.mqtt.client_certificate_file);
-  return problems;
+  return notes;
 }
 
 }  // namespace uplink::config

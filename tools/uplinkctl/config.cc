@@ -15,22 +15,20 @@ namespace {
 
 int Check(const std::string& path) {
   // With the variables of this environment, as a server that is started here would read them.
-  const config::LoadResult result =
+  config::LoadResult result =
       config::WithFiles(config::LoadConfig(path, config::ProcessEnvironment()));
-  std::vector<config::Problem> problems = result.problems;
   if (result.readable) {
-    for (config::Problem& problem :
-         config::ExpiredFiles(*result.readable, SystemClock().System())) {
-      problems.push_back(std::move(problem));
+    for (config::Note& note : config::ExpiredFiles(*result.readable, SystemClock().System())) {
+      result.notes.push_back(std::move(note));
     }
   }
   for (const config::Note& note : result.notes) {
     fmt::print(stderr, "note: {}\n", config::ToText(note));
   }
-  for (const config::Problem& problem : problems) {
+  for (const config::Problem& problem : result.problems) {
     fmt::print(stderr, "{}\n", config::ToText(problem));
   }
-  if (!problems.empty()) return kExitWrongUse;
+  if (!result.problems.empty()) return kExitWrongUse;
   fmt::print("{}: good\n", path);
   return kExitDone;
 }

@@ -147,6 +147,34 @@ TEST_F(Refusals, AKeyBehindItsParametersIsServedAfterARenewalAndAfterARestart) {
   EXPECT_TRUE(Connects()) << process_->text();
 }
 
+TEST_F(Refusals, AnExpiredCertificateStartsIsNotedAndGivesWayToANewOne) {
+  const auto write = [&](const CertificateSpec& spec) {
+    const KeyPair made = folder_.authority().Issue(spec);
+    std::filesystem::remove(folder_.Path("server.key"));
+    folder_.Write("server.key", made.key);
+    folder_.Write("server.crt", made.certificate);
+  };
+  CertificateSpec expired = ServerSpec();
+  expired.not_after_s = -60;
+  write(expired);
+  // What the server starts with, the check lets pass.
+  const auto check = folder_.Start({"--check-config"});
+  EXPECT_EQ(check->WaitForExit(), 0) << check->text();
+  EXPECT_THAT(check->text(), HasSubstr("note: "));
+  EXPECT_THAT(check->text(), HasSubstr("tls.certificate_file: the certificate expired 0 h ago"));
+  Serve();
+  EXPECT_TRUE(Eventually([&] { return HttpGet(http_, "/readyz").status == 503; }));
+  EXPECT_THAT(HttpGet(http_, "/readyz").body, HasSubstr("certificate_expired"));
+
+  write(ServerSpec());
+  EXPECT_TRUE(Eventually([&] { return HttpGet(http_, "/readyz").status == 200; }))
+      << process_->text();
+  EXPECT_TRUE(Connects()) << process_->text();
+  const auto again = folder_.Start({"--check-config"});
+  EXPECT_EQ(again->WaitForExit(), 0);
+  EXPECT_THAT(again->text(), Not(HasSubstr("expired")));
+}
+
 TEST_F(Refusals, ABrokenAuthorityIsSaidAndTheLastGoodOnesServed) {
   Serve();
   const std::string good = folder_.authority().certificate();

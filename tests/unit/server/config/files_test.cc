@@ -81,9 +81,9 @@ TEST_F(ValidateFilesTest, SaysWhenTheCertificateHasExpired) {
   Use(spec);
   const SystemTime now = SystemClock().System();
   EXPECT_THAT(ExpiredFiles(config_, now), IsEmpty());
-  const std::vector<Problem> problems = ExpiredFiles(config_, now + std::chrono::hours(5));
-  ASSERT_THAT(problems, SizeIs(1));
-  EXPECT_THAT(problems[0].text, HasSubstr("expired 3 h ago; replace it"));
+  const std::vector<Note> notes = ExpiredFiles(config_, now + std::chrono::hours(5));
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_THAT(notes[0].text, HasSubstr("expired 3 h ago by this machine's clock; replace it"));
   EXPECT_THAT(ValidateFiles(config_), IsEmpty()) << "a server starts all the same";
 }
 
@@ -93,10 +93,10 @@ TEST_F(ValidateFilesTest, SaysWhenTheCertificateForABrokerHasExpired) {
   config_.mqtt.client_certificate_file = Write("c.crt", authority_.Issue(spec).certificate);
   const SystemTime now = SystemClock().System();
   EXPECT_THAT(ExpiredFiles(config_, now), IsEmpty());
-  const std::vector<Problem> problems = ExpiredFiles(config_, now + std::chrono::minutes(2));
-  ASSERT_THAT(problems, SizeIs(1));
-  EXPECT_EQ(problems[0].key, "mqtt.client_certificate_file");
-  EXPECT_THAT(problems[0].text, HasSubstr("expired 0 h ago"));
+  const std::vector<Note> notes = ExpiredFiles(config_, now + std::chrono::minutes(2));
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_EQ(notes[0].key, "mqtt.client_certificate_file");
+  EXPECT_THAT(notes[0].text, HasSubstr("expired 0 h ago"));
 }
 
 TEST_F(ValidateFilesTest, FilesAreLookedAtBesideBadValues) {
