@@ -130,7 +130,7 @@ Judgement Judge::Message(std::span<const std::byte> payload) {
     return {.verdict = violations.rejected()
                            ? Verdict(violations.TakeRejection())
                            : Verdict(model::Record(std::move(body), violations.TakeDropped(),
-                                                   violations.TakeUntold(), payload.size())),
+                                                   violations.TakeUnlisted(), payload.size())),
             .variant = variant,
             .sign_of_life = IsSignOfLife(*variant),
             .times_unknown = violations.times_unknown(),

@@ -73,10 +73,10 @@ struct JudgeLimits {
 }
 
 // Violations
-/// Dropped fields of one message that are told, each with its path and a sentence. Further ones are
-/// dropped as well, and counted by their reason alone: a message full of invalid fields costs no
-/// more than a good one, and hides nothing of what is good in it.
-inline constexpr std::size_t kToldFieldsMax = 16;
+/// Dropped fields of one message that are listed, each with its path and a sentence. Further ones
+/// are dropped as well, and counted by their reason alone: a message full of invalid fields costs
+/// no more than a good one, and hides nothing of what is good in it.
+inline constexpr std::size_t kDroppedFieldsListedMax = 16;
 
 // Numbers
 /// 2100-01-01T00:00:00Z: times from here on are taken as unknown.

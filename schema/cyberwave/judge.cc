@@ -121,7 +121,7 @@ void Finish(Judgement& judgement, Violations& violations, Body body) {
     return;
   }
   judgement.dropped = violations.TakeDropped();
-  judgement.untold = violations.TakeUntold();
+  judgement.unlisted = violations.TakeUnlisted();
   judgement.verdict = std::move(body);
 }
 

@@ -35,10 +35,11 @@ struct Judgement {
   /// What could be read of it, also if the message is rejected.
   model::cyberwave::Head head;
   std::variant<model::cyberwave::Body, model::Rejection> verdict;
-  /// Invalid fields that a live message goes without: the first ones (schema::kToldFieldsMax).
+  /// Invalid fields that a live message goes without: the first ones
+  /// (schema::kDroppedFieldsListedMax).
   std::vector<model::DroppedField> dropped;
   /// Further ones, by reason.
-  std::vector<model::UntoldFields> untold;
+  std::vector<model::UnlistedFields> unlisted;
   /// Whether the payload may stand in a row of quarantine. Decided by the topic, also if its id is
   /// not good; false too for what is a command by its own words. Where it is false, the rejection
   /// and the dropped fields quote nothing of the message, and KeptTopic hides what its topic holds.

@@ -4,11 +4,11 @@ namespace uplink::model {
 
 // Not inline: moving a Body instantiates the moves of all its alternatives, wherever a unit reads
 // this.
-Record::Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
+Record::Record(Body body, std::vector<DroppedField> dropped, std::vector<UnlistedFields> unlisted,
                std::size_t payload_bytes)
     : body_(std::move(body)),
       dropped_(std::move(dropped)),
-      untold_(std::move(untold)),
+      unlisted_(std::move(unlisted)),
       payload_bytes_(payload_bytes) {}
 
 }  // namespace uplink::model

@@ -33,10 +33,10 @@ namespace uplink::model {
 
 /// The variant of all but the first: rows bring a comma each in front.
 template <typename /*none*/, typename... Bodies>
-using OneOf = std::variant<Bodies...>;
+using VariantOfRows = std::variant<Bodies...>;
 
 #define UPLINK_VARIANT(Member, name, Body, settling) , Body
-using Body = OneOf<void UPLINK_VARIANTS(UPLINK_VARIANT)>;
+using Body = VariantOfRows<void UPLINK_VARIANTS(UPLINK_VARIANT)>;
 #undef UPLINK_VARIANT
 
 static_assert(std::variant_size_v<Body> == kVariants);
@@ -65,11 +65,11 @@ class Record {
   [[nodiscard]] const Body& body() const { return body_; }
   /// Moves the body out; the record must not be used afterwards.
   [[nodiscard]] Body&& TakeBody() && { return std::move(body_); }
-  /// What judgement dropped, the first of it (schema::kToldFieldsMax); always empty for durable
-  /// kinds.
+  /// What judgement dropped, the first of it (schema::kDroppedFieldsListedMax); always empty for
+  /// durable kinds.
   [[nodiscard]] std::span<const DroppedField> dropped() const { return dropped_; }
   /// What it dropped beyond that, by reason.
-  [[nodiscard]] std::span<const UntoldFields> untold() const { return untold_; }
+  [[nodiscard]] std::span<const UnlistedFields> unlisted() const { return unlisted_; }
   /// Size of the serialized payload it came from.
   [[nodiscard]] std::size_t payload_bytes() const { return payload_bytes_; }
 
@@ -77,12 +77,12 @@ class Record {
   friend class uplink::schema::Judge;
   friend class uplink::cyberwave::Records;
   friend class uplink::uncrew::Records;
-  Record(Body body, std::vector<DroppedField> dropped, std::vector<UntoldFields> untold,
+  Record(Body body, std::vector<DroppedField> dropped, std::vector<UnlistedFields> unlisted,
          std::size_t payload_bytes);
 
   Body body_;
   std::vector<DroppedField> dropped_;
-  std::vector<UntoldFields> untold_;
+  std::vector<UnlistedFields> unlisted_;
   std::size_t payload_bytes_ = 0;
 };
 

@@ -64,13 +64,13 @@ struct Rejection {
 /// was applied. `field` is spelled as in Rejection.
 using DroppedField = Rejection;
 
-/// Fields that were dropped for one reason, beyond those of a message that are told one by one. A
-/// value.
-struct UntoldFields {
+/// Fields that were dropped for one reason, beyond those of a message that are listed as
+/// DroppedField. A value.
+struct UnlistedFields {
   RejectReason reason = RejectReason::kMalformed;
   std::size_t fields = 0;
 
-  friend bool operator==(const UntoldFields&, const UntoldFields&) = default;
+  friend bool operator==(const UnlistedFields&, const UnlistedFields&) = default;
 };
 
 }  // namespace uplink::model

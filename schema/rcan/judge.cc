@@ -29,7 +29,7 @@ constexpr std::int64_t kPercentWhole = 100;
 constexpr std::size_t kParseBytes = std::size_t{16} * 1024;
 
 RcanJudgement Rejected(const Violation& violation) {
-  return {.verdict = violation.Describe(), .dropped = {}, .untold = {}};
+  return {.verdict = violation.Describe(), .dropped = {}, .unlisted = {}};
 }
 
 std::optional<model::RcanPosition> PositionOf(Members& state, const Path& root,
@@ -154,11 +154,11 @@ RcanJudgement JudgeObject(const js::object& object, std::string_view ruri, TextF
   state.clock_source = members.Text("clock_source", Need::kMay, kNameBytesMax);
   if (violations.rejected()) {
     return {
-        .verdict = violations.TakeRejection(), .dropped = {}, .untold = {}, .sign_of_life = own};
+        .verdict = violations.TakeRejection(), .dropped = {}, .unlisted = {}, .sign_of_life = own};
   }
   return {.verdict = std::move(state),
           .dropped = violations.TakeDropped(),
-          .untold = violations.TakeUntold(),
+          .unlisted = violations.TakeUnlisted(),
           .control_characters = violations.control_characters(),
           .sign_of_life = own};
 }

@@ -20,10 +20,11 @@ inline constexpr std::size_t kRcanDepthMax = 32;
 /// What judging one Robot State found. A value.
 struct RcanJudgement {
   std::variant<model::RcanState, model::Rejection> verdict;
-  /// Invalid optional fields, which the state goes without: the first ones (kToldFieldsMax).
+  /// Invalid optional fields, which the state goes without: the first ones
+  /// (kDroppedFieldsListedMax).
   std::vector<model::DroppedField> dropped;
   /// Further ones, by reason.
-  std::vector<model::UntoldFields> untold;
+  std::vector<model::UnlistedFields> unlisted;
   /// Control characters in texts of the state, which has U+FFFD in their place.
   std::uint32_t control_characters = 0;
   /// It is an object of this robot, whatever the rules said of it.

@@ -68,14 +68,14 @@ class Violations final {
   }
 
   /// A violation of content: rejects a durable message, drops the field of a live one. The first
-  /// kToldFieldsMax are put in words, further ones are only counted.
+  /// kDroppedFieldsListedMax are put in words, further ones are only counted.
   void Content(const Violation& violation) {
     if (terms_.durable) return Reject(violation);
     if (rejection_) return;
-    if (dropped_.size() < kToldFieldsMax) {
+    if (dropped_.size() < kDroppedFieldsListedMax) {
       dropped_.push_back(InWords(violation));
     } else {
-      CountUntold(violation.reason);
+      CountUnlisted(violation.reason);
     }
   }
 
@@ -107,20 +107,20 @@ class Violations final {
 
   [[nodiscard]] model::Rejection TakeRejection() { return *std::move(rejection_); }
   [[nodiscard]] std::vector<model::DroppedField> TakeDropped() { return std::move(dropped_); }
-  [[nodiscard]] std::vector<model::UntoldFields> TakeUntold() { return std::move(untold_); }
+  [[nodiscard]] std::vector<model::UnlistedFields> TakeUnlisted() { return std::move(unlisted_); }
 
  private:
   [[nodiscard]] model::Rejection InWords(const Violation& violation) const {
     return terms_.quoting == Quoting::kQuoted ? violation.Describe() : violation.DescribeUnquoted();
   }
 
-  void CountUntold(model::RejectReason reason) {
-    for (model::UntoldFields& untold : untold_) {
-      if (untold.reason != reason) continue;
-      ++untold.fields;
+  void CountUnlisted(model::RejectReason reason) {
+    for (model::UnlistedFields& unlisted : unlisted_) {
+      if (unlisted.reason != reason) continue;
+      ++unlisted.fields;
       return;
     }
-    untold_.push_back({.reason = reason, .fields = 1});
+    unlisted_.push_back({.reason = reason, .fields = 1});
   }
 
   Terms terms_;
@@ -129,7 +129,7 @@ class Violations final {
   std::uint32_t control_characters_ = 0;
   std::optional<model::Rejection> rejection_;
   std::vector<model::DroppedField> dropped_;
-  std::vector<model::UntoldFields> untold_;
+  std::vector<model::UnlistedFields> unlisted_;
 };
 
 }  // namespace uplink::schema

@@ -119,7 +119,7 @@ Judgement Judge(uc::SampleType type, std::string_view request) {
   }
   found.verdict = *std::move(value);
   found.dropped = violations.TakeDropped();
-  found.untold = violations.TakeUntold();
+  found.unlisted = violations.TakeUnlisted();
   found.enumerants_unrecognized = violations.enumerants_unrecognized();
   found.control_characters = violations.control_characters();
   return found;

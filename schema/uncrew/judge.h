@@ -18,10 +18,11 @@ struct Judgement {
   /// for `uav_id` is not judged here.
   model::uncrew::Metadata metadata;
   std::variant<model::uncrew::Value, model::Rejection> verdict;
-  /// Invalid fields that a live sample goes without: the first ones (schema::kToldFieldsMax).
+  /// Invalid fields that a live sample goes without: the first ones
+  /// (schema::kDroppedFieldsListedMax).
   std::vector<model::DroppedField> dropped;
   /// Further ones, by reason.
-  std::vector<model::UntoldFields> untold;
+  std::vector<model::UnlistedFields> unlisted;
   /// Size of the request as it came.
   std::size_t payload_bytes = 0;
   /// The request could be decoded: a sign of life, whatever the rules said of it.

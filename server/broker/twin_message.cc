@@ -86,7 +86,7 @@ void CountDropped(std::span<const model::DroppedField> dropped, metrics::Ledger&
 /// Counts the fields that were dropped from a good message, and its absurd values.
 void CountOdd(const cyberwave::Judgement& judgement, metrics::Ledger& ledger) {
   CountDropped(judgement.dropped, ledger);
-  for (const model::UntoldFields& fields : judgement.untold) {
+  for (const model::UnlistedFields& fields : judgement.unlisted) {
     ledger.CountDropped(metrics::kUnknownKind, fields.reason, fields.fields);
   }
   const metrics::OddCounts odd{.times_unknown = judgement.times_unknown,

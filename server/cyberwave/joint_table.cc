@@ -93,7 +93,8 @@ JointTable::Taken JointTable::Take(const std::vector<Joint>& joints, const SaidJ
     HeldJoint* known = Find(joint.name, held, next);
     if (known == nullptr) {
       ++taken.without_room;
-      if (taken.dropped.size() < schema::kToldFieldsMax) taken.dropped.push_back(NoRoomFor(joint));
+      if (taken.dropped.size() < schema::kDroppedFieldsListedMax)
+        taken.dropped.push_back(NoRoomFor(joint));
       continue;
     }
     if (!known->times.Take(said.session, said.stamp.timestamp_us)) {

@@ -59,7 +59,8 @@ class JointTable final {
     std::size_t applied = 0;
     /// Older than the value before.
     std::size_t superseded = 0;
-    /// Joints without room: the first ones (schema::kToldFieldsMax), and how many there are.
+    /// Joints without room: the first ones (schema::kDroppedFieldsListedMax), and how many there
+    /// are.
     std::vector<model::DroppedField> dropped;
     std::size_t without_room = 0;
   };

@@ -46,7 +46,7 @@ Judged JudgeRcan(const SessionContext& context, const std::string& ruri, const U
   Judged judged{.content = model::Rejection(),
                 .kind = metrics::kRcanKind,
                 .dropped = std::move(judgement.dropped),
-                .untold = std::move(judgement.untold),
+                .unlisted = std::move(judgement.unlisted),
                 .sign_of_life = judgement.sign_of_life && context.limits.rcan_counts_as_life,
                 .odd = {.control_characters = judgement.control_characters}};
   if (auto* state = std::get_if<model::RcanState>(&judgement.verdict)) {

@@ -25,7 +25,7 @@ struct Judged {
   std::size_t kind = metrics::kUnknownKind;
   /// For a Robot State.
   std::vector<model::DroppedField> dropped{};
-  std::vector<model::UntoldFields> untold{};
+  std::vector<model::UnlistedFields> unlisted{};
   bool sign_of_life = false;
   metrics::OddCounts odd{};
   /// A durable upsert whose expiry has passed.

@@ -18,7 +18,7 @@ void LiveIntake::Add(model::Seq seq, model::Record record, Processed& processed)
   const auto kind = static_cast<std::size_t>(record.variant());
   SupersedeOlder(kind);
   TellDropped(seq, record.dropped(), kind, processed);
-  CountUntold(record.untold(), kind);
+  CountUnlisted(record.unlisted(), kind);
   if (auto replaced = sources_.context.scratch.live.Add(std::move(record))) {
     CountSuperseded();
     sources_.context.judge.Reuse(*std::move(replaced));
@@ -40,7 +40,7 @@ RcanOrder::Age LiveIntake::See(const model::RcanState& state) {
 void LiveIntake::Add(model::Seq seq, Judged judged, RcanOrder::Age age, Processed& processed) {
   ++sources_.port.counts().rcan_states;
   TellDropped(seq, judged.dropped, metrics::kRcanKind, processed);
-  CountUntold(judged.untold, metrics::kRcanKind);
+  CountUnlisted(judged.unlisted, metrics::kRcanKind);
   if (age == RcanOrder::Age::kSame) return CountSuperseded();
   auto& state = std::get<model::RcanState>(judged.content);
   rcan_order_->Apply(state);
@@ -67,8 +67,8 @@ void LiveIntake::TellDropped(model::Seq seq, std::span<const model::DroppedField
   }
 }
 
-void LiveIntake::CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind) {
-  for (const model::UntoldFields& fields : untold) {
+void LiveIntake::CountUnlisted(std::span<const model::UnlistedFields> unlisted, std::size_t kind) {
+  for (const model::UnlistedFields& fields : unlisted) {
     sources_.line.robot.state.CountDropped(fields.fields);
     sources_.context.ledger.CountDropped(kind, fields.reason, fields.fields);
   }

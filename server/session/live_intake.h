@@ -83,7 +83,7 @@ class LiveIntake final {
   void CountOverRate(std::size_t place);
   void TellDropped(model::Seq seq, std::span<const model::DroppedField> dropped, std::size_t kind,
                    Processed& processed);
-  void CountUntold(std::span<const model::UntoldFields> untold, std::size_t kind);
+  void CountUnlisted(std::span<const model::UnlistedFields> unlisted, std::size_t kind);
 
   const Sources sources_;
   SteadyTime arrived_;

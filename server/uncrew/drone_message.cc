@@ -49,7 +49,7 @@ ingest::Brought DroneMessage::Take() {
   for (const model::DroppedField& field : plan_.judged.dropped) {
     plan_.ledger.CountDropped(metrics::kUnknownKind, field.reason);
   }
-  for (const model::UntoldFields& fields : plan_.judged.untold) {
+  for (const model::UnlistedFields& fields : plan_.judged.unlisted) {
     plan_.ledger.CountDropped(metrics::kUnknownKind, fields.reason, fields.fields);
   }
   const metrics::OddCounts odd{.times_unknown = plan_.judged.times_unknown,

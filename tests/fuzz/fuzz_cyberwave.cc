@@ -129,7 +129,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Judgement judgement = JudgeMessage(topic, payload, terms);
   CheckTopic(judgement.topic);
   for (const auto& field : judgement.dropped) CheckViolation(field);
-  UPLINK_CHECK(judgement.dropped.size() <= uplink::schema::kToldFieldsMax, "told fields are few");
+  UPLINK_CHECK(judgement.dropped.size() <= uplink::schema::kDroppedFieldsListedMax,
+               "the listed fields are few");
   UPLINK_CHECK(!judgement.sign_of_life || judgement.message_class == MessageClass::kLive ||
                    judgement.message_class == MessageClass::kDurable,
                "nothing else is a sign of life");

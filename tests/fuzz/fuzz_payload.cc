@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   UPLINK_CHECK(!judgement.record()->durable() || judgement.record()->dropped().empty(),
                "nothing is dropped from a durable message");
   for (const Rejection& field : judgement.record()->dropped()) CheckViolation(field);
-  UPLINK_CHECK(judgement.record()->dropped().size() <= uplink::schema::kToldFieldsMax,
+  UPLINK_CHECK(judgement.record()->dropped().size() <= uplink::schema::kDroppedFieldsListedMax,
                "no more is told than may be");
   CheckAgain(judgement);
   return 0;

@@ -65,7 +65,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0 || data[0] == 0 || data[0] > uc::kTypeRows.size()) return 0;
   const std::string_view request(reinterpret_cast<const char*>(data + 1), size - 1);
   const Judgement judged = uplink::uncrew::Judge(static_cast<uc::SampleType>(data[0]), request);
-  UPLINK_CHECK(judged.dropped.size() <= uplink::schema::kToldFieldsMax, "told fields are few");
+  UPLINK_CHECK(judged.dropped.size() <= uplink::schema::kDroppedFieldsListedMax,
+               "the listed fields are few");
   for (const auto& field : judged.dropped) CheckViolation(field);
   UPLINK_CHECK(uc::RowOf(judged.type).kind == uc::SampleKind::kLive || judged.dropped.empty(),
                "a durable sample is whole");

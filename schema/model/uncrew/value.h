@@ -15,11 +15,11 @@ namespace uplink::model::uncrew {
 
 /// The variant of all but the first: rows bring a comma each in front.
 template <typename /*none*/, typename... Values>
-using OneOfValues = std::variant<Values...>;
+using VariantOfRows = std::variant<Values...>;
 
 #define UPLINK_TYPE(Type, Method, member, name, kind, parts_max) , Type
 /// What a sample says; the alternatives stand in the order of the types.
-using Value = OneOfValues<void UPLINK_UNCREW_TYPES(UPLINK_TYPE)>;
+using Value = VariantOfRows<void UPLINK_UNCREW_TYPES(UPLINK_TYPE)>;
 #undef UPLINK_TYPE
 
 /// The kind of the row of a value's struct.

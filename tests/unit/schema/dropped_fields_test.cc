@@ -13,7 +13,7 @@ namespace {
 using model::RejectReason;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kTold = schema::kToldFieldsMax;
+constexpr std::size_t kTold = schema::kDroppedFieldsListedMax;
 
 /// So many invalid readings, and a good one behind them.
 model::TelemetryExtras Readings(std::size_t invalid) {
@@ -38,10 +38,10 @@ TEST_P(DroppedFieldsTest, AllAreCountedAndTheFirstAreTold) {
     EXPECT_EQ(dropped[i].reason, RejectReason::kNotFinite);
     ExpectReadable(dropped[i]);
   }
-  const auto untold = judgement.record()->untold();
-  ASSERT_EQ(untold.size(), invalid > kTold ? 1U : 0U);
+  const auto unlisted = judgement.record()->unlisted();
+  ASSERT_EQ(unlisted.size(), invalid > kTold ? 1U : 0U);
   if (invalid > kTold) {
-    EXPECT_EQ(untold[0], (model::UntoldFields{RejectReason::kNotFinite, invalid - kTold}));
+    EXPECT_EQ(unlisted[0], (model::UnlistedFields{RejectReason::kNotFinite, invalid - kTold}));
   }
   const auto kept = BodyOf<model::TelemetryExtras>(judgement).kv;
   ASSERT_EQ(kept.size(), 1U) << "what is good behind them is kept";
@@ -51,27 +51,27 @@ TEST_P(DroppedFieldsTest, AllAreCountedAndTheFirstAreTold) {
 INSTANTIATE_TEST_SUITE_P(Bound, DroppedFieldsTest,
                          testing::Values(kTold - 1, kTold, kTold + 1, 255U));
 
-TEST(UntoldFieldsTest, AreCountedByTheirReasons) {
+TEST(UnlistedFieldsTest, AreCountedByTheirReasons) {
   model::TelemetryExtras extras = Readings(kTold + 2);
   extras.kv.push_back({.key = "", .value = 1.0, .unix_time_ms = {}});
   extras.kv.push_back({.key = "\xFF", .value = 1.0, .unix_time_ms = {}});
   extras.kv.push_back({.key = "", .value = 1.0, .unix_time_ms = {}});
   const schema::Judgement judgement = JudgeBody(extras);
   ASSERT_NE(judgement.record(), nullptr);
-  const auto untold = judgement.record()->untold();
-  ASSERT_EQ(untold.size(), 3U);
-  EXPECT_EQ(untold[0], (model::UntoldFields{RejectReason::kNotFinite, 2}));
-  EXPECT_EQ(untold[1], (model::UntoldFields{RejectReason::kMissingField, 2}));
-  EXPECT_EQ(untold[2], (model::UntoldFields{RejectReason::kTextNotUtf8, 1}));
+  const auto unlisted = judgement.record()->unlisted();
+  ASSERT_EQ(unlisted.size(), 3U);
+  EXPECT_EQ(unlisted[0], (model::UnlistedFields{RejectReason::kNotFinite, 2}));
+  EXPECT_EQ(unlisted[1], (model::UnlistedFields{RejectReason::kMissingField, 2}));
+  EXPECT_EQ(unlisted[2], (model::UnlistedFields{RejectReason::kTextNotUtf8, 1}));
 }
 
-TEST(UntoldFieldsTest, AMessageOfNothingElseIsRejectedForTheFirst) {
+TEST(UnlistedFieldsTest, AMessageOfNothingElseIsRejectedForTheFirst) {
   model::TelemetryExtras extras = Readings(200);
   extras.kv.pop_back();
   ExpectRejected(JudgeBody(extras), RejectReason::kNotFinite, "kv[0].value");
 }
 
-TEST(UntoldFieldsTest, DoNotHideAnEmergencyStop) {
+TEST(UnlistedFieldsTest, DoNotHideAnEmergencyStop) {
   model::StatusTelemetry status = SampleStatus();
   status.battery->soc_pct = 1000;
   status.battery->temperature = -300;
@@ -91,7 +91,7 @@ TEST(UntoldFieldsTest, DoNotHideAnEmergencyStop) {
   EXPECT_EQ(judgement.record()->dropped().size(), kTold);
 }
 
-TEST(UntoldFieldsTest, AViolationThatRejectsIsTold) {
+TEST(UnlistedFieldsTest, AViolationThatRejectsIsTold) {
   model::StatusTelemetry status = SampleStatus();
   status.estop = model::EStop{.unix_time_ms = 0, .active = true, .ids = {}};
   for (std::size_t i = 0; i <= schema::kEStopIdsMax; ++i) status.estop->ids.emplace_back("\xFF");

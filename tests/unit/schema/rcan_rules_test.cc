@@ -308,7 +308,7 @@ class DroppedJoints : public ::testing::TestWithParam<int> {};
 
 TEST_P(DroppedJoints, AllAreCountedAndTheFirstAreTold) {
   const int invalid = GetParam();
-  const int told_max = static_cast<int>(kToldFieldsMax);
+  const int told_max = static_cast<int>(kDroppedFieldsListedMax);
   std::string list;
   for (int i = 0; i < invalid; ++i) list += R"({"joint":"j)" + std::to_string(i) + "\"},";
   const RcanJudgement judgement =
@@ -317,9 +317,9 @@ TEST_P(DroppedJoints, AllAreCountedAndTheFirstAreTold) {
   ASSERT_EQ(judgement.rejection(), nullptr);
   const int dropped = invalid + 1;
   EXPECT_EQ(judgement.dropped.size(), static_cast<std::size_t>(std::min(dropped, told_max)));
-  std::size_t untold = 0;
-  for (const model::UntoldFields& fields : judgement.untold) untold += fields.fields;
-  EXPECT_EQ(untold, static_cast<std::size_t>(std::max(0, dropped - told_max)));
+  std::size_t unlisted = 0;
+  for (const model::UnlistedFields& fields : judgement.unlisted) unlisted += fields.fields;
+  EXPECT_EQ(unlisted, static_cast<std::size_t>(std::max(0, dropped - told_max)));
   const auto& joints = std::get<model::RcanState>(judgement.verdict).joints;
   ASSERT_EQ(joints.size(), 1U);
   EXPECT_EQ(joints[0].position_m, 2);

@@ -247,9 +247,9 @@ TEST(CyberwaveDropping, TellsTheFirstFieldsAndCountsTheRest) {
   const Judgement judgement = JudgeOn(
       "joint/update", R"({"positions":{"good":1,)" + test::Members(20, "bad", "\"x\"") + "}}");
   EXPECT_EQ(test::BodyOf<model::cyberwave::Joints>(judgement).joints.size(), 1U);
-  EXPECT_EQ(judgement.dropped.size(), schema::kToldFieldsMax);
-  ASSERT_EQ(judgement.untold.size(), 1U);
-  EXPECT_EQ(judgement.untold.front().fields, 20 - schema::kToldFieldsMax);
+  EXPECT_EQ(judgement.dropped.size(), schema::kDroppedFieldsListedMax);
+  ASSERT_EQ(judgement.unlisted.size(), 1U);
+  EXPECT_EQ(judgement.unlisted.front().fields, 20 - schema::kDroppedFieldsListedMax);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(JointTableTest, PastItsNamesFurtherOnesAreDroppedAndKnownOnesGoOn) {
   const JointTable::Taken taken = table.Take(Names(kJointNamesMax - 1, kJointNamesMax + 20), {});
   EXPECT_EQ(taken.applied, 1U);
   EXPECT_EQ(taken.without_room, 20U);
-  ASSERT_EQ(taken.dropped.size(), schema::kToldFieldsMax);
+  ASSERT_EQ(taken.dropped.size(), schema::kDroppedFieldsListedMax);
   EXPECT_EQ(taken.dropped[0].reason, model::RejectReason::kTooManyItems);
   EXPECT_NE(taken.dropped[0].field.find("j256"), std::string::npos) << taken.dropped[0].field;
   EXPECT_NE(taken.dropped[0].detail.find("256"), std::string::npos) << taken.dropped[0].detail;

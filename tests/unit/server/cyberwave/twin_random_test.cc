@@ -152,7 +152,7 @@ TEST_P(TwinRandomTest, NoBoundIsPassed) {
     const Applied applied = twin.Publish(tail, payload);
     ++outcomes.at(static_cast<std::size_t>(applied.outcome));
     ASSERT_LE(applied.records.size(), kRecordsOfMessageMax);
-    ASSERT_LE(applied.dropped.size(), schema::kToldFieldsMax);
+    ASSERT_LE(applied.dropped.size(), schema::kDroppedFieldsListedMax);
     ASSERT_EQ(applied.records.empty(), applied.outcome != Outcome::kStored);
     if (i % 50 == 0) {
       ExpectWithinBounds(twin.Of(RobotKind::kReal));

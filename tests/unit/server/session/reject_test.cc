@@ -252,7 +252,7 @@ std::string ExtrasOfNan(std::size_t readings) {
 
 TEST_F(RejectTest, EveryDroppedFieldIsCountedThoughNotEveryOneIsTold) {
   constexpr std::size_t kFields = 255;
-  static_assert(kFields > schema::kToldFieldsMax);
+  static_assert(kFields > schema::kDroppedFieldsListedMax);
   BenchStream& stream = Welcomed();
   stream.Send(BatchFrame({{1, ExtrasOfNan(kFields)}}));
   EXPECT_THAT(stream.TakeLines(), ElementsAre("notice 1 not_finite kv[0].value"));
