@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# lint.sh: format, shellcheck, spelling, the tidy test and clang-tidy, each to its end before the verdict.
+# lint.sh: format, shellcheck, spelling, workflows, the tidy test and clang-tidy, each to its end before the
+# verdict.
 # clang-tidy skips what it has passed before with the same content (tools/dev/lint/README.md).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -34,6 +35,18 @@ check_spelling() {
       --ignore-regex '\\n|\b\w*[a-z][A-Z]\w*\b'
 }
 
+# actionlint is no package of Debian, and lint downloads nothing.
+check_workflows() {
+  local tools="${UPLINK_TOOLS_DIR:-$HOME/.cache/uplinkd-tools}/bin"
+  if ! PATH="$PATH:$tools" command -v actionlint >/dev/null; then
+    printf 'lint: no actionlint, so .github/workflows is left out. This installs it, with Go 1.25 or later:\n' >&2
+    printf '  GOBIN=%s go install github.com/rhysd/actionlint/cmd/actionlint@v1.7.12\n' "$tools" >&2
+    return
+  fi
+  # Without a list it looks for workflows where git says that the tree begins.
+  PATH="$PATH:$tools" actionlint .github/workflows/*.yml
+}
+
 check_clang_tidy() {
   mkdir -p "$build"
   # clang as compiler: the database then holds only flags that clang-tidy knows. Without the
@@ -52,6 +65,7 @@ check_clang_tidy() {
 step "format (./dev format repairs it)" check_format
 step "shellcheck" check_shell
 step "spelling (tools/dev/spelling.txt has the exceptions)" check_spelling
+step "workflows" check_workflows
 step "tidy" python3 tests/tidy/tidy.py --root .
 step "clang-tidy" check_clang_tidy
 
