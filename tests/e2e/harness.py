@@ -40,8 +40,8 @@ def run(*arguments, code=0, timeout=60, env=None):
     return done
 
 
-def uplinkctl(*arguments, code=0):
-    return run(BIN / "uplinkctl", *arguments, code=code)
+def uplinkctl(*arguments, code=0, env=None):
+    return run(BIN / "uplinkctl", *arguments, code=code, env=env)
 
 
 def wait_until(process, condition, seconds, what, every=LOOK_SECONDS):
@@ -63,7 +63,7 @@ def wait_until(process, condition, seconds, what, every=LOOK_SECONDS):
 class Server:
     """An uplinkd with its store in `folder`. The ports of the first start are kept."""
 
-    def __init__(self, folder, settings="", store_url=None):
+    def __init__(self, folder, settings="", store_url=None, environment=None):
         self.store_url = store_url or f"sqlite://{folder}/uplinkd.db"
         self.folder = pathlib.Path(folder)
         self.pki = self.folder / "pki"
@@ -72,12 +72,16 @@ class Server:
         self.program = BIN / "uplinkd"
         # What runs it in its own place (unshare, prlimit).
         self.wrapper = []
-        self.environment = {}
+        self.environment = environment or {}
         self.starts = 0
         self.process = None
         if not self.pki.exists():
-            uplinkctl("pki", "init", "--dir", self.pki)
-            uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost", "--host", "127.0.0.1")
+            self.uplinkctl("pki", "init", "--dir", self.pki)
+            self.uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost", "--host", "127.0.0.1")
+
+    def uplinkctl(self, *arguments):
+        """In the server's environment."""
+        return uplinkctl(*arguments, env={**os.environ, **self.environment})
 
     def configuration(self):
         path = self.folder / "uplinkd.toml"

@@ -5,6 +5,7 @@ and prints what it saw as JSON. PYTHONPATH holds what protoc made of relay.proto
 """
 
 import json
+import pathlib
 import sys
 
 import grpc
@@ -16,6 +17,7 @@ PATIENCE_SECONDS = 30
 SESSION = bytes(range(16))
 MESSAGES = 1000
 BATCH = 100
+EVENT = pathlib.Path(__file__).parents[1] / "conformance/vectors/eventTelemetry-min.bin"
 
 
 def read(path):
@@ -65,6 +67,18 @@ def stream(channel):
     }
 
 
+def resume(channel, last):
+    """A session that a store knows, by an agent that lost all it was told: sends its last number and a new one."""
+    call = call_of(channel, [hello(), batch(last, 2, EVENT.read_bytes())])
+    frames = list(call)
+    return {
+        "committed": frames[0].welcome.committed_seq,
+        "rejects": [frame.reject.seq for frame in frames if frame.HasField("reject")],
+        "through": max((frame.ack.through_seq for frame in frames if frame.HasField("ack")), default=0),
+        **ended(call),
+    }
+
+
 def ended(call):
     return {"code": call.code().name, "details": call.details()}
 
@@ -80,6 +94,7 @@ def refused(channel, frames, **options):
 
 ACTS = {
     "stream": stream,
+    "resume": resume,
     "wrong_hello": lambda channel: refused(channel, [hello(session_id=b"short")]),
     "other_robot": lambda channel: refused(channel, [hello(robot_ruri="rcan://example.org/ä/100%")]),
     "large_frame": lambda channel: refused(channel, [hello(), batch(1, 1, b"x" * (2 << 20))]),
@@ -89,9 +104,9 @@ ACTS = {
 
 
 def main():
-    act, target, authority, certificate, key = sys.argv[1:]
+    act, target, authority, certificate, key, *numbers = sys.argv[1:]
     with channel_of(target, authority, certificate, key) as channel:
-        print(json.dumps(ACTS[act](channel)))
+        print(json.dumps(ACTS[act](channel, *map(int, numbers))))
 
 
 if __name__ == "__main__":

@@ -110,10 +110,9 @@ class Reading:
     """A server on a store, at `read_at` of its civil clock (Unix milliseconds)."""
 
     def __init__(self, folder, store, read_at):
-        self.server = Server(folder, store_url=store.url)
         self.clock = ShiftedClock(folder)
         self.clock.set(read_at // 1000 - int(time.time()))
-        self.server.environment = self.clock.environment
+        self.server = Server(folder, store_url=store.url, environment=self.clock.environment)
 
     def start(self):
         """Until it holds all robots, and has read their live state."""
