@@ -188,8 +188,8 @@ class Cluster:
         self.sql("CREATE DATABASE uplinkd OWNER uplinkd_owner", "postgres")
         return self
 
-    def migrate(self):
-        uplinkctl("store", "migrate", "--url", self.url("uplinkd_owner"), "--grant-to", "uplinkd")
+    def migrate(self, programs=BIN):
+        run(programs / "uplinkctl", "store", "migrate", "--url", self.url("uplinkd_owner"), "--grant-to", "uplinkd")
         return self
 
     def crash(self):

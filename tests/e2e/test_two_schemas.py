@@ -2,12 +2,8 @@
 
 import unittest
 
-from harness import BIN, Fleet, mismatches
-from two_servers import DEADLINE_SECONDS, ROBOTS, SPANS, A, B, TwoServers
-
-
-# What a server counts of messages since its start: the fleet asks the one that is left.
-COUNTS = ("messages, each once", "durable, stored", "good: stored, applied or superseded")
+from harness import BIN, Fleet
+from two_servers import COUNTS, DEADLINE_SECONDS, ROBOTS, SPANS, A, B, TwoServers
 
 
 class TwoSchemas(TwoServers):
@@ -25,12 +21,6 @@ class TwoSchemas(TwoServers):
 
     def schema(self):
         return self.cluster.sql("SELECT max(version), max(oldest) FROM uplinkd.schema_migrations")
-
-    def assert_all_is_stored(self, fleet, counted_elsewhere=()):
-        _, report = fleet.finish()
-        self.assertEqual(report["differences"], [])
-        wrong = {check["what"] for check in mismatches(report)}
-        self.assertLessEqual(wrong, set(counted_elsewhere), report)
 
     def shut_out_older(self):
         """While robots stream to A, and those that come again go to B. Returns their fleet."""

@@ -139,19 +139,6 @@ class Moves(TwoServers):
 
 
 class Updates(TwoServers):
-    def replace(self, old, new):
-        """A new server starts, both run for a while, the robots move as the old one drains."""
-        self.start(new)
-        self.wait_until_all_are_online()
-        self.watch(SPANS.overlap)
-        self.road.choose(new)
-        self.moves += 1
-        self.assertEqual(self.servers[old].terminate(30), 0, self.servers[old].text()[-2000:])
-        self.wait_for(lambda: self.streams(new) == ROBOTS, "the robots came", new)
-        self.watch(SPANS.after)
-        self.wait_until_all_are_online()
-        self.assert_histories_are_true()
-
     def test_two_rolling_updates_make_nobody_offline(self):
         self.start(A)
         self.robots_at(A)

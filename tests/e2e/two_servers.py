@@ -5,7 +5,7 @@ import dataclasses
 import os
 import time
 
-from harness import Cluster, EndToEnd, Fleet, Server, wait_until
+from harness import BIN, Cluster, EndToEnd, Fleet, Server, mismatches, wait_until
 from presence import OFFLINE, ONLINE, goes_on, problems_of, shown_history, stored_histories
 from tcp_proxy import TcpProxy
 
@@ -40,6 +40,9 @@ SHORT = Spans(overlap=12, short_cut=15, long_cut=45, away=40, short_stop=15, lon
 FULL = Spans(overlap=600, short_cut=25, long_cut=600, away=120, short_stop=15, long_stop=60, after=60)
 SPANS = {"short": SHORT, "full": FULL}[os.environ.get("UPLINK_SPANS", "short")]
 
+# What a server counts of messages since its start: a fleet whose robots moved asks only one.
+COUNTS = ("messages, each once", "durable, stored", "good: stored, applied or superseded")
+
 # A server that judged what it does not hear would do so within seconds.
 SETTINGS = """checkpoint = "1s"
 [presence]
@@ -50,9 +53,12 @@ startup_grace = "5s"
 class TwoServers(EndToEnd):
     """A cluster, the servers A and B with one authority, and the way of the robots, which leads to A."""
 
+    # Of these programs is the store's schema at first.
+    programs_of_store = BIN
+
     def setUp(self):
         super().setUp()
-        self.cluster = self.keep(Cluster(self.folder).create().migrate())
+        self.cluster = self.keep(Cluster(self.folder).create()).migrate(self.programs_of_store)
         self.password = self.folder / "store.password"
         self.password.write_text("uplinkd\n", encoding="utf-8")
         self.stores = [self.keep(TcpProxy(f"127.0.0.1:{self.cluster.place['port']}")) for _ in "AB"]
@@ -167,7 +173,26 @@ class TwoServers(EndToEnd):
         self.wait_for(look, "the time passes", places[0] if places else None, seconds + DEADLINE_SECONDS)
         self.assertTrue(set(places) <= set(self.running()), "a server ended")
 
+    def replace(self, old, new):
+        """A new server starts, both run for a while, the robots move as the old one drains."""
+        self.start(new)
+        self.wait_until_all_are_online()
+        self.watch(SPANS.overlap)
+        self.road.choose(new)
+        self.moves += 1
+        self.assertEqual(self.servers[old].terminate(30), 0, self.servers[old].text()[-2000:])
+        self.wait_for(lambda: self.streams(new) == ROBOTS, "the robots came", new)
+        self.watch(SPANS.after)
+        self.wait_until_all_are_online()
+        self.assert_histories_are_true()
+
     # Verdicts.
+
+    def assert_all_is_stored(self, fleet, counted_elsewhere=()):
+        _, report = fleet.finish()
+        self.assertEqual(report["differences"], [])
+        wrong = {check["what"] for check in mismatches(report)}
+        self.assertLessEqual(wrong, set(counted_elsewhere), report)
 
     def assert_histories_are_true(self):
         """No false offline, a row a change, no more than there were moves; and both servers show them so."""
