@@ -38,7 +38,7 @@ constexpr int kExitFailed = 1;
 constexpr int kExitWrongUse = 2;
 
 struct Arguments {
-  std::string config_file = "/etc/uplinkd/uplinkd.toml";
+  std::string config_file = config::kConfigFileDefault;
   bool check_config = false;
   bool print_config = false;
   bool print_metrics = false;

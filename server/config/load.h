@@ -12,6 +12,9 @@
 
 namespace uplink::config {
 
+/// Which file the server reads, and `uplinkctl health` if it is there, unless a flag names another.
+inline constexpr const char* kConfigFileDefault = "/etc/uplinkd/uplinkd.toml";
+
 /// One thing that is wrong in a configuration.
 struct Problem {
   /// `file:line` or `environment`; or a file alone: the configuration's, or one that it names.

@@ -1,10 +1,12 @@
 """`uplinkctl health` against a real server, and against what is none."""
 
+import os
 import socket
 import threading
 import unittest
 
-from harness import EndToEnd, uplinkctl
+from harness import BIN, EndToEnd, run, uplinkctl
+from prometheus import free_port
 
 # Longer than the program waits for an answer.
 PROBE_SECONDS = 30
@@ -63,7 +65,16 @@ class Health(EndToEnd):
         self.assertIn('ready: {"degraded":', uplinkctl("health", "--ready", "--config", path).stdout)
         self.assertIn("alive: ", uplinkctl("health", "--url", f"http://{server.http}/").stdout)
         server.terminate(60)
-        self.assertIn("refused", self.failing("--config", path))
+        line = self.failing("--config", path)
+        self.assertIn(f"http://{server.http}/livez: connect: Connection refused", line)
+        self.assertIn(f"the address is listen.http of {path}\n", line)
+
+    def test_without_flags_the_line_says_whom_it_asked(self):
+        closed = f"127.0.0.1:{free_port()}"
+        environment = {**os.environ, "UPLINKD_LISTEN_HTTP": closed}
+        done = run(BIN / "uplinkctl", "health", code=1, env=environment)
+        self.assertIn(f"http://{closed}/livez: connect: Connection refused; the address is that of the "
+                      "variable UPLINKD_LISTEN_HTTP\n", done.stderr)  # fmt: skip
 
     def test_a_server_that_cannot_serve_says_why(self):
         program = self.answering(b'HTTP/1.1 503 x\r\ncontent-length: 24\r\n\r\n{"refuses":["starting"]}')

@@ -6,8 +6,8 @@
 
 #include "server/config/load.h"
 #include "tools/uplinkctl/command.h"
-#include "tools/uplinkctl/listeners.h"
 #include "tools/uplinkctl/probe.h"
+#include "tools/uplinkctl/probe_target.h"
 
 namespace uplink::ctl {
 namespace {
@@ -18,32 +18,20 @@ struct Arguments {
   std::string config;
 };
 
-/// Where the server of that file listens; without a file, one that is started with the defaults
-/// and the variables of this environment.
-absl::StatusOr<std::string> AddressOfConfig(const std::string& path) {
+absl::StatusOr<ProbeTarget> TargetOf(const Arguments& arguments) {
+  if (!arguments.url.empty()) return TargetOfUrl(arguments.url);
   const config::Environment environment = config::ProcessEnvironment();
-  const config::LoadResult read = path.empty() ? config::ParseConfig("", "defaults", environment)
-                                               : config::LoadConfig(path, environment);
-  if (!read.readable) {
-    return absl::InvalidArgumentError(
-        read.problems.empty() ? path + " cannot be read" : config::ToText(read.problems.front()));
-  }
-  const config::ListenAddress address = ProbeAddress(*read.readable);
-  if (address.port == 0) {
-    return absl::InvalidArgumentError(
-        "the server takes any free port (listen.http ends with :0): name it by --url");
-  }
-  return config::ToText(address);
+  return arguments.config.empty() ? TargetWithoutFlags(config::kConfigFileDefault, environment)
+                                  : TargetOfConfig(arguments.config, environment);
 }
 
 int Health(const Arguments& arguments) {
-  const absl::StatusOr<std::string> address =
-      arguments.url.empty() ? AddressOfConfig(arguments.config) : AddressOfUrl(arguments.url);
-  if (!address.ok()) return ExitOf(address.status());
+  const absl::StatusOr<ProbeTarget> target = TargetOf(arguments);
+  if (!target.ok()) return ExitOf(target.status());
   const Probe probe = arguments.ready ? Probe::kReady : Probe::kAlive;
-  link::HttpClient client(*address, {kProbeDeadline, kProbeBytesMax});
+  link::HttpClient client(target->address, {kProbeDeadline, kProbeBytesMax});
   const absl::StatusOr<link::HttpAnswer> answer = client.Ask(ProbePath(probe));
-  if (!answer.ok()) return ExitOf(answer.status());
+  if (!answer.ok()) return ExitOf(WithSource(answer.status(), *target));
   const ProbeWord word = JudgeAnswer(probe, *answer);
   fmt::print(word.good ? stdout : stderr, "{}\n", word.line);
   return word.good ? kExitDone : kExitFailed;
@@ -58,7 +46,9 @@ void AddHealth(config::Flags& program) {
       [arguments] { return Health(*arguments); });
   noun.AddSwitch({"--ready", "Ask whether it is ready for traffic instead"}, arguments->ready);
   noun.Add({"--url", "Where it answers probes: http://HOST:PORT"}, arguments->url);
-  noun.Add({"--config", "The server's configuration file, which says where it listens"},
+  noun.Add({"--config", fmt::format("The server's configuration file, which says where it listens "
+                                    "(without --url: {}, if it can be read)",
+                                    config::kConfigFileDefault)},
            arguments->config);
   noun.AtMostOne({"--url", "--config"});
 }
