@@ -115,14 +115,20 @@ Findings ServerCertificateFindings(const ServerCertificate& certificate, SystemT
 
 Findings AuthorityFindings(const NamedFile& file, const std::vector<CertificateFacts>& authorities,
                            SystemTime now) {
-  const auto serves = [now](const CertificateFacts& each) {
-    return JudgeDates(each, now).severity != Severity::kError;
-  };
-  const auto good = std::count_if(authorities.begin(), authorities.end(), serves);
+  int good = 0;
+  SystemTime good_until = identity::kNoExpiry;
+  for (const CertificateFacts& each : authorities) {
+    if (JudgeDates(each, now).severity == Severity::kError) continue;
+    ++good;
+    good_until = std::min(good_until, each.end);
+  }
   Findings findings;
   if (good > 0) {
-    findings.push_back(Ok(file.key, fmt::format("{} has {} authorit{} that did not expire",
-                                                file.path, good, good == 1 ? "y" : "ies")));
+    const std::string until = good_until < identity::kNoExpiry
+                                  ? ", good until " + identity::ExpiryText(good_until)
+                                  : std::string();
+    findings.push_back(Ok(file.key, fmt::format("{} has {} authorit{} that did not expire{}",
+                                                file.path, good, good == 1 ? "y" : "ies", until)));
   }
   for (const CertificateFacts& authority : authorities) {
     Dates dates = JudgeDates(authority, now);
@@ -131,8 +137,7 @@ Findings AuthorityFindings(const NamedFile& file, const std::vector<CertificateF
     if (good > 0) dates.severity = Severity::kWarning;
     findings.push_back(DatesFinding(
         file.key, fmt::format("authority {} of {}", authority.subject, file.path), dates,
-        "give its robots certificates of another authority (docs/operate/security.md, The robots' "
-        "authority expired)"));
+        "extend it with the same key (docs/operate/security.md, The robots' authority expired)"));
   }
   return findings;
 }

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/identity/expiry.h"
 #include "tests/support/certificates.h"
 #include "tools/uplinkctl/doctor/certificate_facts.h"
 
@@ -102,6 +103,29 @@ TEST(CertificateCheck, AnExpiredAuthorityIsAnErrorIfItIsTheOnlyOne) {
   EXPECT_EQ(ExitOf(AuthorityFindings({"tls.client_ca_file", "/ca"}, {expired, good}, kNow)),
             kExitWarnings);
   EXPECT_EQ(ExitOf(AuthorityFindings({"tls.client_ca_file", "/ca"}, {good}, kNow)), 0);
+}
+
+TEST(CertificateCheck, AuthoritiesThatAreGoodSayUntilWhen) {
+  const auto line = [](const std::vector<CertificateFacts>& authorities) {
+    return AuthorityFindings({"tls.client_ca_file", "/ca"}, authorities, kNow).front().what;
+  };
+  const CertificateFacts first{"CN=first", kNow - days(9), kNow + days(100)};
+  const CertificateFacts last{"CN=last", kNow - days(9), kNow + days(900)};
+  const CertificateFacts expired{"CN=old", kNow - days(9), kNow - days(1)};
+  EXPECT_EQ(line({expired, first}),
+            "/ca has 1 authority that did not expire, good until 2027-04-25T08:00:00Z");
+  EXPECT_EQ(line({last, first}),
+            "/ca has 2 authorities that did not expire, good until 2027-04-25T08:00:00Z");
+  EXPECT_EQ(line({{"CN=ever", kNow - days(9), identity::kNoExpiry}}),
+            "/ca has 1 authority that did not expire");
+}
+
+TEST(CertificateCheck, AnAuthorityThatEndsIsToBeExtendedWithItsKey) {
+  for (const SystemTime end : {kNow - days(1), kNow + days(1)}) {
+    const Findings findings =
+        AuthorityFindings({"tls.client_ca_file", "/ca"}, {{"CN=a", kNow - days(9), end}}, kNow);
+    EXPECT_THAT(findings.back().remedy, HasSubstr("extend it with the same key"));
+  }
 }
 
 TEST(CertificateFacts, ARealChainIsReadWithItsNames) {
