@@ -4,14 +4,16 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
 #include "server/config/nearest.h"
 #include "server/config/settings.h"
 
 namespace uplink::config {
 namespace {
 
-constexpr std::string_view kDeleteLine =
-    "; delete it, or take one of those in the reference (docs/operate/configuration.md)";
+std::string DeleteLine() {
+  return "; delete it, or take one of " + DocPage("docs/operate/configuration.md");
+}
 
 /// Sections that have a key of this name.
 std::vector<std::string_view> SectionsOf(std::string_view key) {
@@ -33,13 +35,13 @@ std::string UnknownKeyText(std::string_view section, std::string_view key) {
       return fmt::format("unknown key; did you mean {}.{}?", sections.front(), key);
     }
   }
-  return "unknown key" + DidYouMean(wrong, names, kDeleteLine);
+  return "unknown key" + DidYouMean(wrong, names, DeleteLine());
 }
 
 std::string UnknownSectionText(std::string_view name) {
   std::vector<std::string> names;
   for (const Section& section : Sections()) names.emplace_back(section.name);
-  return "unknown section" + DidYouMean(name, names, kDeleteLine);
+  return "unknown section" + DidYouMean(name, names, DeleteLine());
 }
 
 std::string KeyOutsideText(std::string_view key) {

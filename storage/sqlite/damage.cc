@@ -9,9 +9,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "schema/base/doc_page.h"
 #include "storage/sqlite/database.h"
 
 namespace uplink::storage::sqlite {
+
+std::string IfDamaged() {
+  return ". See " + DocPage("docs/operate/sqlite.md", "The file was overwritten or damaged");
+}
 
 void Damage::Note(std::string what) {
   {
@@ -29,7 +34,7 @@ absl::Status Damage::status() const {
   if (what_.empty()) return absl::OkStatus();
   std::string text = "store " + path_ + ": " + what_;
   text += ": nothing is acked until the server is started anew with a sound file";
-  return absl::UnavailableError(text.append(kIfDamaged));
+  return absl::UnavailableError(text.append(IfDamaged()));
 }
 
 absl::Status RefuseEmptied(const std::string& path) {
@@ -45,7 +50,7 @@ absl::Status RefuseEmptied(const std::string& path) {
   std::string text =
       "store " + path + " is empty, or was missing, and " + (has_wal ? wal : damaged);
   text += " beside it says that it was not; to begin anew, move that file away";
-  return absl::FailedPreconditionError(text.append(kIfDamaged));
+  return absl::FailedPreconditionError(text.append(IfDamaged()));
 }
 
 absl::Status RefuseDamage(Database& database, const OnDamageCheck& told) {
@@ -70,7 +75,7 @@ absl::Status RefuseDamage(Database& database, const OnDamageCheck& told) {
   // So that its end moves no WAL into the file.
   damage->Note(*found);
   std::string text = "store " + database.path() + " is damaged: " + *found;
-  return absl::FailedPreconditionError(text.append(kIfDamaged));
+  return absl::FailedPreconditionError(text.append(IfDamaged()));
 }
 
 }  // namespace uplink::storage::sqlite

@@ -15,8 +15,7 @@ namespace uplink::storage::sqlite {
 class Database;
 
 /// Ends each message about damage.
-inline constexpr std::string_view kIfDamaged =
-    ". What to do: \"The file was overwritten or damaged\" in docs/operate/sqlite.md";
+[[nodiscard]] std::string IfDamaged();
 
 /// What a process found wrong with the content of a store's files, by any of its connections. The
 /// first finding stands until the process ends: what SQLite reads next may look sound, and acks for

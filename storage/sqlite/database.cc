@@ -176,7 +176,7 @@ absl::Status Database::Error(int code, std::string_view sql) const {
   sqlite3_db_config(handle_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   std::string text(status.message());
   if (damage_ != nullptr) damage_->Note(text);
-  return absl::DataLossError(text.append(kIfDamaged));
+  return absl::DataLossError(text.append(IfDamaged()));
 }
 
 }  // namespace uplink::storage::sqlite

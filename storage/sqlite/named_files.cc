@@ -6,6 +6,8 @@
 
 #include <sys/stat.h>
 
+#include "schema/base/doc_page.h"
+
 namespace uplink::storage::sqlite {
 namespace {
 
@@ -15,9 +17,8 @@ absl::Status IsNotOurs(const std::string& name, const std::string& why) {
   return absl::UnavailableError(
       "store " + name + ": the name no longer leads to the file that the server has open (" + why +
       "): nothing is acked until it does. Do nothing before you have read what saves the rows, "
-      "which"
-      " this process alone may have: see \"The file was moved or removed\" in "
-      "docs/operate/sqlite.md");
+      "which this process alone may have: see " +
+      DocPage("docs/operate/sqlite.md", "The file was moved or removed"));
 }
 
 /// Whether this process has the file open. True without /proc, where it cannot be known.

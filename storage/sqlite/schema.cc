@@ -100,7 +100,7 @@ absl::Status CheckFile(Database& database, std::span<const Migration> migrations
     if (!absl::IsDataLoss(application.status())) return application.status();
     return Precondition(database, std::string("is no SQLite file, or a damaged one; it is left as "
                                               "it is")
-                                      .append(kIfDamaged));
+                                      .append(IfDamaged()));
   }
   constexpr const char* kOthers = "is an SQLite file of another program; it is left as it is";
   if (*application != 0 && *application != kApplicationId) return Precondition(database, kOthers);

@@ -519,6 +519,14 @@ class DocumentsTest(RuleTest):
         found = self.find(whole.links, files)
         self.assertEqual(found, [("docs/a.md", 2, "link"), ("docs/a.md", 3, "link")])
 
+    def test_takes_pages_and_headings_that_messages_name(self):
+        files = {"docs/a.md": "# A\n## It fills\n", "server/a.cc": 'DocPage("docs/a.md") DocPage("docs/a.md",\n "It fills")\n'}
+        self.assert_clean(whole.doc_pages, files)
+        files["docs/a.md"] = "# A\n"
+        self.assertEqual(self.find(whole.doc_pages, files), [("server/a.cc", 1, "doc-page")])
+        del files["docs/a.md"]
+        self.assertEqual(len(self.find(whole.doc_pages, files)), 2)
+
     def test_takes_names_of_what_is_there(self):
         page = "`server/a.cc` `server/` `AckTest.Holds` `test_x.py` (`test_it`) `Ack::Next` `ack`\n"
         files = {

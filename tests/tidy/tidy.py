@@ -37,6 +37,7 @@ RULES = (
     whole.built,
     whole.targets,
     whole.settings,
+    whole.doc_pages,
     whole.links,
     whole.named,
     whole.readmes,

@@ -30,6 +30,7 @@ NAMED_TEST = re.compile(r"[A-Z]\w+\.[A-Z]\w+")
 NAMED_PYTHON = re.compile(r"test_\w+(?:\.py)?")
 TEST = re.compile(r"\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\)")
 PYTHON_TEST = re.compile(r"\bdef (test_\w+)\(")
+DOC_PAGE = re.compile(r'\bDocPage\(\s*"([^"]+)"(?:,\s*"([^"]+)")?')
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)(?:#[^)]*)?\)")
 
 
@@ -121,6 +122,21 @@ def links(tree):
                     each == target or each.startswith(target + "/") for each in folders
                 ):
                     yield Finding(path, number, "link", f"leads nowhere: {name}")
+
+
+def doc_pages(tree):
+    """The pages of the handbook that messages name are there, with the heading that is named."""
+    for path in tree.cxx:
+        if path.startswith("tests/"):
+            continue
+        text = tree.text(path)
+        for found in DOC_PAGE.finditer(text):
+            page, heading = found.groups()
+            number = text.count("\n", 0, found.start()) + 1
+            if not tree.has(page):
+                yield Finding(path, number, "doc-page", f"leads nowhere: {page}")
+            elif heading and heading not in [line.lstrip("# ") for line in tree.lines(page)]:
+                yield Finding(path, number, "doc-page", f"{page} has no heading: {heading}")
 
 
 def readmes(tree):

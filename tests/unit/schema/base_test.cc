@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/base/clock.h"
+#include "schema/base/doc_page.h"
 #include "schema/base/utf8.h"
 #include "schema/model/enum_text.h"
 #include "schema/model/ids.h"
@@ -18,6 +19,12 @@ namespace uplink {
 namespace {
 
 using std::string_view_literals::operator""sv;
+
+TEST(DocPageTest, APageIsNamedWithItsFolderOnAnInstalledHost) {
+  EXPECT_EQ(DocPage("docs/a.md"), "docs/a.md in /usr/share/doc/uplinkd");
+  EXPECT_EQ(DocPage("docs/a.md", "It fills"),
+            "\"It fills\" of docs/a.md in /usr/share/doc/uplinkd");
+}
 
 TEST(BootClockTest, HasAllOfTheTimeThatTheMonotonicClockHas) {
   const SystemClock steady;

@@ -29,7 +29,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr const char* kSaysWhatToDo =
-    "What to do: \"The file was overwritten or damaged\" in docs/operate/sqlite.md";
+    ". See \"The file was overwritten or damaged\" of docs/operate/sqlite.md in "
+    "/usr/share/doc/uplinkd";
 
 std::string BytesOf(const std::string& path) {
   std::ostringstream bytes;

@@ -7,14 +7,17 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "schema/base/doc_page.h"
 #include "server/config/address.h"
 #include "server/identity/expiry.h"
 
 namespace uplink::ctl {
 namespace {
 
-constexpr const char* kRenew =
-    "renew it with every name that robots dial (docs/operate/security.md, Renew a certificate)";
+std::string Renew() {
+  return "renew it with every name that robots dial; see " +
+         DocPage("docs/operate/security.md", "Renew a certificate");
+}
 
 std::string DaysText(milliseconds span) {
   const auto days = std::chrono::duration_cast<std::chrono::days>(span).count();
@@ -86,11 +89,12 @@ Finding NamesFinding(const ServerCertificate& certificate) {
   names.insert(names.end(), certificate.facts.ip_addresses.begin(),
                certificate.facts.ip_addresses.end());
   if (names.empty()) {
-    return Error(key, fmt::format("{} names no host (subject alternative names)", path), kRenew);
+    return Error(key, fmt::format("{} names no host (subject alternative names)", path), Renew());
   }
   const std::string text = fmt::format("it is for {}", fmt::join(names, ", "));
   if (certificate.serves_others && std::all_of(names.begin(), names.end(), IsLoopbackName)) {
-    return Warning(key, text + " alone: robots on other machines cannot verify the server", kRenew);
+    return Warning(key, text + " alone: robots on other machines cannot verify the server",
+                   Renew());
   }
   return Ok(key, text);
 }
@@ -100,7 +104,7 @@ Finding NamesFinding(const ServerCertificate& certificate) {
 Findings ServerCertificateFindings(const ServerCertificate& certificate, SystemTime now) {
   const auto& [key, path] = certificate.file;
   const std::vector<CertificateFacts>& chain = certificate.facts.chain;
-  Findings findings{DatesFinding(key, path, JudgeDates(chain.front(), now), kRenew)};
+  Findings findings{DatesFinding(key, path, JudgeDates(chain.front(), now), Renew())};
   for (std::size_t i = 1; i < chain.size(); ++i) {
     const Dates dates = JudgeDates(chain[i], now);
     if (dates.severity == Severity::kOk) continue;
@@ -137,7 +141,8 @@ Findings AuthorityFindings(const NamedFile& file, const std::vector<CertificateF
     if (good > 0) dates.severity = Severity::kWarning;
     findings.push_back(DatesFinding(
         file.key, fmt::format("authority {} of {}", authority.subject, file.path), dates,
-        "extend it with the same key (docs/operate/security.md, The robots' authority expired)"));
+        "extend it with the same key; see " +
+            DocPage("docs/operate/security.md", "The robots' authority expired")));
   }
   return findings;
 }

@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
+
 namespace uplink::ctl {
 namespace {
 
@@ -29,7 +31,9 @@ std::string What(const config::Problem& problem) {
 std::string RemedyOf(const config::Problem& problem, const std::string& user) {
   const std::string& text = problem.text;
   if (Holds(text, "chmod") || Holds(text, "removed")) return {};
-  if (Holds(text, "did you mean")) return "docs/operate/configuration.md has all keys";
+  if (Holds(text, "did you mean")) {
+    return DocPage("docs/operate/configuration.md") + " has all keys";
+  }
   if (Holds(text, kDenied) || Holds(text, "cannot be opened")) {
     return fmt::format("let the user {} read it, and enter its folders (chgrp, chmod)", user);
   }
@@ -50,7 +54,7 @@ std::string RemedyOf(const config::Note& note) {
   if (note.event == "secret_writable") return "run chmod g-w " + note.where;
   if (note.event == "setting_without_effect") return "remove it";
   if (note.event == "variables_ignored") return {};
-  return "docs/operate/configuration.md says how";
+  return DocPage("docs/operate/configuration.md") + " says how";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
 #include "server/store/space_judge.h"
 
 namespace uplink::ctl {
@@ -17,7 +18,8 @@ Finding DiskFinding(const std::string& place, const storage::DiskSpace& space,
   const std::string text =
       fmt::format("{} has {} MiB free of {}; store.free_min is {} MiB", place,
                   space.free_bytes / kMiB, space.total_bytes / kMiB, facts.free_min / kMiB);
-  const char* remedy = "make room, or use a larger disk (docs/operate/server.md, The disk fills)";
+  const std::string remedy =
+      "make room, or use a larger disk; see " + DocPage("docs/operate/server.md", "The disk fills");
   switch (store::JudgeSpace(facts)) {
     case store::SpaceState::kEnough:
       return Ok("disk", text);

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
 #include "server/transport/descriptors.h"
 
 namespace uplink::ctl {
@@ -163,8 +164,9 @@ Finding DescriptorsFinding(const config::Config& config, const std::optional<Ser
   if (!limit) return Ok("descriptors", fmt::format("{} any number of files", whose));
   const std::string text = fmt::format("{} {} files, and {}", whose, *limit, need);
   if (*limit >= wanted) return Ok("descriptors", text);
-  return Warning("descriptors", text,
-                 "raise LimitNOFILE of the unit or `ulimit -n` (docs/operate/capacity.md)");
+  return Warning(
+      "descriptors", text,
+      "raise LimitNOFILE of the unit or `ulimit -n`; see " + DocPage("docs/operate/capacity.md"));
 }
 
 Finding ClockFinding(bool kernel_synchronised) {

@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
+
 namespace uplink::ctl {
 namespace {
 
@@ -20,13 +22,15 @@ Finding Unreachable(const absl::Status& status) {
                  "start the database or correct the URL; a server that starts without it stores "
                  "nothing until it answers");
   }
-  return Error(kKey, text, "docs/operate/postgresql.md shows roles, password and schema");
+  return Error(kKey, text,
+               DocPage("docs/operate/postgresql.md") + " shows roles, password and schema");
 }
 
 Finding SchemaFinding(const StoreState& state, const config::StoreConfig& store) {
   if (!state.schema_fits.ok()) {
     return Error(kKey, std::string(state.schema_fits.message()),
-                 "run the version of uplinkd that the schema is of (docs/operate/upgrade.md)");
+                 "run the version of uplinkd that the schema is of; see " +
+                     DocPage("docs/operate/upgrade.md"));
   }
   const std::string text = fmt::format("{} has schema {}, and this program needs {}", state.where,
                                        state.schema_version, state.schema_needed);

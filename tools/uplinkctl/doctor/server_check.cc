@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "schema/base/doc_page.h"
 #include "tools/uplinkctl/probe.h"
 
 namespace uplink::ctl {
@@ -13,9 +14,12 @@ Finding ServerFinding(const absl::StatusOr<link::HttpAnswer>& answer) {
                  "look into its log: journalctl -u uplinkd");
   }
   const ProbeWord word = JudgeAnswer(Probe::kReady, *answer);
-  if (!word.good) return Error(kWhere, word.line, "docs/operate/server.md has each word");
+  if (!word.good) {
+    return Error(kWhere, word.line, DocPage("docs/operate/server.md") + " has each word");
+  }
   if (answer->body == R"({"degraded":[]})") return Ok(kWhere, word.line);
-  return Warning(kWhere, word.line, "docs/reference/degraded.md has the first step for each word");
+  return Warning(kWhere, word.line,
+                 DocPage("docs/reference/degraded.md") + " has the first step for each word");
 }
 
 }  // namespace uplink::ctl

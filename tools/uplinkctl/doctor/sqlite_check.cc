@@ -8,13 +8,13 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/doc_page.h"
 #include "storage/sqlite/schema.h"
 
 namespace uplink::ctl {
 namespace {
 
 constexpr const char* kKey = "store.url";
-constexpr const char* kSqlitePage = "docs/operate/sqlite.md";
 
 std::string Reason(int error) { return std::generic_category().message(error); }
 
@@ -45,7 +45,8 @@ Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store
                       std::int64_t needed) {
   if (!facts.header && facts.wal_filled) {
     return Error(kKey, fmt::format("{} is missing or empty, and its -wal holds rows", facts.path),
-                 fmt::format("do not start the server, follow {}", kSqlitePage));
+                 "do not start the server, follow " +
+                     DocPage("docs/operate/sqlite.md", "The file was overwritten or damaged"));
   }
   if (!facts.header) {
     const std::string& missing = facts.target.empty() ? facts.path : facts.target;
@@ -64,7 +65,8 @@ Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store
   const std::string text = fmt::format("{} has schema {}, and this program needs {}", facts.path,
                                        header.schema_version, needed);
   if (header.schema_version > needed) {
-    return Warning(kKey, text, "docs/operate/upgrade.md says which program may use it");
+    return Warning(kKey, text,
+                   DocPage("docs/operate/upgrade.md") + " says which program may use it");
   }
   if (header.schema_version == needed || store.migrate) return Ok(kKey, text);
   return Error(kKey, text, "start the server once with store.migrate = true");
@@ -91,13 +93,16 @@ Findings SqliteFindings(const SqliteFacts& facts, const config::StoreConfig& sto
         fmt::format("run chown {} {}", user, file.path)));
   }
   if (facts.links > 1) {
-    findings.push_back(Error(kKey,
-                             fmt::format("{} has {} names (hard links)", facts.path, facts.links),
-                             fmt::format("remove all but one, as {} shows", kSqlitePage)));
+    findings.push_back(Error(
+        kKey, fmt::format("{} has {} names (hard links)", facts.path, facts.links),
+        "remove all but one, as " +
+            DocPage("docs/operate/sqlite.md", "Why does it refuse a file with several names?") +
+            " shows"));
   }
   if (facts.damaged) {
-    findings.push_back(Error(kKey, fmt::format("{} was found damaged", facts.path),
-                             fmt::format("follow {}", kSqlitePage)));
+    findings.push_back(Error(
+        kKey, fmt::format("{} was found damaged", facts.path),
+        "follow " + DocPage("docs/operate/sqlite.md", "The file was overwritten or damaged")));
   }
   const bool unread =
       !facts.header && !facts.files.empty() && facts.files.front().access_error != 0;

@@ -28,10 +28,9 @@ TEST(ConfigCheck, AnUnknownKeyIsNamedWithItsLine) {
   const config::LoadResult read =
       config::ParseConfig("[limits]\nno_such_thing = 1\n", "a.toml", config::Environment());
   const Findings findings = ConfigFindings(read, kFile, "uplinkd");
-  EXPECT_EQ(
-      ToText(findings.front()),
-      "error    limits.no_such_thing: a.toml:2: unknown key; delete it, or take one of those in "
-      "the reference (docs/operate/configuration.md)");
+  EXPECT_EQ(ToText(findings.front()),
+            "error    limits.no_such_thing: a.toml:2: unknown key; delete it, or take one of "
+            "docs/operate/configuration.md in /usr/share/doc/uplinkd");
   EXPECT_TRUE(KeysAtFault(read).contains("limits.no_such_thing"));
 }
 
@@ -40,7 +39,7 @@ TEST(ConfigCheck, AnUnknownKeyThatIsLikeAnotherNamesThat) {
       config::ParseConfig("[limits]\nrobot_max = 1\n", "a.toml", config::Environment());
   EXPECT_EQ(ToText(ConfigFindings(read, kFile, "uplinkd").front()),
             "error    limits.robot_max: a.toml:2: unknown key; did you mean limits.robots_max? "
-            "docs/operate/configuration.md has all keys");
+            "docs/operate/configuration.md in /usr/share/doc/uplinkd has all keys");
 }
 
 TEST(ConfigCheck, EachKindOfTroubleHasItsRemedy) {
