@@ -44,8 +44,13 @@ constexpr off_t kLockedByte = off_t{1} << 62;
 constexpr std::string_view kInUse = "uplinkd/store_in_use";
 
 absl::Status Failed(const char* doing, const std::string& name, int cause) {
-  return absl::FailedPreconditionError(std::string(doing) + " " + name + ": " +
-                                       std::generic_category().message(cause));
+  std::string text =
+      std::string(doing) + " " + name + ": " + std::generic_category().message(cause);
+  if (cause == EACCES) {
+    text += "; run this as the user who owns the store, or let user id " +
+            std::to_string(::geteuid()) + " write the store and its folder";
+  }
+  return absl::FailedPreconditionError(text);
 }
 
 absl::Status InUse(const std::string& path, const std::string& what) {
@@ -218,6 +223,7 @@ absl::StatusOr<std::unique_ptr<FileLock>> FileLock::Join(const std::string& path
   // This process itself may have it, and must not open it again.
   if (*by_name) return lock;
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno == EACCES) return Failed("cannot open", path, errno);
   // Opening the database reports why.
   if (descriptor < 0) return lock;
   lock->file_ = std::make_unique<Held>(descriptor);

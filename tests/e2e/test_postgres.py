@@ -105,6 +105,12 @@ class Schema(EndToEnd):
         url = self.cluster.url("uplinkd") + "&options=-c%20geqo%3Dperhaps"
         self.start_that_fails("geqo", "22023", "store.url", UPLINKD_STORE_URL=url, UPLINKD_STORE_ACCEPT_UNSAFE="true")
 
+    def test_a_database_that_is_not_there_says_what_to_do(self):
+        nowhere = self.cluster.url("uplinkd", "none_such")
+        said = "(3D000); create the database, or correct its name in the URL"
+        self.assertIn(said, uplinkctl("store", "status", "--url", nowhere, code=1).stderr)
+        self.start_that_fails("none_such", said, UPLINKD_STORE_URL=nowhere, UPLINKD_STORE_ACCEPT_UNSAFE="true")
+
     def test_wrong_use_ends_with_2(self):
         url = self.cluster.url("uplinkd")
         for flags, text in (

@@ -56,7 +56,9 @@ absl::Status Refused(PGconn* connection, const std::string& where) {
   const std::string_view text = PQerrorMessage(connection);
   if (const auto error = ServerErrorIn(text)) return MakeConnectStatus(*error, where);
   const std::string sentence = "postgresql " + where + ": connect: " + OneLine(text);
-  if (PQconnectionNeedsPassword(connection) == 1) return absl::InternalError(sentence);
+  if (PQconnectionNeedsPassword(connection) == 1) {
+    return absl::InternalError(sentence + "; name a file with the role's password");
+  }
   return absl::UnavailableError(sentence);
 }
 

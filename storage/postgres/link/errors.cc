@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 namespace uplink::storage::postgres {
 namespace {
@@ -58,6 +59,40 @@ bool RefusesParameter(const ServerError& error) {
   return says(kPoolersState, kPoolersWords) || says(kDeniedState, kDeniedWords);
 }
 
+/// What an operator does about a login that fails, by its SQLSTATE.
+struct Remedy {
+  std::string_view sqlstate;
+  std::string_view text;
+};
+constexpr auto kRemedies = std::to_array<Remedy>({
+    {"28000", "; correct the role in the URL, or let pg_hba.conf admit it from this machine"},
+    {"28P01", "; correct the password file, or set the role's password anew"},
+    {"3D000", "; create the database, or correct its name in the URL"},
+});
+
+std::string_view RemedyOf(const ServerError& error) {
+  if (RefusesParameter(error)) {
+    return "; the parameter comes from store.url, or from the environment (PGOPTIONS and the like)";
+  }
+  const auto* const found = std::ranges::find(kRemedies, error.sqlstate, &Remedy::sqlstate);
+  return found == kRemedies.end() ? std::string_view() : found->text;
+}
+
+/// With one space for each run of spaces within it.
+std::string Squeezed(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\t' || c == '\r';
+    if (!space) {
+      line += c;
+    } else if (!line.empty() && !line.ends_with(' ')) {
+      line += ' ';
+    }
+  }
+  if (line.ends_with(' ')) line.pop_back();
+  return line;
+}
+
 }  // namespace
 
 Disposition DispositionOf(std::string_view sqlstate) {
@@ -70,16 +105,17 @@ Disposition DispositionOf(std::string_view sqlstate) {
 
 std::string OneLine(std::string_view text) {
   std::string line;
-  line.reserve(text.size());
-  for (const char c : text) {
-    const bool space = c == ' ' || c == '\n' || c == '\t' || c == '\r';
-    if (!space) {
-      line += c;
-    } else if (!line.empty() && !line.ends_with(' ')) {
-      line += ' ';
-    }
+  while (!text.empty()) {
+    const std::string_view raw = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), raw.size() + 1));
+    const std::string part = Squeezed(raw);
+    if (part.empty()) continue;
+    // libpq indents the second line of a sentence, and a sentence that explains the one before.
+    const bool goes_on =
+        raw.front() == '\t' && std::islower(static_cast<unsigned char>(part[0])) != 0;
+    if (!line.empty()) line += goes_on ? " " : "; ";
+    line += part;
   }
-  if (line.ends_with(' ')) line.pop_back();
   return line;
 }
 
@@ -110,12 +146,12 @@ absl::Status MakeStatus(const ServerError& error, std::string_view where, std::s
 }
 
 absl::Status MakeConnectStatus(const ServerError& error, std::string_view where) {
-  if (!RefusesParameter(error)) return MakeStatus(error, where, "connect");
+  const std::string_view remedy = RemedyOf(error);
+  if (remedy.empty()) return MakeStatus(error, where, "connect");
   std::string text = "postgresql ";
   text += where;
   text += ": connect: " + error.message + " (" + error.sqlstate + ")";
-  text += "; the parameter comes from store.url, or from the environment (PGOPTIONS and the like)";
-  return absl::InternalError(text);
+  return absl::InternalError(text.append(remedy));
 }
 
 }  // namespace uplink::storage::postgres

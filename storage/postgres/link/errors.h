@@ -31,7 +31,7 @@ enum class Disposition : std::uint8_t {
 /// Source: PostgreSQL 15, Appendix A.
 [[nodiscard]] Disposition DispositionOf(std::string_view sqlstate);
 
-/// What libpq says, which has lines of its own, as one sentence.
+/// What libpq says, which has lines of its own, as one line: `; ` stands between its sentences.
 [[nodiscard]] std::string OneLine(std::string_view text);
 
 /// An error as the server told it.

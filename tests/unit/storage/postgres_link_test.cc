@@ -69,7 +69,15 @@ TEST_F(PostgresLinkTest, AWrongPasswordIsAnError) {
   const absl::Status wrong = Open(url, PasswordFile("wrong")).status();
   EXPECT_TRUE(absl::IsInternal(wrong)) << wrong;
   EXPECT_TRUE(Says(wrong, "password authentication failed")) << wrong;
-  EXPECT_TRUE(Says(wrong, "28P01")) << wrong;
+  EXPECT_TRUE(Says(wrong, "(28P01); correct the password file")) << wrong;
+}
+
+TEST_F(PostgresLinkTest, AMissingDatabaseIsAnError) {
+  PostgresDatabase database;
+  const std::string url = database.cluster().TcpUrl("uplinkd", "no_such_database");
+  const absl::Status missing = Open(url, PasswordFile("uplinkd")).status();
+  EXPECT_TRUE(absl::IsInternal(missing)) << missing;
+  EXPECT_TRUE(Says(missing, "(3D000); create the database")) << missing;
 }
 
 TEST_F(PostgresLinkTest, AMissingPasswordFileIsNamed) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <absl/strings/match.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "storage/postgres/link/errors.h"
@@ -60,7 +61,10 @@ TEST(PostgresErrorsTest, ASessionThatIsRefusedForAParameterStaysSo) {
 
 TEST(PostgresErrorsTest, WhatLibpqSaysIsOneLine) {
   EXPECT_EQ(OneLine("connection closed\n\tThis means it ended\n\tbefore the request.\n"),
-            "connection closed This means it ended before the request.");
+            "connection closed; This means it ended before the request.");
+  EXPECT_EQ(
+      OneLine("at ::1: refused\n\tIs it running?\nat 127.0.0.1:  refused\r\n\tIs it running?\n"),
+      "at ::1: refused; Is it running?; at 127.0.0.1: refused; Is it running?");
   EXPECT_EQ(OneLine("no lines"), "no lines");
   EXPECT_EQ(OneLine("\n"), "");
 }
@@ -78,6 +82,21 @@ TEST(PostgresErrorsTest, WhereARefusedParameterComesFromIsSaid) {
   EXPECT_FALSE(says_where("42501", "permission denied for database"));
   EXPECT_FALSE(says_where("28P01", "password authentication failed"));
   EXPECT_FALSE(says_where("3D000", "database does not exist"));
+}
+
+TEST(PostgresErrorsTest, ALoginThatFailsSaysWhatToDo) {
+  const auto told = [](std::string state, std::string message) {
+    const absl::Status status = MakeConnectStatus({std::move(state), std::move(message)}, "db/x");
+    EXPECT_TRUE(absl::IsInternal(status)) << status;
+    return std::string(status.message());
+  };
+  EXPECT_EQ(told("3D000", "database \"x\" does not exist"),
+            "postgresql db/x: connect: database \"x\" does not exist (3D000); create the database, "
+            "or correct its name in the URL");
+  EXPECT_THAT(told("28P01", "no"),
+              ::testing::EndsWith("; correct the password file, or set the role's password anew"));
+  EXPECT_THAT(told("28000", "no"),
+              ::testing::EndsWith("let pg_hba.conf admit it from this machine"));
 }
 
 TEST(PostgresUrlTest, ShowsThePlaceAndNotTheUser) {

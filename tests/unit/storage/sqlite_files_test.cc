@@ -181,6 +181,28 @@ class WithoutRights final {
   bool changed_ = false;
 };
 
+TEST_F(SqliteFiles, RightsThatAreMissingSayWhatToDo) {
+  Make();
+  const std::string lock = path_ + ".lock";
+  absl::Status taken;
+  absl::Status joined;
+  absl::Status unread;
+  {
+    const WithoutRights rights({folder_.File(""), path_, lock});
+    std::filesystem::permissions(path_, std::filesystem::perms::none);
+    unread = FileLock::Join(path_).status();
+    std::filesystem::permissions(lock, std::filesystem::perms::none);
+    taken = FileLock::Take(path_).status();
+    joined = FileLock::Join(path_).status();
+  }
+  EXPECT_THAT(Text(unread), HasSubstr("cannot open " + path_ + ": Permission denied; run "));
+  for (const absl::Status& status : {taken, joined}) {
+    ExpectPrecondition(status);
+    EXPECT_THAT(Text(status), AllOf(HasSubstr("cannot open " + lock + ": Permission denied; run "),
+                                    HasSubstr("write the store and its folder")));
+  }
+}
+
 // SQLite cannot make the WAL there, and says so.
 TEST_F(SqliteFiles, AFolderThatMayNotBeWrittenIsNoDamage) {
   using std::filesystem::perms;
