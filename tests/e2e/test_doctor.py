@@ -171,6 +171,8 @@ class Host(DoctorTest):
         self.assert_one_error(server.configuration(), "store.url", "has schema 1, and this program needs")
         store.write_bytes(b"no store")
         self.assert_one_error(server.configuration(), "store.url", "is not a store of uplinkd")
+        store.write_bytes(b"")
+        self.assert_one_error(server.configuration(), "store.url", "is empty, and store.migrate is false")
 
     def test_a_schema_that_is_still_in_the_wal(self):
         path = self.server().configuration()

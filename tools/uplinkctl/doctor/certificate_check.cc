@@ -85,9 +85,7 @@ bool IsLoopbackName(const std::string& name) { return config::IsLoopbackHost(nam
 
 Finding NamesFinding(const ServerCertificate& certificate) {
   const auto& [key, path] = certificate.file;
-  std::vector<std::string> names = certificate.facts.dns_names;
-  names.insert(names.end(), certificate.facts.ip_addresses.begin(),
-               certificate.facts.ip_addresses.end());
+  const std::vector<std::string>& names = certificate.facts.names;
   if (names.empty()) {
     return Error(key, fmt::format("{} names no host (subject alternative names)", path), Renew());
   }

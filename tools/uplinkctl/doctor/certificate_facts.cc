@@ -1,13 +1,11 @@
 #include "tools/uplinkctl/doctor/certificate_facts.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <ctime>
 #include <memory>
-#include <span>
+#include <utility>
 
-#include <arpa/inet.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/x509.h>
@@ -16,6 +14,7 @@
 #include "server/identity/expiry.h"
 #include "server/identity/peer_identity.h"
 #include "server/identity/pem.h"
+#include "server/identity/server_names.h"
 
 namespace uplink::ctl {
 namespace {
@@ -30,9 +29,6 @@ struct ContextFree {
 };
 struct StackFree {
   void operator()(STACK_OF(X509) * stack) const { sk_X509_free(stack); }
-};
-struct NamesFree {
-  void operator()(GENERAL_NAMES* names) const { GENERAL_NAMES_free(names); }
 };
 using Store = std::unique_ptr<X509_STORE, StoreFree>;
 
@@ -116,33 +112,6 @@ Trust TrustOf(const Chain& chain, const Chain& authorities) {
   return Trust::kElsewhere;
 }
 
-std::string AddressText(std::span<const unsigned char> bytes) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  const int family = bytes.size() == sizeof(in_addr) ? AF_INET : AF_INET6;
-  if (family == AF_INET6 && bytes.size() != sizeof(in6_addr)) return {};
-  return inet_ntop(family, bytes.data(), text.data(), text.size()) == nullptr ? "" : text.data();
-}
-
-std::span<const unsigned char> BytesOf(const ASN1_STRING* text) {
-  return {ASN1_STRING_get0_data(text), static_cast<std::size_t>(ASN1_STRING_length(text))};
-}
-
-void ReadNames(const identity::Certificate& leaf, ChainFacts& facts) {
-  const std::unique_ptr<GENERAL_NAMES, NamesFree> names(static_cast<GENERAL_NAMES*>(
-      X509_get_ext_d2i(leaf.get(), NID_subject_alt_name, nullptr, nullptr)));
-  ERR_clear_error();
-  if (names == nullptr) return;
-  for (int i = 0; i < sk_GENERAL_NAME_num(names.get()); ++i) {
-    const GENERAL_NAME* name = sk_GENERAL_NAME_value(names.get(), i);
-    if (name->type == GEN_DNS) {
-      const auto bytes = BytesOf(name->d.dNSName);
-      facts.dns_names.emplace_back(bytes.begin(), bytes.end());
-    } else if (name->type == GEN_IPADD) {
-      facts.ip_addresses.push_back(AddressText(BytesOf(name->d.iPAddress)));
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<CertificateFacts> ReadFacts(const identity::NamedPem& pem) {
@@ -157,7 +126,9 @@ std::optional<ChainFacts> ReadChain(const identity::NamedPem& certificate,
   facts.chain = FactsOf(chain);
   facts.trust = TrustOf(chain, Read(authorities));
   facts.issuer = NameOf(X509_get_issuer_name(chain.back().get()));
-  ReadNames(chain.front(), facts);
+  if (auto names = identity::ServerNamesOf(certificate); names.ok()) {
+    facts.names = *std::move(names);
+  }
   return facts;
 }
 

@@ -40,8 +40,7 @@ struct ChainFacts {
   /// Who signed the last.
   std::string issuer;
   /// DNS names and IP addresses that the leaf is for.
-  std::vector<std::string> dns_names;
-  std::vector<std::string> ip_addresses;
+  std::vector<std::string> names;
 };
 
 /// The certificates of a PEM text; empty if it cannot be read (config::ValidateFiles says why).

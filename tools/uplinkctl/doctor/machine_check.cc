@@ -16,16 +16,15 @@ namespace {
 
 constexpr const char* kRelayKey = "listen.relay";
 
-bool IsAny(const std::string& host) { return host == "::" || host == "0.0.0.0"; }
-
-/// The socket that keeps a server from that address.
+/// The socket that keeps a server from that address. One on the address itself comes first: a
+/// socket on [::] may be for IPv6 alone, and then another one has 0.0.0.0.
 const ListeningSocket* SocketAt(const config::ListenAddress& address, const MachineFacts& machine) {
-  const auto found = std::find_if(
-      machine.sockets.begin(), machine.sockets.end(), [&](const ListeningSocket& each) {
-        return each.port == address.port &&
-               (each.host == address.host || IsAny(each.host) || IsAny(address.host));
-      });
-  return found == machine.sockets.end() ? nullptr : &*found;
+  const ListeningSocket* collides = nullptr;
+  for (const ListeningSocket& each : machine.sockets) {
+    if (each.port == address.port && each.host == address.host) return &each;
+    if (collides == nullptr && config::Collide({each.host, each.port}, address)) collides = &each;
+  }
+  return collides;
 }
 
 /// Who has the address; "another program" where this user may not see that.
@@ -161,7 +160,14 @@ Finding DescriptorsFinding(const config::Config& config, const std::optional<Ser
                                 : "a server that is started from this shell may open";
   const std::string need =
       fmt::format("limits.robots_max = {} needs {}", config.limits.robots_max, wanted);
-  if (!limit) return Ok("descriptors", fmt::format("{} any number of files", whose));
+  if (!limit) {
+    return Warning("descriptors",
+                   fmt::format("how many files {} cannot be read, and {}", whose, need),
+                   "run doctor as root");
+  }
+  if (*limit == kDescriptorsUnlimited) {
+    return Ok("descriptors", fmt::format("{} any number of files", whose));
+  }
   const std::string text = fmt::format("{} {} files, and {}", whose, *limit, need);
   if (*limit >= wanted) return Ok("descriptors", text);
   return Warning(

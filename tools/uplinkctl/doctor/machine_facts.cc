@@ -154,6 +154,7 @@ std::optional<std::size_t> ParseDescriptorsMax(std::string_view limits) {
   std::istringstream words{std::string(limits.substr(at + kName.size()))};
   std::string soft;
   words >> soft;
+  if (soft == "unlimited") return kDescriptorsUnlimited;
   return NumberOf<std::size_t>(soft);
 }
 
@@ -166,8 +167,10 @@ MachineFacts ReadMachine() {
   }
   ReadProcesses(facts);
   rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_max != RLIM_INFINITY) {
-    facts.own_descriptors_max = static_cast<std::size_t>(limit.rlim_max);
+  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+    facts.own_descriptors_max = limit.rlim_max == RLIM_INFINITY
+                                    ? kDescriptorsUnlimited
+                                    : static_cast<std::size_t>(limit.rlim_max);
   }
   return facts;
 }

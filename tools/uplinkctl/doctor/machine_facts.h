@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -29,9 +30,12 @@ struct Process {
   uid_t owner = 0;
 };
 
+/// Stands for no limit of open files.
+inline constexpr std::size_t kDescriptorsUnlimited = std::numeric_limits<std::size_t>::max();
+
 /// A process whose program is uplinkd.
 struct ServerProcess : Process {
-  /// Its soft RLIMIT_NOFILE; nothing: none, or it cannot be read.
+  /// Its soft RLIMIT_NOFILE, or kDescriptorsUnlimited; nothing: it cannot be read.
   std::optional<std::size_t> descriptors_max;
 };
 
@@ -41,7 +45,8 @@ struct MachineFacts {
   /// By the inode of a listening socket. Only root sees the sockets of others.
   std::map<std::uint64_t, Process> holders;
   std::vector<ServerProcess> servers;
-  /// The hard RLIMIT_NOFILE of this process: uplinkd raises its own soft one to it.
+  /// The hard RLIMIT_NOFILE of this process, or kDescriptorsUnlimited; nothing: it cannot be read.
+  /// uplinkd raises its own soft one to it.
   std::optional<std::size_t> own_descriptors_max;
 };
 
@@ -59,7 +64,8 @@ inline constexpr std::size_t kProcessesMax = 100'000;
 /// read count for nothing.
 [[nodiscard]] std::vector<ListeningSocket> ParseSockets(std::string_view table);
 
-/// The soft limit of open files in /proc/PID/limits. A pure function.
+/// The soft limit of open files in /proc/PID/limits, or kDescriptorsUnlimited. A pure function;
+/// nothing if the text has none.
 [[nodiscard]] std::optional<std::size_t> ParseDescriptorsMax(std::string_view limits);
 
 /// What the system says to a server that would listen there: 0, or an errno value. Accepts nothing.

@@ -41,6 +41,18 @@ std::optional<Finding> PlaceFinding(const SqliteFacts& facts, const std::string&
   return std::nullopt;
 }
 
+constexpr const char* kMigrateOnce = "start the server once with store.migrate = true";
+
+/// There is no file, or an empty one.
+Finding NoTablesFinding(const SqliteFacts& facts, const config::StoreConfig& store) {
+  const bool is_there = facts.place == StorePlace::kFile;
+  const std::string text =
+      is_there ? facts.path + " is empty"
+               : (facts.target.empty() ? facts.path : facts.target) + " is not there yet";
+  if (!store.migrate) return Error(kKey, text + ", and store.migrate is false", kMigrateOnce);
+  return Ok(kKey, text + (is_there ? ": the server makes its tables" : ": the server makes it"));
+}
+
 Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store,
                       std::int64_t needed) {
   if (!facts.header && facts.wal_filled) {
@@ -48,10 +60,7 @@ Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store
                  "do not start the server, follow " +
                      DocPage("docs/operate/sqlite.md", "The file was overwritten or damaged"));
   }
-  if (!facts.header) {
-    const std::string& missing = facts.target.empty() ? facts.path : facts.target;
-    return Ok(kKey, fmt::format("{} is not there yet: the server makes it", missing));
-  }
+  if (!facts.header) return NoTablesFinding(facts, store);
   const SqliteHeader& header = *facts.header;
   if (IsFresh(header) && facts.wal_filled) {
     return Ok(kKey,
@@ -69,7 +78,7 @@ Finding SchemaFinding(const SqliteFacts& facts, const config::StoreConfig& store
                    DocPage("docs/operate/upgrade.md") + " says which program may use it");
   }
   if (header.schema_version == needed || store.migrate) return Ok(kKey, text);
-  return Error(kKey, text, "start the server once with store.migrate = true");
+  return Error(kKey, text, kMigrateOnce);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(MachineFacts, TheSoftLimitIsRead) {
       "Max open files            65536                524288               files     \n";
   EXPECT_EQ(ParseDescriptorsMax(kLimits), 65'536U);
   EXPECT_EQ(ParseDescriptorsMax("Max open files            unlimited  unlimited files"),
-            std::nullopt);
+            kDescriptorsUnlimited);
   EXPECT_EQ(ParseDescriptorsMax(""), std::nullopt);
 }
 
@@ -104,6 +104,28 @@ TEST(PortCheck, AnotherHolderIsNamed) {
   EXPECT_EQ(finding.severity, Severity::kError);
   EXPECT_EQ(finding.what, "[::]:7443 is held by nginx (pid 20)");
   EXPECT_THAT(finding.remedy, HasSubstr("listen.relay to another port"));
+}
+
+TEST(PortCheck, AnAddressOfIpv4IsHeldByASocketOnAllAddresses) {
+  MachineFacts machine = Machine();
+  const auto holder = [&machine](const char* host) {
+    return PortFinding({{"listen.relay", {host, 7443}}, EADDRINUSE}, machine, {"uplinkd", {}}).what;
+  };
+  machine.holders[4713] = {20, "nginx", 33};
+  EXPECT_EQ(holder("0.0.0.0"), "0.0.0.0:7443 is held by nginx (pid 20)");
+  EXPECT_EQ(holder("127.0.0.1"), "127.0.0.1:7443 is held by nginx (pid 20)");
+  // Then that on [::] is for IPv6 alone.
+  machine.sockets.push_back({"0.0.0.0", 7443, 0, 4714});
+  machine.holders[4714] = {30, "haproxy", 0};
+  EXPECT_EQ(holder("0.0.0.0"), "0.0.0.0:7443 is held by haproxy (pid 30)");
+}
+
+TEST(PortCheck, AnotherFamilysAddressHoldsNothing) {
+  MachineFacts machine;
+  machine.sockets.push_back({"::1", 7443, 997, 4713});
+  const PortFacts port{{"listen.relay", {"0.0.0.0", 7443}}, EADDRINUSE};
+  EXPECT_EQ(PortFinding(port, machine, {"uplinkd", {}}).what,
+            "0.0.0.0:7443 is held by another program");
 }
 
 TEST(OwnServerCheck, OneProcessHasEveryPort) {
@@ -202,8 +224,19 @@ TEST(DescriptorsCheck, TheRunningServersLimitComesFirst) {
   EXPECT_EQ(DescriptorsFinding(config, server, machine).severity, Severity::kWarning);
   EXPECT_THAT(DescriptorsFinding(config, std::nullopt, machine).what,
               HasSubstr("this shell may open 1024 files"));
-  machine.own_descriptors_max.reset();
+  machine.own_descriptors_max = kDescriptorsUnlimited;
   EXPECT_EQ(DescriptorsFinding(config, std::nullopt, machine).severity, Severity::kOk);
+}
+
+TEST(DescriptorsCheck, ALimitThatCannotBeReadIsAWarning) {
+  const config::Config config;
+  const Finding finding =
+      DescriptorsFinding(config, ServerProcess{{10, "uplinkd", 997}, std::nullopt}, {});
+  EXPECT_EQ(finding,
+            Warning("descriptors",
+                    "how many files the running uplinkd (pid 10) may open cannot be read, and "
+                    "limits.robots_max = 20000 needs 46144",
+                    "run doctor as root"));
 }
 
 TEST(ClockCheck, AKernelThatDoesNotKnowIsAWarning) {

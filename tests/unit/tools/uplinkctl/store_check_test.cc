@@ -131,11 +131,25 @@ Finding OfFile(const SqliteFacts& facts, const config::StoreConfig& store = {}) 
 TEST(SqliteCheck, AGoodFileAndNoFileAreGood) {
   EXPECT_EQ(OfFile(File()).severity, Severity::kOk);
   SqliteFacts none = File();
-  none.files.clear();
   none.header.reset();
+  EXPECT_EQ(OfFile(none), Ok("store.url", "/s/u.db is empty: the server makes its tables"));
+  none.files.clear();
+  none.place = StorePlace::kNothing;
   none.links = 0;
   EXPECT_THAT(OfFile(none).what, HasSubstr("is not there yet"));
   EXPECT_EQ(OfFile(none).severity, Severity::kOk);
+}
+
+TEST(SqliteCheck, AServerThatMayNotMigrateMakesNoTables) {
+  config::StoreConfig store;
+  store.migrate = false;
+  SqliteFacts facts = File();
+  facts.header.reset();
+  EXPECT_EQ(OfFile(facts, store), Error("store.url", "/s/u.db is empty, and store.migrate is false",
+                                        "start the server once with store.migrate = true"));
+  facts.files.clear();
+  facts.place = StorePlace::kNothing;
+  EXPECT_EQ(OfFile(facts, store).what, "/s/u.db is not there yet, and store.migrate is false");
 }
 
 TEST(SqliteCheck, WhatTheUserMayNotWriteIsNamed) {
@@ -258,6 +272,14 @@ TEST(SqliteFactsOf, AFolderIsLookedAtAndLeftAsItIs) {
   EXPECT_TRUE(ReadSqliteFacts(folder.File("u.db")).wal_filled);
   EXPECT_EQ(ReadSqliteFacts(folder.File("no/u.db")).folder_error, ENOENT);
   EXPECT_FALSE(std::filesystem::exists(folder.File("u.db")));
+}
+
+TEST(SqliteFactsOf, AnEmptyFileHasNoHeader) {
+  const testing::TempFolder folder;
+  std::ofstream(folder.File("u.db")).close();
+  const SqliteFacts facts = ReadSqliteFacts(folder.File("u.db"));
+  EXPECT_EQ(facts.place, StorePlace::kFile);
+  EXPECT_FALSE(facts.header.has_value());
 }
 
 TEST(SqliteFactsOf, LinksAndPipesAreTold) {
