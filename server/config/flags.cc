@@ -142,13 +142,6 @@ Flags& Flags::AddCommand(const std::string& name, const std::string& about,
   return command;
 }
 
-const Flags* Flags::Command(std::string_view name) const {
-  for (const auto& command : parser_->commands) {
-    if (command->parser_->app->get_name() == name) return command.get();
-  }
-  return nullptr;
-}
-
 void Flags::Example(const std::string& line) {
   const std::string before = parser_->app->get_footer();
   parser_->app->footer((before.empty() ? "Examples:" : before) + "\n  " + line);

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace uplink::config {
@@ -72,8 +71,6 @@ class Flags final {
   /// one must be given; Parse calls the `run` of the innermost one.
   Flags& AddCommand(const std::string& name, const std::string& about,
                     std::function<int()> run = {});
-  /// The command of that name, or null.
-  [[nodiscard]] const Flags* Command(std::string_view name) const;
 
   /// A line that the help shows below the flags: a call as it is typed.
   void Example(const std::string& line);

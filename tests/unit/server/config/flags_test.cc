@@ -216,8 +216,6 @@ TEST(FlagsTest, ParseRunsTheCommandThatIsChosenWithItsFlags) {
   noun.AddCommand("other", "Another one", [] { return 1; });
   EXPECT_EQ(Parse(flags, "noun", "verb", "--count", "7"), 7);
   EXPECT_EQ(Parse(flags, "noun", "other"), 1);
-  EXPECT_EQ(flags.Command("noun"), &noun);
-  EXPECT_EQ(noun.Command("noun"), nullptr);
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(Parse(flags), kWrongUse);
   EXPECT_EQ(Parse(flags, "noun"), kWrongUse);
