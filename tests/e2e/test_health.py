@@ -22,6 +22,7 @@ class Answering:
         self.listener.listen()
         self.port = self.listener.getsockname()[1]
         self.held = []
+        self.asked = []
         self.thread = threading.Thread(target=self.serve)
         self.thread.start()
 
@@ -33,7 +34,7 @@ class Answering:
                 return
             self.held.append(connection)
             if self.answer is not None:
-                connection.recv(4096)
+                self.asked.append(connection.recv(4096))
                 connection.sendall(self.answer)
                 connection.shutdown(socket.SHUT_WR)
 
@@ -99,6 +100,7 @@ class Health(EndToEnd):
         answer = b"HTTP/1.1 200 OK\r\ncontent-length: %d\r\n\r\n%s" % (len(body), body)
         program = self.answering(answer, socket.AF_INET6)
         self.assertIn("alive: ", uplinkctl("health", "--url", f"http://[::1]:{program.port}").stdout)
+        self.assertIn(b"\r\nHost: [::1]:%d\r\n" % program.port, program.asked[0])
 
     def test_wrong_use_ends_with_2(self):
         for arguments in (

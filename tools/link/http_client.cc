@@ -27,6 +27,9 @@ std::string HostText(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
 }
 
+/// Which a Host header leaves out (RFC 9110, 4.2.1).
+constexpr std::string_view kDefaultPort = "80";
+
 std::string WhyOf(const beast::error_code& error, milliseconds deadline) {
   if (error != beast::error::timeout && error != asio::error::timed_out) return error.message();
   return fmt::format("not done within {} ms", deadline.count());
@@ -124,7 +127,7 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
   }
   connection_->stream.expires_at(until);
   http::request<http::empty_body> request(http::verb::get, target, kHttp11);
-  request.set(http::field::host, HostText(host_));
+  request.set(http::field::host, HostHeader(host_, port_));
   request.set(http::field::accept, "application/json");
   beast::error_code error = connection_->Run(
       [&](auto handler) { http::async_write(connection_->stream, request, std::move(handler)); });
@@ -138,6 +141,11 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
   auto response = parser.release();
   if (!response.keep_alive()) connection_.reset();
   return HttpAnswer{response.result_int(), std::move(response.body())};
+}
+
+std::string HostHeader(const std::string& host, const std::string& port) {
+  if (port.empty() || port == kDefaultPort) return HostText(host);
+  return fmt::format("{}:{}", HostText(host), port);
 }
 
 std::string PercentEncoded(const std::string& text) {

@@ -61,6 +61,10 @@ class HttpClient final {
   std::unique_ptr<Connection> connection_;
 };
 
+/// The Host header of a request: `host` in brackets if it is an IPv6 address, and `port` unless it
+/// is http's own.
+[[nodiscard]] std::string HostHeader(const std::string& host, const std::string& port);
+
 /// `text` with every byte but letters, digits and `-._~` as %XX.
 [[nodiscard]] std::string PercentEncoded(const std::string& text);
 
