@@ -11,13 +11,13 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
-#include "server/robot/held_live.h"
 #include "server/robot/holding.h"
 #include "server/robot/live_parts.h"
 #include "server/robot/live_total.h"
 #include "server/robot/presence.h"
 #include "server/robot/presence_track.h"
 #include "server/robot/reports.h"
+#include "server/robot/tracked_live_parts.h"
 #include "storage/live_row.h"
 
 namespace uplink::robot {
@@ -186,7 +186,7 @@ class RobotState final {
   void Forget();
 
   mutable std::mutex mutex_;
-  HeldLive live_;
+  TrackedLiveParts live_;
   /// Null: it counts in no total. Set before it is shared.
   std::shared_ptr<LiveTotal> live_total_;
   Reports reports_;

@@ -19,7 +19,7 @@ using LivePartBytes = std::array<std::size_t, storage::kLivePartKinds>;
 
 /// The live parts of one robot, the changed ones among them, and their memory, counted as they
 /// change, by part and in a total. Confined to its owner's lock.
-class HeldLive final {
+class TrackedLiveParts final {
  public:
   /// Call it before the first part, and before it is shared between threads.
   void CountIn(std::shared_ptr<LiveTotal> total) { share_.CountIn(std::move(total)); }

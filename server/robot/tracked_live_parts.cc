@@ -1,4 +1,4 @@
-#include "server/robot/held_live.h"
+#include "server/robot/tracked_live_parts.h"
 
 #include <optional>
 #include <type_traits>
@@ -26,7 +26,7 @@ bool Merge(KeyedPart<Value, kMax>& part, KeyedPart<Value, kMax>&& before) {
 
 }  // namespace
 
-std::size_t HeldLive::Put(model::Body&& body, SteadyTime arrived) {
+std::size_t TrackedLiveParts::Put(model::Body&& body, SteadyTime arrived) {
   const std::optional<storage::LivePart> part = PartOfVariant(model::VariantOf(body));
   UPLINK_CHECK(part.has_value(), "only live kinds are applied");
   const std::size_t gone = PutInto(parts_, std::move(body), arrived);
@@ -34,12 +34,12 @@ std::size_t HeldLive::Put(model::Body&& body, SteadyTime arrived) {
   return gone;
 }
 
-void HeldLive::Put(model::RcanState&& state) {
+void TrackedLiveParts::Put(model::RcanState&& state) {
   parts_.rcan = std::move(state);
   NoteChanged(storage::LivePart::kRcan);
 }
 
-void HeldLive::Restore(LiveParts&& before) {
+void TrackedLiveParts::Restore(LiveParts&& before) {
   ForEachPart(
       [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
         if (dropped_.test(Tag::kIndex)) {
@@ -52,7 +52,7 @@ void HeldLive::Restore(LiveParts&& before) {
       parts_, before);
 }
 
-void HeldLive::Drop(storage::LivePart part) {
+void TrackedLiveParts::Drop(storage::LivePart part) {
   ForEachPart(
       [part]<typename Tag>(Tag /*row*/, auto& each) {
         if (Tag::kLivePart == part) each = std::remove_reference_t<decltype(each)>();
@@ -62,7 +62,7 @@ void HeldLive::Drop(storage::LivePart part) {
   NoteChanged(part);
 }
 
-void HeldLive::Clear() {
+void TrackedLiveParts::Clear() {
   parts_ = {};
   changed_.reset();
   dropped_.reset();
@@ -70,12 +70,12 @@ void HeldLive::Clear() {
   share_.Set(0);
 }
 
-void HeldLive::NoteChanged(storage::LivePart part) {
+void TrackedLiveParts::NoteChanged(storage::LivePart part) {
   changed_.set(static_cast<std::size_t>(part));
   Count(part);
 }
 
-void HeldLive::Count(storage::LivePart part) {
+void TrackedLiveParts::Count(storage::LivePart part) {
   std::size_t& bytes = part_bytes_[static_cast<std::size_t>(part)];
   const std::size_t others = share_.bytes() - bytes;
   bytes = HeldBytes(parts_, part);
