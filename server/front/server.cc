@@ -187,22 +187,22 @@ Worker& FrontServer::Impl::LeastLoaded() {
 }
 
 void FrontServer::Impl::OpenDoor() {
-  door = std::make_unique<Door>(limits.handshakes, book, context.probe,
-                                Door::Actions{.admit =
-                                                  [this](std::uint64_t id, Visitor visitor) {
-                                                    LeastLoaded().Adopt(id, std::move(visitor));
-                                                  },
-                                              .cut =
-                                                  [this](std::uint64_t id) {
-                                                    for (const auto& worker : workers)
-                                                      worker->CutHandshake(id);
-                                                  }});
+  door = std::make_unique<Door>(
+      limits.handshakes, book, context.probe,
+      Door::Actions{.admit =
+                        [this](std::uint64_t id, IncomingConnection incoming) {
+                          LeastLoaded().Adopt(id, std::move(incoming));
+                        },
+                    .cut =
+                        [this](std::uint64_t id) {
+                          for (const auto& worker : workers) worker->CutHandshake(id);
+                        }});
   origin_reader = std::make_unique<OriginReader>(
       acceptor->context(), book, context.probe, context.clock,
       OriginReader::Setup{.load_balancers = options.proxy_protocol_from,
                           .waiting_max = limits.proxy_headers_max,
-                          .hand = [this](Visitor visitor) {
-                            door->Arrive(std::move(visitor), context.clock.Steady());
+                          .hand = [this](IncomingConnection incoming) {
+                            door->Arrive(std::move(incoming), context.clock.Steady());
                           }});
   acceptor->Start([this](Accepted accepted) { origin_reader->Arrive(std::move(accepted)); },
                   {.tick =

@@ -44,10 +44,10 @@ void Worker::Post(std::function<void()> work) {
   });
 }
 
-void Worker::Adopt(std::uint64_t id, Visitor visitor) {
+void Worker::Adopt(std::uint64_t id, IncomingConnection incoming) {
   load_.fetch_add(1, std::memory_order_relaxed);
   // A function may be copied, and a descriptor has one owner.
-  auto shared = std::make_shared<Visitor>(std::move(visitor));
+  auto shared = std::make_shared<IncomingConnection>(std::move(incoming));
   Post([this, id, shared = std::move(shared)] {
     arrived_.emplace_back(id, std::move(*shared));
     if (arrived_.size() == 1) Post([this] { BeginNext(); });
@@ -56,19 +56,19 @@ void Worker::Adopt(std::uint64_t id, Visitor visitor) {
 
 void Worker::BeginNext() {
   if (arrived_.empty()) return;
-  auto [id, visitor] = std::move(arrived_.front());
+  auto [id, incoming] = std::move(arrived_.front());
   arrived_.pop_front();
-  Begin(id, std::move(visitor));
+  Begin(id, std::move(incoming));
   if (!arrived_.empty()) Post([this] { BeginNext(); });
 }
 
-void Worker::Begin(std::uint64_t id, Visitor visitor) {
+void Worker::Begin(std::uint64_t id, IncomingConnection incoming) {
   auto& connection = connections_[id];
   connection = std::make_unique<Connection>(
       thread_state_, loop_, *this,
       Connection::Setup{.id = id,
-                        .descriptor = visitor.descriptor.Release(),
-                        .origin = std::move(visitor.origin),
+                        .descriptor = incoming.descriptor.Release(),
+                        .origin = std::move(incoming.origin),
                         .tls = tls_.get(),
                         .age_max = setup_.connection_age_max,
                         .gateway_streams_max = setup_.gateway_streams_max});

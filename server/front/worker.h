@@ -49,7 +49,7 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
 
   void Start();
   /// Takes over a connection, by the door's number.
-  void Adopt(std::uint64_t id, Visitor visitor);
+  void Adopt(std::uint64_t id, IncomingConnection incoming);
   /// CutHandshake ends a handshake that gives way; Evict ends a connection over its certificate's
   /// bound. No effect if the connection is not here.
   void CutHandshake(std::uint64_t id);
@@ -69,9 +69,10 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
 
  private:
   void Run();
-  /// Begins the handshake of the first visitor that arrived; each further one waits for its turn.
+  /// Begins the handshake of the first connection that arrived; each further one waits for its
+  /// turn.
   void BeginNext();
-  void Begin(std::uint64_t id, Visitor visitor);
+  void Begin(std::uint64_t id, IncomingConnection incoming);
   void EmptyInbox();
   void BeginDrain(milliseconds grace);
   void EndAll();
@@ -88,9 +89,9 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
   const ServedContext& tls_;
   Thread thread_state_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Connection>> connections_;
-  /// Visitors whose handshake must begin, at most as many as the door admits. A handshake costs far
-  /// more than a message, so other ready work goes between any two.
-  std::deque<std::pair<std::uint64_t, Visitor>> arrived_;
+  /// Connections whose handshake must begin, at most as many as the door admits. A handshake costs
+  /// far more than a message, so other ready work goes between any two.
+  std::deque<std::pair<std::uint64_t, IncomingConnection>> arrived_;
   /// Closed connections to destroy.
   std::vector<std::uint64_t> closed_;
   bool ending_ = false;

@@ -60,15 +60,15 @@ Door::~Door() {
   probe_.handshakes_under_way.Set(0);
 }
 
-void Door::Arrive(Visitor visitor, SteadyTime now) {
+void Door::Arrive(IncomingConnection incoming, SteadyTime now) {
   const std::uint64_t id = next_id_++;
   // Only one exists at a time: it takes no other's place, and a crowd cannot make the server doubt
   // itself.
-  if (visitor.origin.own) return actions_.admit(id, std::move(visitor));
-  const SourceAddress source = visitor.origin.source;
+  if (incoming.origin.own) return actions_.admit(id, std::move(incoming));
+  const SourceAddress source = incoming.origin.source;
   const Rank rank = book_.known().IsKnown(source, now) ? Rank::kKnown : Rank::kStranger;
-  visitor.origin.known = rank == Rank::kKnown;
-  waiting_.emplace(id, std::move(visitor));
+  incoming.origin.known = rank == Rank::kKnown;
+  waiting_.emplace(id, std::move(incoming));
   if (const auto refused = queue_.Arrive(id, source, rank, now)) {
     const auto found = waiting_.find(*refused);
     book_.Note(TurnedAway::kCrowded, found->second.origin, now);
@@ -107,9 +107,9 @@ void Door::Tick(SteadyTime now) {
 void Door::Admit(SteadyTime now) {
   while (const auto id = queue_.Next(now)) {
     const auto found = waiting_.find(*id);
-    Visitor visitor = std::move(found->second);
+    IncomingConnection incoming = std::move(found->second);
     waiting_.erase(found);
-    actions_.admit(*id, std::move(visitor));
+    actions_.admit(*id, std::move(incoming));
   }
   Publish();
 }

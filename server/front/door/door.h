@@ -38,7 +38,7 @@ struct DoorNeeds {
 [[nodiscard]] DoorLimits DoorLimitsFor(const DoorNeeds& needs);
 
 /// An accepted connection, and where it comes from.
-struct Visitor {
+struct IncomingConnection {
   Descriptor descriptor;
   Origin origin;
 };
@@ -51,7 +51,7 @@ class Door final {
  public:
   struct Actions {
     /// Begins the handshake of this connection; HandshakeBegan and HandshakeEnded follow.
-    std::function<void(std::uint64_t id, Visitor visitor)> admit;
+    std::function<void(std::uint64_t id, IncomingConnection incoming)> admit;
     /// Cuts this handshake, which has begun; HandshakeEnded follows.
     std::function<void(std::uint64_t id)> cut;
   };
@@ -63,7 +63,7 @@ class Door final {
   Door(const Door&) = delete;
   Door& operator=(const Door&) = delete;
 
-  void Arrive(Visitor visitor, SteadyTime now);
+  void Arrive(IncomingConnection incoming, SteadyTime now);
   /// The handshake waits for its peer from now on. Before, it waited for our CPU alone and could
   /// not be cut.
   void HandshakeBegan(std::uint64_t id, SteadyTime now);
@@ -82,7 +82,7 @@ class Door final {
   const Actions actions_;
   HandshakeQueue queue_;
   std::uint64_t next_id_ = 1;
-  std::unordered_map<std::uint64_t, Visitor> waiting_;
+  std::unordered_map<std::uint64_t, IncomingConnection> waiting_;
   /// When the handshakes that have begun did so.
   std::unordered_map<std::uint64_t, SteadyTime> began_;
 };

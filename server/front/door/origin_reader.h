@@ -40,7 +40,7 @@ class OriginReader final {
     /// Connections whose header is incomplete.
     std::size_t waiting_max = 0;
     /// Takes a connection whose origin is known.
-    std::function<void(Visitor visitor)> hand;
+    std::function<void(IncomingConnection incoming)> hand;
   };
 
   OriginReader(boost::asio::io_context& context, DoorBook& book, transport::RelayProbe& probe,

@@ -47,11 +47,12 @@ class DoorTest : public ::testing::Test {
   DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, nullptr};
   std::vector<std::uint64_t> admitted_;
   std::vector<std::uint64_t> cut_;
-  Door door_{{.under_way_max = 2, .waiting_max = 3},
-             book_,
-             probe_,
-             {.admit = [this](std::uint64_t id, const Visitor&) { admitted_.push_back(id); },
-              .cut = [this](std::uint64_t id) { cut_.push_back(id); }}};
+  Door door_{
+      {.under_way_max = 2, .waiting_max = 3},
+      book_,
+      probe_,
+      {.admit = [this](std::uint64_t id, const IncomingConnection&) { admitted_.push_back(id); },
+       .cut = [this](std::uint64_t id) { cut_.push_back(id); }}};
 };
 
 TEST_F(DoorTest, AdmitsAsManyAsThereArePlacesAndLetsOthersWait) {
@@ -73,9 +74,10 @@ TEST_F(DoorTest, TheNextComesInWhenAHandshakeEnds) {
 }
 
 TEST_F(DoorTest, AHandshakeThatBeginsMakesRoomForOneThatWaitsForOurCpu) {
-  Door door({.under_way_max = 10, .waiting_max = 10, .unbegun_max = 1}, book_, probe_,
-            {.admit = [this](std::uint64_t id, const Visitor&) { admitted_.push_back(id); },
-             .cut = [](std::uint64_t) {}});
+  Door door(
+      {.under_way_max = 10, .waiting_max = 10, .unbegun_max = 1}, book_, probe_,
+      {.admit = [this](std::uint64_t id, const IncomingConnection&) { admitted_.push_back(id); },
+       .cut = [](std::uint64_t) {}});
   const auto arrive = [&] {
     door.Arrive({Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
                  {.source = SourceOf(1), .text = "peer"}},

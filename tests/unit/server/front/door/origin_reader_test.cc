@@ -90,13 +90,13 @@ class OriginReaderTest : public ::testing::Test {
   transport::RelayProbe probe_;
   DoorBook book_{{.connections_max = 10, .lingers_max = 1}, probe_, &logger_};
   boost::asio::io_context context_;
-  std::vector<Visitor> handed_;
+  std::vector<IncomingConnection> handed_;
   std::unique_ptr<OriginReader> origin_reader_ = std::make_unique<OriginReader>(
       context_, book_, probe_, clock_,
       OriginReader::Setup{
           .load_balancers = {*config::Network::Parse(kLoadBalancer)},
           .waiting_max = kWaitingMax,
-          .hand = [this](Visitor visitor) { handed_.push_back(std::move(visitor)); }});
+          .hand = [this](IncomingConnection incoming) { handed_.push_back(std::move(incoming)); }});
 };
 
 TEST_F(OriginReaderTest, WhoSaysNothingAndLeavesMakesNoNoise) {
