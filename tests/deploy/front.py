@@ -50,11 +50,19 @@ def pump(source, target):
             pass
 
 
+def pods_in(file):
+    """Address and process of each pod; lines that are empty, or written only in part, name none."""
+    words = (line.split() for line in file.read_text(encoding="utf-8").splitlines())
+    return [tuple(each) for each in words if len(each) == 2]
+
+
 def serve(client, kind, file):
     try:
-        pods = file.read_text(encoding="utf-8").splitlines()
-        server = dial(kind, *pods[next(TURN) % len(pods) if kind == "relay" else 0].split())
-    except (OSError, ZeroDivisionError):
+        pods = pods_in(file)
+        server = dial(kind, *pods[next(TURN) % len(pods) if kind == "relay" else 0]) if pods else None
+    except OSError:
+        server = None
+    if server is None:
         client.close()
         return
     server.settimeout(None)

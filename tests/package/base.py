@@ -1,5 +1,7 @@
 """The Debian root from which machines begin, and the packages that ours depend on; both are kept."""
 
+import contextlib
+import fcntl
 import os
 import pathlib
 import shutil
@@ -20,8 +22,17 @@ class Base:
         self.tar = self.cache / f"{SUITE}.tar.gz"
         self.archives = self.cache / "archives"
 
+    @contextlib.contextmanager
+    def _locked(self, how):
+        """Other runs share the cache. The lock lies beside it, since _make deletes it."""
+        self.cache.parent.mkdir(parents=True, exist_ok=True)
+        with self.cache.with_name(f"{self.cache.name}.lock").open("w") as lock:
+            fcntl.flock(lock, how)
+            yield
+
     def _make(self):
-        shutil.rmtree(self.cache, ignore_errors=True)
+        if self.cache.exists():
+            shutil.rmtree(self.cache)
         self.archives.mkdir(parents=True)
         part = self.cache / "part.tar"
         # With the lists of packages, since a machine without a network installs by them.
@@ -33,10 +44,11 @@ class Base:
 
     def make_if_missing(self):
         """True if it had to be made."""
-        if self.tar.exists():
-            return False
-        self._make()
-        return True
+        with self._locked(fcntl.LOCK_EX):
+            if self.tar.exists():
+                return False
+            self._make()
+            return True
 
     def _fill(self, root, packages):
         """A new root that holds our packages in /srv, and in apt's cache what they need; apt's text if that fails."""
@@ -59,9 +71,12 @@ class Base:
     def root(self, folder, packages):
         """A root in `folder`. Lists of an old base may name what the mirror no longer has: then anew."""
         made = self.make_if_missing()
-        trouble = self._fill(folder, packages)
-        if trouble and not made:
-            self._make()
+        with self._locked(fcntl.LOCK_SH):
             trouble = self._fill(folder, packages)
+        if trouble and not made:
+            with self._locked(fcntl.LOCK_EX):
+                self._make()
+            with self._locked(fcntl.LOCK_SH):
+                trouble = self._fill(folder, packages)
         if trouble:
             raise AssertionError(f"the packages' dependencies cannot be downloaded:\n{trouble}")
