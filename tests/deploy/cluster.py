@@ -9,7 +9,8 @@ import shutil
 import subprocess
 
 from docker import POSTGRES
-from images import MINUTES, TOOLS, WORK, Podman, run, wait_for
+from images import MINUTES, TOOLS, WORK, Podman, run
+from waiting import wait_for
 
 NODE, ADDRESS = "node", "192.0.2.1"
 TOKEN = "of-this-test-alone"
@@ -223,7 +224,7 @@ class Cluster:
             return condition()
 
         try:
-            return wait_for(look, seconds, what, every=0.5)
+            return wait_for(look, seconds, what, [process.pid for _, _, process in self.started], every=0.5)
         except AssertionError as error:
             logs = "\n".join(f"{name}: {self.log(name)}" for name, _, _ in self.started)
             raise AssertionError(f"{error}\n{logs}") from None

@@ -5,7 +5,8 @@ import os
 import shutil
 import subprocess
 
-from images import MINUTES, WORK, Podman, debian_root, run, wait_for
+from images import MINUTES, WORK, Podman, debian_root, run
+from waiting import wait_for
 
 DEBIAN_PACKAGES = ("prometheus", "prometheus-alertmanager", "mosquitto", "postgresql-15")
 # What stands in for other projects' images: Debian's programs, started as those images start theirs.
@@ -55,7 +56,7 @@ class Docker:
             stdout=self.log, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
-            wait_for(self.answers, 60, "dockerd answers")
+            wait_for(self.answers, 60, "dockerd answers", [self.process.pid])
         except AssertionError as error:
             log = (self.folder / "dockerd.log").read_text(encoding="utf-8")
             self.close()

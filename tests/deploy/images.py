@@ -6,8 +6,6 @@ import os
 import pathlib
 import subprocess
 import sys
-import threading
-import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "tests/e2e"))
@@ -32,17 +30,6 @@ events_logger = "file"
 def version():
     """The image's tag, which is the version of the programs."""
     return run(BIN / "uplinkd", "--version").stdout.split()[1]
-
-
-def wait_for(condition, seconds, what, every=0.2):
-    """Polls until `condition` gives something true."""
-    deadline = time.monotonic() + seconds
-    while not (found := condition()):
-        if time.monotonic() > deadline:
-            raise AssertionError(f"not within {seconds} s: {what}")
-        # Paces the looks at other programs, which have no handle to wait on.
-        threading.Event().wait(every)
-    return found
 
 
 def debian_root(name, *packages):

@@ -10,7 +10,8 @@ import unittest
 import urllib.parse
 
 from docker import Docker
-from images import MINUTES, SOURCE, WORK, run, wait_for
+from images import MINUTES, SOURCE, WORK, run
+from waiting import wait_for
 
 FOLDERS = ("compose", "prometheus", "grafana", "mosquitto")
 RECEIVER_PORT = 9999
@@ -86,12 +87,15 @@ class Compose(unittest.TestCase):
     def state(self, service):
         return json.loads(self.docker("inspect", self.container(service)).stdout)[0]["State"]
 
+    def wait_for(self, condition, seconds, what):
+        return wait_for(condition, seconds, what, [self.docker.process.pid], every=1)
+
     def wait_until_healthy(self):
         def healthy():
             return self.state(self.service)["Health"]["Status"] == "healthy"
 
         try:
-            wait_for(healthy, 60, f"{self.service} is healthy")
+            self.wait_for(healthy, 60, f"{self.service} is healthy")
         except AssertionError as error:
             raise AssertionError(f"{error}\n{self.compose('logs', '--tail', '30').stdout}") from None
 
@@ -115,13 +119,13 @@ class Compose(unittest.TestCase):
 
     def wait_for_scrapes(self):
         both = {"uplinkd": "1", "uplinkd-robots": "1"}
-        wait_for(lambda: self.query("up") == both, 60, "Prometheus scrapes both paths", every=1)
+        self.wait_for(lambda: self.query("up") == both, 60, "Prometheus scrapes both paths")
 
     def test_sqlite_is_watched_and_its_end_reaches_the_webhook(self):
         self.use("sqlite")
         self.wait_for_scrapes()
         self.send_robots()
-        wait_for(lambda: self.query("sum(rcan_robot_online)"), 30, "the robots' series are there", every=1)
+        self.wait_for(lambda: self.query("sum(rcan_robot_online)"), 30, "the robots' series are there")
         # What is there stays: a second `up` changes nothing.
         before = self.container(self.service)
         self.compose("up", "--detach")
@@ -140,7 +144,7 @@ class Compose(unittest.TestCase):
         def delivered():
             return received.exists() and "UplinkdDown" in received.read_text(encoding="utf-8")
 
-        wait_for(delivered, 3 * MINUTES, "UplinkdDown reaches the webhook", every=1)
+        self.wait_for(delivered, 3 * MINUTES, "UplinkdDown reaches the webhook")
 
     def state_of_stopped(self):
         container = self.compose("ps", "--quiet", "--all", self.service).stdout.strip()
@@ -156,7 +160,7 @@ class Compose(unittest.TestCase):
 
     def test_cyberwave_reads_its_broker(self):
         self.use("cyberwave")
-        wait_for(lambda: "mqtt_away" not in self.api("/api/v1/status")["degraded"], 30, "the broker is read")
+        self.wait_for(lambda: "mqtt_away" not in self.api("/api/v1/status")["degraded"], 30, "the broker is read")
         self.send_robots()
 
 

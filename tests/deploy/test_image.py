@@ -5,7 +5,8 @@ import shutil
 import time
 import unittest
 
-from images import SOURCE, TOOLS, Podman, run, wait_for
+from images import SOURCE, TOOLS, Podman, run
+from waiting import wait_for
 
 SIZE_MAX = 60_000_000
 MEMORY = 512 * 1024 * 1024
@@ -56,7 +57,7 @@ class Image(unittest.TestCase):
             return self.curl(name, "/readyz") is not None
 
         try:
-            wait_for(ready, 30, f"{name} is ready")
+            wait_for(ready, 30, f"{name} is ready", [int(self.pid(name))])
         except AssertionError as error:
             raise AssertionError(f"{error}\n{self.log(name)}") from None
 

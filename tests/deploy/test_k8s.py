@@ -11,7 +11,7 @@ import time
 import unittest
 
 from cluster import Cluster
-from images import BIN, MINUTES, SOURCE, run, wait_for
+from images import BIN, MINUTES, SOURCE, run
 
 CHART = SOURCE / "deploy/helm/uplinkd"
 RELEASE, CLAIM = "uplinkd", "data-uplinkd-0"
@@ -185,7 +185,7 @@ class Release(unittest.TestCase):
                      if line.startswith("uplinkd_robots") and 'presence="online"' in line]  # fmt: skip
             return sum(float(value) for _, value in lines) >= robots
 
-        wait_for(enough, 60, f"{robots} robots are online")
+        self.cluster.wait_for(enough, f"{robots} robots are online", 60)
 
 
 class Sqlite(Release):

@@ -1,0 +1,29 @@
+"""Waiting for what other programs do, while they live."""
+
+import contextlib
+import os
+import select
+import time
+
+LOOK_SECONDS = 0.2
+
+
+def wait_for(condition, seconds, what, watched, every=LOOK_SECONDS):
+    """Waits until `condition` gives something true, while the processes `watched` (their ids) live."""
+    deadline = time.monotonic() + seconds
+    with contextlib.ExitStack() as open_things:
+        ends = select.poll()
+        for pid in watched:
+            try:
+                handle = os.pidfd_open(pid)
+            except OSError as error:
+                raise AssertionError(f"process {pid} does not run ({error}) while waiting: {what}") from None
+            open_things.callback(os.close, handle)
+            # Readable once the process has ended.
+            ends.register(handle, select.POLLIN)
+        while not (found := condition()):
+            if time.monotonic() > deadline:
+                raise AssertionError(f"not within {seconds} s: {what}")
+            if ends.poll(every * 1000):
+                raise AssertionError(f"a process of {list(watched)} ended while waiting: {what}")
+        return found
