@@ -86,9 +86,9 @@ inline constexpr std::size_t kConfigBytesMax = 1 * kMiB;
 /// The result with what ValidateFiles and CheckFileModes (file_modes.h) find beside its own.
 [[nodiscard]] LoadResult WithFiles(LoadResult result);
 
-/// Certificates that have expired: the server's, and the one that it shows to a broker. No problems:
-/// the server starts with them and says so in /readyz, since the clock may be wrong, and takes over
-/// new files without a restart.
+/// Certificates that have expired: the server's, and the one that it shows to a broker. No
+/// problems: the server starts with them and says so in /readyz, since the clock may be wrong, and
+/// takes over new files without a restart.
 [[nodiscard]] std::vector<Note> ExpiredFiles(const Config& config, SystemTime now);
 
 /// The effective configuration as TOML that LoadConfig reads back; secrets are masked,
