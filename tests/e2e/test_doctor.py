@@ -222,6 +222,15 @@ class Host(DoctorTest):
         self.assertIn(("store.url", f"daemon may not write the folder {self.folder}: Permission denied;"
                        f" run chown daemon {self.folder}"), errors)  # fmt: skip
 
+    def test_a_user_that_it_cannot_become_is_no_warning(self):
+        if not AS_ROOT:
+            return
+        path = self.server().configuration()
+        done = run("setpriv", "--bounding-set=-setuid,-setgid", BIN / "uplinkctl", "doctor", "--config", path,
+                   "--user", "daemon", code=2)  # fmt: skip
+        self.assertEqual(done.stdout, "")
+        self.assertIn("cannot become daemon", done.stderr)
+
     def test_no_secret_is_printed(self):
         secret = "c0rrect-h0rse"
         password = self.folder / "password"

@@ -29,12 +29,18 @@ Finding UserFinding(const User& user, const Arguments& arguments) {
   return Ok("user", fmt::format("files are looked at as {}", user.name));
 }
 
+/// Nothing was checked. Not the 1 of other verbs, which here means that there were only warnings.
+int Fail(const absl::Status& status) {
+  static_cast<void>(ExitOf(status));
+  return kExitErrors;
+}
+
 int Doctor(const Arguments& arguments) {
   const absl::StatusOr<User> user = UserToCheckAs(arguments.user);
-  if (!user.ok()) return ExitOf(user.status());
+  if (!user.ok()) return Fail(user.status());
   // While root: only root sees who holds a port.
   const MachineFacts machine = ReadMachine();
-  if (absl::Status became = Become(*user); !became.ok()) return ExitOf(became);
+  if (absl::Status became = Become(*user); !became.ok()) return Fail(became);
   const SystemClock clock;
   const config::LoadResult read =
       config::WithFiles(config::LoadConfig(arguments.config, config::ProcessEnvironment()));
@@ -43,7 +49,7 @@ int Doctor(const Arguments& arguments) {
   Append(findings, CheckAll({read, machine, user->name, clock}));
   for (const Finding& finding : findings) fmt::print("{}\n", ToText(finding));
   fmt::print("{}\n", Summary(findings));
-  return ExitOf(findings);
+  return ExitOfFindings(findings);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ void Append(Findings& to, Findings from) {
   to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
-int ExitOf(const Findings& findings) {
+int ExitOfFindings(const Findings& findings) {
   Severity worst = Severity::kOk;
   for (const Finding& finding : findings) worst = std::max(worst, finding.severity);
   switch (worst) {

@@ -47,7 +47,7 @@ inline constexpr int kExitWarnings = 1;
 inline constexpr int kExitErrors = 2;
 
 /// By the worst of them.
-[[nodiscard]] int ExitOf(const Findings& findings);
+[[nodiscard]] int ExitOfFindings(const Findings& findings);
 
 /// The last line: `2 errors, 1 warning`.
 [[nodiscard]] std::string Summary(const Findings& findings);

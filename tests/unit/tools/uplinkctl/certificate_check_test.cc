@@ -37,7 +37,7 @@ Finding Worst(const ServerCertificate& certificate) {
 
 TEST(CertificateCheck, AGoodOneSaysHowLongAndForWhom) {
   const Findings findings = ServerCertificateFindings(Certificate(), kNow);
-  EXPECT_EQ(ExitOf(findings), 0);
+  EXPECT_EQ(ExitOfFindings(findings), 0);
   EXPECT_THAT(findings.front().what, HasSubstr("/s.crt expires in 100 days, at 2027-04-25T"));
   EXPECT_THAT(findings.back().what, HasSubstr("it is for fleet.example.org"));
 }
@@ -96,10 +96,11 @@ TEST(CertificateCheck, NamesThatOnlyThisMachineHasAreAWarningIfOthersAreServed) 
 TEST(CertificateCheck, AnExpiredAuthorityIsAnErrorIfItIsTheOnlyOne) {
   const CertificateFacts expired{"CN=old", kNow - days(9), kNow - days(1)};
   const CertificateFacts good{"CN=new", kNow - days(9), kNow + days(900)};
-  EXPECT_EQ(ExitOf(AuthorityFindings({"tls.client_ca_file", "/ca"}, {expired}, kNow)), kExitErrors);
-  EXPECT_EQ(ExitOf(AuthorityFindings({"tls.client_ca_file", "/ca"}, {expired, good}, kNow)),
+  EXPECT_EQ(ExitOfFindings(AuthorityFindings({"tls.client_ca_file", "/ca"}, {expired}, kNow)),
+            kExitErrors);
+  EXPECT_EQ(ExitOfFindings(AuthorityFindings({"tls.client_ca_file", "/ca"}, {expired, good}, kNow)),
             kExitWarnings);
-  EXPECT_EQ(ExitOf(AuthorityFindings({"tls.client_ca_file", "/ca"}, {good}, kNow)), 0);
+  EXPECT_EQ(ExitOfFindings(AuthorityFindings({"tls.client_ca_file", "/ca"}, {good}, kNow)), 0);
 }
 
 TEST(CertificateCheck, AuthoritiesThatAreGoodSayUntilWhen) {

@@ -18,13 +18,13 @@ TEST(Finding, AForeignTextStaysOnOneLine) {
 
 TEST(Finding, TheWorstOneMakesTheExitCode) {
   Findings findings;
-  EXPECT_EQ(ExitOf(findings), 0);
+  EXPECT_EQ(ExitOfFindings(findings), 0);
   findings.push_back(Ok("a", "b"));
-  EXPECT_EQ(ExitOf(findings), 0);
+  EXPECT_EQ(ExitOfFindings(findings), 0);
   findings.push_back(Warning("a", "b", "c"));
-  EXPECT_EQ(ExitOf(findings), 1);
+  EXPECT_EQ(ExitOfFindings(findings), 1);
   findings.insert(findings.begin(), Error("a", "b", "c"));
-  EXPECT_EQ(ExitOf(findings), 2);
+  EXPECT_EQ(ExitOfFindings(findings), 2);
 }
 
 TEST(Finding, TheLastLineCounts) {
