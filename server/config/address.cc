@@ -63,15 +63,17 @@ std::optional<ListenAddress> ParseListenAddress(std::string_view text) {
   return ListenAddress{name, *port};
 }
 
+bool IsSet(const ListenAddress& address) { return !address.host.empty(); }
+
 std::string ToText(const ListenAddress& address) {
-  if (address.host.empty()) return {};
+  if (!IsSet(address)) return {};
   const bool v6 = address.host.find(':') != std::string::npos;
   return v6 ? fmt::format("[{}]:{}", address.host, address.port)
             : fmt::format("{}:{}", address.host, address.port);
 }
 
 bool Collide(const ListenAddress& a, const ListenAddress& b) {
-  if (a.host.empty() || b.host.empty() || a.port == 0 || a.port != b.port) return false;
+  if (!IsSet(a) || !IsSet(b) || a.port == 0 || a.port != b.port) return false;
   const HostBytes bytes_a = BytesOf(a.host);
   const HostBytes bytes_b = BytesOf(b.host);
   return bytes_a == bytes_b || Covers(bytes_a, bytes_b) || Covers(bytes_b, bytes_a);

@@ -23,6 +23,9 @@ struct ListenAddress {
 /// The text that ParseListenAddress reads back; empty if there is no listener.
 [[nodiscard]] std::string ToText(const ListenAddress& address);
 
+/// Whether there is such a listener.
+[[nodiscard]] bool IsSet(const ListenAddress& address);
+
 /// True if one socket cannot listen on `a` while another listens on `b`: the port is the same, and
 /// the hosts are, or one stands for all (`::` for those of IPv4 too). Never with port 0.
 [[nodiscard]] bool Collide(const ListenAddress& a, const ListenAddress& b);

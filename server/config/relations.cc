@@ -9,6 +9,7 @@
 
 #include "metrics/rcan/series.h"
 #include "schema/base/utf8.h"
+#include "server/config/address.h"
 #include "server/config/broker_relations.h"
 #include "server/config/tls_groups.h"
 #include "server/config/units.h"
@@ -47,18 +48,16 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
                              "authenticates in front of it",
                              ToText(listen.http)));
   }
-  if (listen.http.port != 0 && listen.http.port == listen.relay.port) {
-    breaches.Add("listen", "http",
-                 fmt::format("port {} is also the port of listen.relay; give one of them another",
-                             listen.http.port));
-  }
-  const auto collides = [&](std::string_view key, const ListenAddress& other) {
-    if (!Collide(listen.metrics, other)) return;
-    breaches.Add("listen", "metrics",
-                 fmt::format("{} is taken by {}, {}", ToText(listen.metrics), key, ToText(other)));
+  const auto collides = [&breaches](std::string_view key, const ListenAddress& address,
+                                    std::string_view other_key, const ListenAddress& other) {
+    if (!Collide(address, other)) return;
+    breaches.Add("listen", key,
+                 fmt::format("{} is taken by listen.{}, {}; give one of them another port",
+                             ToText(address), other_key, ToText(other)));
   };
-  collides("listen.relay", listen.relay);
-  collides("listen.http", listen.http);
+  collides("http", listen.http, "relay", listen.relay);
+  collides("metrics", listen.metrics, "relay", listen.relay);
+  collides("metrics", listen.metrics, "http", listen.http);
 }
 
 void CheckTls(const TlsConfig& tls, Breaches& breaches) {

@@ -26,7 +26,7 @@ EarlyServices::EarlyServices(Context context)
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max,
                                    .ahead_max = loop::kReadsWaitingMax});
-  if (context_.listen.metrics.host.empty()) return;
+  if (!config::IsSet(context_.listen.metrics)) return;
   monitor_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMonitorThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max});
 }

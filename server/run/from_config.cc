@@ -8,6 +8,7 @@
 
 #include "schema/base/check.h"
 #include "schema/cyberwave/limits.h"
+#include "server/config/address.h"
 #include "server/config/broker_url.h"
 #include "server/mqtt/limits.h"
 #include "storage/deliveries.h"
@@ -122,7 +123,7 @@ std::size_t LiveBytesMaxOf(const config::LimitsConfig& limits, std::size_t memor
 }
 
 http::ConnectionsMax HttpConnectionsMaxOf(const config::Config& config) {
-  const bool has_metrics = !config.listen.metrics.host.empty();
+  const bool has_metrics = config::IsSet(config.listen.metrics);
   return {config.http.connections_max, has_metrics ? http::kMetricsLimits.connections_max : 0};
 }
 

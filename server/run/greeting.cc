@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "schema/base/utf8.h"
+#include "server/config/address.h"
 #include "server/config/broker_url.h"
 #include "server/config/version.h"
 #include "server/identity/expiry.h"
@@ -90,7 +91,7 @@ std::vector<std::string> ReadyLines(const config::Config& config, const Ready& r
     lines.push_back(fmt::format("  broker  {}, MQTT", broker.ok() ? broker->Text() : "?"));
   }
   lines.push_back(fmt::format("  http    {}: API, metrics, health", http));
-  if (ready.metrics.port != 0) {
+  if (config::IsSet(ready.metrics)) {
     lines.push_back(fmt::format("  metrics http://{}: probes and scrapes, without authentication",
                                 config::ToText(ready.metrics)));
   }

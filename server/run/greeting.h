@@ -23,7 +23,7 @@ struct Ready {
   /// As they were really bound.
   config::ListenAddress relay;
   config::ListenAddress http;
-  /// Port 0 unless listen.metrics is set.
+  /// Not set without listen.metrics.
   config::ListenAddress metrics;
 };
 

@@ -1,11 +1,13 @@
 #include "tools/uplinkctl/listeners.h"
 
+#include "server/config/address.h"
+
 namespace uplink::ctl {
 
 std::vector<Listener> ListenersOf(const config::Config& config) {
   std::vector<Listener> listeners = {{"listen.relay", config.listen.relay},
                                      {"listen.http", config.listen.http}};
-  if (!config.listen.metrics.host.empty()) {
+  if (config::IsSet(config.listen.metrics)) {
     listeners.push_back({"listen.metrics", config.listen.metrics});
   }
   return listeners;

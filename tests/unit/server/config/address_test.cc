@@ -37,6 +37,11 @@ TEST(ListenAddressTextTest, ReadsBackToTheSameAddress) {
 
 TEST(ListenAddressTextTest, OfNoListenerIsEmpty) { EXPECT_EQ(ToText(ListenAddress()), ""); }
 
+TEST(IsSetTest, AHostMakesAListenerAlsoOnAnyPort) {
+  EXPECT_TRUE(IsSet({"127.0.0.1", 0}));
+  EXPECT_FALSE(IsSet(ListenAddress()));
+}
+
 TEST(CollideTest, OnePortOfOneHostIsTakenOnce) {
   const auto collide = [](std::string_view a, std::string_view b) {
     const ListenAddress first = ParseListenAddress(a).value();

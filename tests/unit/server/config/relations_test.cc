@@ -50,7 +50,10 @@ TEST(RelationsTest, HttpStaysOnLoopback) {
 }
 
 TEST(RelationsTest, TwoListenersDoNotShareAPort) {
-  EXPECT_THAT(OneProblem("[listen]\nhttp = \"127.0.0.1:7443\"\n"), HasSubstr("port 7443"));
+  EXPECT_THAT(OneProblem("[listen]\nhttp = \"127.0.0.1:7443\"\n"),
+              HasSubstr("listen.http: 127.0.0.1:7443 is taken by listen.relay, [::]:7443; give one "
+                        "of them another port"));
+  EXPECT_EQ(OneProblem("[listen]\nhttp = \"127.0.0.2:7999\"\nrelay = \"127.0.0.1:7999\"\n"), "");
   EXPECT_EQ(OneProblem("[listen]\nhttp = \"127.0.0.1:0\"\nrelay = \"[::]:0\"\n"), "");
 }
 
