@@ -48,7 +48,7 @@ void CheckUrl(const MqttConfig& mqtt, std::vector<Breach>& breaches) {
   if (has_files && !url->tls) {
     breaches.push_back({"mqtt", "url",
                         "it is mqtt://, which has no TLS, and mqtt.ca_file or a client certificate "
-                        "is set: write mqtts://, or let those be empty"});
+                        "is set; write mqtts://, or let those be empty"});
   }
 }
 
@@ -63,12 +63,12 @@ void CheckLogin(const MqttConfig& mqtt, std::vector<Breach>& breaches) {
   const std::string username = FlawOfField(mqtt.username, kMqttUsernameBytesMax);
   if (!username.empty()) breaches.push_back({"mqtt", "username", username});
   if (mqtt.username.empty() && !mqtt.password_file.empty()) {
-    breaches.push_back({"mqtt", "password_file", "a password needs a user: set mqtt.username too"});
+    breaches.push_back({"mqtt", "password_file", "a password needs a user; set mqtt.username too"});
   }
   if (mqtt.client_certificate_file.empty() != mqtt.client_key_file.empty()) {
     const bool key = mqtt.client_key_file.empty();
     breaches.push_back({"mqtt", key ? "client_key_file" : "client_certificate_file",
-                        fmt::format("it is required where mqtt.{} is set",
+                        fmt::format("it is required where mqtt.{} is set; set both or none",
                                     key ? "client_certificate_file" : "client_key_file")});
   }
 }

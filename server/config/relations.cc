@@ -83,10 +83,14 @@ void CheckStore(const StoreConfig& store, Breaches& breaches) {
     std::string_view text(parsed.message().data(), parsed.message().size());
     // The key stands before the text already.
     if (text.starts_with("store.url")) text.remove_prefix(text.find(' ') + 1);
-    breaches.Add("store", "url", std::string(text));
+    const bool says_remedy = text.find("; ") != std::string_view::npos;
+    breaches.Add(
+        "store", "url",
+        fmt::format("{}{}", text, says_remedy ? "" : "; write postgresql://USER@HOST/DATABASE"));
   } else if (SqlitePath(store).empty()) {
     breaches.Add("store", "url",
-                 "it must be sqlite:/// and the absolute path of a file, or postgresql://");
+                 "it names no store; write sqlite:/// and the absolute path of a file, or "
+                 "postgresql://HOST/DATABASE");
   }
 }
 
@@ -120,8 +124,9 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
   });
   if (word.empty() || word.size() > kSubsystemBytesMax || !letters) {
     breaches.Add("rcan", "subsystem",
-                 fmt::format("it must be 1 to {} lower-case letters, digits and underscores",
-                             kSubsystemBytesMax));
+                 fmt::format("\"{}\" cannot stand in a series' name; write 1 to {} lower-case "
+                             "letters, digits and underscores",
+                             PrintableUtf8(word, kShownBytesMax), kSubsystemBytesMax));
     return;
   }
   std::set<std::string> names;

@@ -28,7 +28,8 @@ std::optional<std::string> FlawOfGroups(const std::vector<std::string>& groups) 
   if (groups.empty()) return fmt::format("it is empty; it must have at least one of {}", allowed());
   for (const std::string& group : groups) {
     if (Has(kGroups, group)) continue;
-    return fmt::format("\"{}\" is none of {}", PrintableUtf8(group, kShownBytesMax), allowed());
+    return fmt::format("\"{}\" is no group; take one of {}", PrintableUtf8(group, kShownBytesMax),
+                       allowed());
   }
   return std::nullopt;
 }

@@ -92,7 +92,7 @@ absl::StatusOr<Url> ParseUrl(std::string_view url) {
     }
     if (keyword == "replication") {
       return absl::InvalidArgumentError(
-          "store.url asks for a session for replication: remove the parameter");
+          "store.url asks for a session for replication; remove the parameter");
     }
     if (keyword == "host") host = option->val;
     if (keyword == "hostaddr" && host.empty()) host = option->val;

@@ -30,21 +30,13 @@ std::string What(const config::Problem& problem) {
 /// What the text does not say itself.
 std::string RemedyOf(const config::Problem& problem, const std::string& user) {
   const std::string& text = problem.text;
-  if (Holds(text, "chmod") || Holds(text, "removed")) return {};
   if (Holds(text, "did you mean")) {
     return DocPage("docs/operate/configuration.md") + " has all keys";
   }
-  if (Holds(text, kDenied) || Holds(text, "cannot be opened")) {
+  if (Holds(text, kDenied)) {
     return fmt::format("let the user {} read it, and enter its folders (chgrp, chmod)", user);
   }
   if (Holds(text, kBeforeRemedy)) return {};
-  if (Holds(text, "No such file") || Holds(text, "does not exist")) {
-    return "put it there, or correct the path";
-  }
-  if (Holds(text, "cannot be read")) return fmt::format("put it there, and let {} read it", user);
-  if (Holds(text, "is not the key of")) {
-    return "name the key that the certificate was made with, or make both anew";
-  }
   return "correct it, then run this again";
 }
 

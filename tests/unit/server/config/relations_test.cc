@@ -17,7 +17,9 @@ using ::uplink::config::testing::ParseWith;
 std::string OneProblem(std::string_view more) {
   const LoadResult result = ParseWith(more);
   EXPECT_LE(result.problems.size(), 1U);
-  return result.problems.empty() ? std::string() : ToText(result.problems[0]);
+  if (result.problems.empty()) return {};
+  EXPECT_THAT(result.problems[0].text, HasSubstr("; ")) << "what is wrong; what to do";
+  return ToText(result.problems[0]);
 }
 
 TEST(RelationsTest, RequiresTheCertificateFiles) {
@@ -83,7 +85,8 @@ TEST(RelationsTest, OnlyAnAbsoluteSqlitePathIsAStore) {
   for (const char* const url :
        {"", "sqlite://", "sqlite:///", "sqlite://x.db", "sqlite:///x/", "/x.db", "mysql://h/d"}) {
     const std::string more = std::string("[store]\nurl = \"") + url + "\"\n";
-    EXPECT_THAT(OneProblem(more), HasSubstr("store.url: it must be sqlite:///")) << url;
+    EXPECT_THAT(OneProblem(more), HasSubstr("store.url: it names no store; write sqlite:///"))
+        << url;
   }
 }
 
@@ -91,6 +94,8 @@ TEST(RelationsTest, PostgresIsRefusedWithoutRepeatingItsPassword) {
   const std::string problem = OneProblem("[store]\nurl = \"postgresql://me:pw@h/d\"\n");
   EXPECT_THAT(problem, HasSubstr("store.url: holds a password; name a file in"));
   EXPECT_EQ(problem.find("pw"), std::string::npos);
+  EXPECT_THAT(OneProblem("[store]\nurl = \"postgresql://h/d?no_such=1\"\n"),
+              HasSubstr("; write postgresql://USER@HOST/DATABASE"));
 }
 
 TEST(RelationsTest, TheSubsystemIsAWordOfASeriesName) {

@@ -29,8 +29,9 @@ std::string ServedWith(const std::string& more) {
 TEST(TlsGroups, AreSomeOfFour) {
   EXPECT_EQ(OneProblem("[\"P-521\"]"), "");
   EXPECT_EQ(OneProblem("[\"P-256\", \"X25519\", \"P-384\", \"P-521\"]"), "");
-  EXPECT_THAT(OneProblem("[\"X25519\", \"x448\"]"),
-              HasSubstr("tls.groups: \"x448\" is none of X25519, P-256, P-384, P-521"));
+  EXPECT_THAT(
+      OneProblem("[\"X25519\", \"x448\"]"),
+      HasSubstr("tls.groups: \"x448\" is no group; take one of X25519, P-256, P-384, P-521"));
   EXPECT_THAT(OneProblem("[]"), HasSubstr("tls.groups: it is empty"));
   EXPECT_THAT(OneProblem("[\"P-256\", \"P-256\"]"), HasSubstr("\"P-256\" stands in it twice"));
 }
