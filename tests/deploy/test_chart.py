@@ -1,5 +1,5 @@
 """The chart: helm's own lint, the value sets of deploy/helm/uplinkd/ci against Kubernetes' schemas, those that
-must fail, and that it knows what uplinkd knows."""
+must fail, and that it knows what uplinkd knows. What needs no helm is a rule of tests/tidy/deployed.py."""
 
 import pathlib
 import re
@@ -21,10 +21,9 @@ MUST_FAIL = {
 KUBERNETES = ("1.25", "1.34")
 # Kinds of operators: Kubernetes has no schema for them.
 FOREIGN = {"Certificate", "PodMonitor", "PrometheusRule"}
-SECTION = re.compile(r"^\[([a-z_]+)\]$")
-# kProbeDeadline of tools/uplinkctl/probe.h.
-PROBE_SECONDS = 5
-KEY = re.compile(r"^# ([a-z_.]+) = ")
+SECTION = re.compile(r"^\[([a-z0-9_]+)\]$")
+KEY = re.compile(r"^# ([a-z0-9_.]+) = ")
+PROBE = re.compile(r"kProbeDeadline = std::chrono::seconds\((\d+)\)")
 
 
 def helm(*arguments, code=0):
@@ -42,6 +41,15 @@ def rendered(values, kubernetes, *flags):
 def one(documents, kind):
     (found,) = [document for document in documents if document["kind"] == kind]
     return found
+
+
+def probe_seconds():
+    (seconds,) = PROBE.findall((SOURCE / "tools/uplinkctl/probe.h").read_text(encoding="utf-8"))
+    return int(seconds)
+
+
+def port_of(address):
+    return int(address.rsplit(":", 1)[1])
 
 
 def keys_of_uplinkd():
@@ -92,9 +100,6 @@ class Chart(unittest.TestCase):
     def test_defaults_alone_lack_a_certificate(self):
         self.assertIn("/tls/secret", helm("template", "robots", CHART, code=1).stderr)
 
-    def test_readme_has_what_values_yaml_says(self):
-        run(sys.executable, SOURCE / "tools/dev/chart_readme.py", "--check")
-
     def test_every_key_is_one_of_uplinkd(self):
         known = keys_of_uplinkd()
         for values in SETS:
@@ -107,16 +112,38 @@ class Chart(unittest.TestCase):
                             for key, value in entries.items()
                             for inner in (value if isinstance(value, dict) else [None])}  # fmt: skip
                     self.assertLessEqual(flat, known[section], section)
-        schema = yaml.safe_load((CHART / "values.schema.json").read_text(encoding="utf-8"))
-        ours = {"listen", "tls"}
-        self.assertEqual(set(schema["properties"]["config"]["properties"]) | ours, set(known))
 
-    def test_chart_and_compose_name_this_version(self):
-        (version,) = re.findall(r"^project\(uplinkd VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text("utf-8"), re.M)
-        chart = yaml.safe_load((CHART / "Chart.yaml").read_text(encoding="utf-8"))
-        self.assertEqual((chart["version"], chart["appVersion"]), (version, version))
-        compose = (SOURCE / "deploy/compose/compose.yaml").read_text(encoding="utf-8")
-        self.assertEqual(set(re.findall(r"image: (uplinkd:.*)", compose)), {f"uplinkd:{version}"})
+    def test_a_port_of_a_pod_is_one_on_which_uplinkd_listens(self):
+        example = (SOURCE / "deploy/uplinkd.toml").read_text(encoding="utf-8")
+        defaults = tomllib.loads(example.replace("\n# relay = ", "\nrelay = "))
+        for values in SETS:
+            with self.subTest(values.name):
+                _, documents = rendered(values, KUBERNETES[-1])
+                (container,) = one(documents, "StatefulSet")["spec"]["template"]["spec"]["containers"]
+                ports = {port["name"]: port["containerPort"] for port in container["ports"]}
+                set_here = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])["listen"]
+                listen = {**defaults["listen"], **set_here}
+                self.assertEqual(ports, {"relay": port_of(listen["relay"]), "metrics": port_of(listen["metrics"])})
+                # The chart leaves it on loopback, where only the probes ask.
+                self.assertNotIn("http", set_here)
+
+    def test_every_named_port_is_one_of_the_pod(self):
+        named = set()
+        for values in SETS:
+            _, documents = rendered(values, KUBERNETES[-1])
+            (container,) = one(documents, "StatefulSet")["spec"]["template"]["spec"]["containers"]
+            ports = {port["name"] for port in container["ports"]}
+            for document in documents:
+                spec, kind = document.get("spec", {}), document["kind"]
+                names = {
+                    "Service": lambda: [port["targetPort"] for port in spec["ports"]],
+                    "NetworkPolicy": lambda: [port["port"] for rule in spec["ingress"] for port in rule["ports"]],
+                    "PodMonitor": lambda: [endpoint["port"] for endpoint in spec["podMetricsEndpoints"]],
+                }.get(kind, list)()
+                self.assertLessEqual(set(names), ports, f"{values.name}: {kind}")
+                named.update((kind, name) for name in names)
+        both = {(kind, name) for kind in ("Service", "NetworkPolicy") for name in ("relay", "metrics")}
+        self.assertEqual(named, both | {("PodMonitor", "metrics")})
 
     def test_numbers_and_texts_keep_their_type(self):
         _, documents = rendered(CHART / "ci/sqlite-existing-claim.yaml", KUBERNETES[-1])
@@ -143,7 +170,7 @@ class Chart(unittest.TestCase):
                     container[probe]["exec"]["command"],
                     ["/usr/bin/uplinkctl", "health", *ready, "--config", "/etc/uplinkd/uplinkd.toml"],
                 )
-                self.assertGreater(container[probe]["timeoutSeconds"], PROBE_SECONDS, "uplinkctl says why first")
+                self.assertGreater(container[probe]["timeoutSeconds"], probe_seconds(), "uplinkctl says why first")
 
     def test_a_changed_setting_restarts_pods_and_an_unchanged_one_does_not(self):
         def template(*flags):

@@ -10,6 +10,7 @@ import pathlib
 import sys
 
 import alerts
+import deployed
 import includes
 import prose
 import questions
@@ -34,6 +35,10 @@ RULES = (
     prose.avoided,
     questions.answered,
     alerts.short,
+    deployed.versions,
+    deployed.ports,
+    deployed.sections,
+    deployed.readme,
     whole.built,
     whole.targets,
     whole.settings,
