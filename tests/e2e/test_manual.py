@@ -64,7 +64,7 @@ class Manual(unittest.TestCase):
     def test_the_page_of_the_settings_has_every_key_with_its_default(self):
         text = page_text("uplinkd.toml", 5)
         table = (SOURCE / "docs/operate/configuration.md").read_text(encoding="utf-8")
-        rows = re.findall(r"^\| `([a-z_.]+)` \| `(.*?)` \|", table, re.MULTILINE)
+        rows = re.findall(r"^\| `([a-z0-9_.]+)` \| `(.*?)` \|", table, re.MULTILINE)
         self.assertGreater(len(rows), 50)
         for key, default in rows:
             self.assertIn(f"{key} = {default}", text)
@@ -76,9 +76,14 @@ class Manual(unittest.TestCase):
         self.assertEqual(page.lines[-6:], [".SH EXAMPLES", ".PP", ".nf", "p \\-\\-one", "\\&.p", ".fi"])
 
     def test_an_example_file_that_is_not_understood_is_an_error(self):
-        for text in ("", "# Opening.\n\n[listen]\n", "# Opening.\n\n[listen]\n# a = 1\n\n# Text without a key.\n"):
+        head = "# Opening.\n\n[listen]\n"
+        for text in ("", head, head + "# a = 1\n\n# Text without a key.\n", head + "# a = 1\n# B = 2\n", "# a = 1\n" + head):
             with self.assertRaises(ValueError):
                 settings_page.settings_page(text, "1.0.0", "")
+
+    def test_a_key_may_have_digits_and_dots(self):
+        page = settings_page.settings_page("# Opening.\n\n[mqtt]\n# What it is.\n# v5.tls_1 = 2\n", "1.0.0", "")
+        self.assertIn("mqtt.v5.tls_1", "\n".join(page.lines).replace("\\", ""))
 
 
 class Completion(unittest.TestCase):

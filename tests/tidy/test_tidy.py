@@ -492,6 +492,11 @@ class SettingsTest(RuleTest):
         found = self.find(whole.settings, self.files(self.TABLE, '[log]\n# level = "info"\n'))
         self.assertEqual(found, [(whole.SETTINGS, 2, "settings")])
 
+    def test_knows_keys_with_digits_and_dots(self):
+        table = self.TABLE + '{.section = "mqtt5",\n .key = "v5.tls_1"},\n'
+        self.assert_clean(whole.settings, self.files(table, self.EXAMPLE + "[mqtt5]\n# v5.tls_1 = 2\n"))
+        self.assertEqual(self.find(whole.settings, self.files(table, self.EXAMPLE)), [(whole.SETTINGS, 4, "settings")])
+
     def test_wants_no_example_of_a_setting_without_effect(self):
         table = self.TABLE + '{.section = "log",\n .key = "later",\n .effect = Effect::kNone},\n'
         self.assert_clean(whole.settings, self.files(table, self.EXAMPLE))

@@ -7,10 +7,10 @@ from tree import SOURCE_FOLDERS, Finding
 
 SETTINGS = "server/config/settings.cc"
 EXAMPLE = "deploy/uplinkd.toml"
-RATE = re.compile(r'^ *UPLINK_RATE\(([a-z_]+), "', re.MULTILINE)
-SETTING = re.compile(r'\.section\s*=\s*"([a-z_]+)",\s*\.key\s*=\s*"([a-z_]+)"')
-SECTION_LINE = re.compile(r"^\[([a-z_]+)\]")
-KEY_LINE = re.compile(r"^(?:#\s*)?([a-z_]+)\s*=\s")
+RATE = re.compile(r'^ *UPLINK_RATE\(([a-z0-9_]+), "', re.MULTILINE)
+SETTING = re.compile(r'\.section\s*=\s*"([a-z0-9_]+)",\s*\.key\s*=\s*"([a-z0-9_.]+)"')
+SECTION_LINE = re.compile(r"^\[([a-z0-9_]+)\]")
+KEY_LINE = re.compile(r"^(?:#\s*)?([a-z0-9_.]+)\s*=\s")
 
 README_FOLDERS = ("proto", "schema", "metrics", "storage", "server", "tools", "deploy", "tests")
 ROOM_FOLDERS = ("server/", "storage/")

@@ -4,8 +4,10 @@ import re
 
 from roff import Page, bold, escaped
 
-SECTION = re.compile(r"^\[([a-z_]+)\]$")
-KEY = re.compile(r"^# ([a-z_.]+) = (.*)$")
+SECTION = re.compile(r"^\[([a-z0-9_]+)\]$")
+KEY = re.compile(r"^# ([a-z0-9_.]+) = (.*)$")
+# What a person would take for a key.
+LIKE_KEY = re.compile(r"^#\s*[\w.-]+\s*=")
 
 
 def parts(example):
@@ -20,6 +22,8 @@ def parts(example):
         elif key and section:
             yield section, key.group(1), key.group(2), comment
             comment = []
+        elif LIKE_KEY.match(line):
+            raise ValueError(f"the example file has a line that is like a key and is none: {line}")
         elif line.startswith("# "):
             comment.append(line[2:])
         elif not section and comment:
