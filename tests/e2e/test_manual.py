@@ -1,15 +1,18 @@
 """The manual pages and the completion of shells that the build made from the programs' help."""
 
 import os
+import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 from harness import BIN, SOURCE, run
 
 sys.path.insert(0, str(SOURCE / "tools/manual"))
 
+import completion  # noqa: E402
 import program_pages  # noqa: E402
 import roff  # noqa: E402
 import settings_page  # noqa: E402
@@ -36,6 +39,13 @@ def completed(program, *words):
     )
     path = MANUAL / f"bash-completion/completions/{program}"
     return run("bash", "-c", script, path, program, *words).stdout.split()
+
+
+def specifications(path, *functions):
+    """What the functions of a zsh script hand to _arguments."""
+    script = '_arguments() { print -rl -- "$@"; return 1 }; source "$0" >/dev/null; for each; do "$each"; done'
+    done = subprocess.run(["zsh", "-f", "-c", script, path, *functions], capture_output=True, text=True, check=False)
+    return done.stderr, done.stdout.splitlines()
 
 
 class Manual(unittest.TestCase):
@@ -75,6 +85,10 @@ class Manual(unittest.TestCase):
         page = program_pages.verb_page(command, lambda name, section: roff.Page(name, section, "1", ""))
         self.assertEqual(page.lines[-6:], [".SH EXAMPLES", ".PP", ".nf", "p \\-\\-one", "\\&.p", ".fi"])
 
+    def test_a_name_in_capitals_keeps_them(self):
+        for text, first in (("TLS of it; more", "TLS of it"), ("Show it.", "show it"), ("A server", "a server")):
+            self.assertEqual(program_pages.first_lower(text), first)
+
     def test_an_example_file_that_is_not_understood_is_an_error(self):
         head = "# Opening.\n\n[listen]\n"
         for text in ("", head, head + "# a = 1\n\n# Text without a key.\n", head + "# a = 1\n# B = 2\n", "# a = 1\n" + head):
@@ -101,6 +115,20 @@ class Completion(unittest.TestCase):
     def test_zsh_reads_the_same(self):
         for name in PROGRAMS:
             run("zsh", "-n", MANUAL / f"zsh/vendor-completions/_{name}")
+        for function, argument in (("_uplinkctl_config_check", "1:FILE:_files"), ("_uplinkctl_store_forget", "1:ruri: ")):
+            errors, found = specifications(MANUAL / "zsh/vendor-completions/_uplinkctl", function)
+            self.assertEqual(errors, "")
+            self.assertIn(argument, found)
+            self.assertTrue(any(each.startswith("--help[") for each in found), found)
+
+    def test_zsh_numbers_arguments(self):
+        option = {"names": [], "takes": "TEXT", "default": "", "required": True, "several": False, "excludes": [], "about": "A"}
+        program = tree.command_of({"name": "p", "about": "A", "footer": "", "exactlyOneOf": [], "commands": [],
+                                   "options": [{**option, "position": each} for each in ("DIR", "ruri", "it's")]})  # fmt: skip
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "_p")
+            path.write_text(completion.zsh(program), encoding="utf-8")
+            self.assertEqual(specifications(path, "_p"), ("", ["-C", "1:DIR:_files", "2:ruri: ", "3:it's: "]))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,8 @@
 """Completion of the programs' command lines for bash and zsh."""
 
+# Arguments that name something on the disk.
+OF_FILES = ("FILE", "DIR", "FOLDER", "PATH")
+
 BASH = """\
 # bash completion for {program}
 _{function}() {{
@@ -66,8 +69,6 @@ def _zsh_text(text):
 
 def _zsh_specification(option):
     about = _zsh_text(option.about)
-    if option.position:
-        return f"'1:{_zsh_text(option.position)}:_files'"
     value = ""
     if option.choices:
         value = f":{option.value}:({' '.join(option.choices)})"
@@ -77,9 +78,16 @@ def _zsh_specification(option):
     return " ".join(f"'{several}{name}[{about}]{value}'" for name in option.names if name.startswith("--"))
 
 
+def _zsh_argument(place, option):
+    """An argument without a flag; what names nothing on the disk is completed as nothing."""
+    action = "_files" if option.value in OF_FILES else " "
+    return f"'{'*' if option.several else place}:{_zsh_text(option.position)}:{action}'"
+
+
 def _zsh_function(command):
     name = "_" + "_".join(command.words).replace("-", "_")
-    specifications = [_zsh_specification(option) for option in (*command.options, *command.positions)]
+    specifications = [_zsh_specification(option) for option in command.options]
+    specifications += [_zsh_argument(place, option) for place, option in enumerate(command.positions, 1)]
     lines = [f"{name}() {{", "  local context state line", "  _arguments -C \\"]
     if not command.commands:
         return "\n".join([*lines, *(f"    {each} \\" for each in specifications), "    && return 0", "}"])

@@ -36,9 +36,9 @@ FILES = (
 
 
 def first_lower(text):
-    """A sentence as the NAME section has it, without what follows a semicolon."""
+    """A sentence as the NAME section has it, without what follows a semicolon. TLS stays as it is."""
     text = re.split("[;\n]", text)[0].rstrip(".")
-    return text[:1].lower() + text[1:]
+    return text[:1].lower() + text[1:] if re.match("[A-Z][a-z ]", text) else text
 
 
 def synopsis(command):

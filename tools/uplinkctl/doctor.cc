@@ -65,6 +65,7 @@ void AddDoctor(config::Flags& program) {
   noun.Add(
       {"--user", "As root: look at the files as this user (default: uplinkd, if there is one)"},
       arguments->user);
+  noun.Example("uplinkctl doctor --config /etc/uplinkd/uplinkd.toml");
 }
 
 }  // namespace uplink::ctl

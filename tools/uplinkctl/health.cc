@@ -51,6 +51,7 @@ void AddHealth(config::Flags& program) {
                                     config::kConfigFileDefault)},
            arguments->config);
   noun.AtMostOne({"--url", "--config"});
+  noun.Example("uplinkctl health --ready --config /etc/uplinkd/uplinkd.toml");
 }
 
 }  // namespace uplink::ctl
