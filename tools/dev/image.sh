@@ -23,8 +23,7 @@ if [[ -z "$bin" ]]; then
   build_preset release "${programs[@]/#/bin/}"
   bin=build/release/bin
 fi
-version="$(sed -n 's/^ *VERSION \([0-9.]*\).*/\1/p;s/^project(.* VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt | head -n 1)"
-[[ -n "$version" ]] || die "CMakeLists.txt names no version"
+version="$(project_version)"
 
 rm -rf "$context"
 mkdir -p "$context/bin"

@@ -21,6 +21,14 @@ known_preset() {
   esac
 }
 
+# The version of the programs, by the only place where it is set.
+project_version() {
+  local version
+  version="$(sed -n 's/^project(uplinkd VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)"
+  [[ -n "$version" ]] || die "CMakeLists.txt names no version"
+  printf '%s\n' "$version"
+}
+
 # The packages of the list that are not installed, one a line. Asks dpkg alone: no network.
 missing_packages() {
   command -v dpkg-query >/dev/null || die "no dpkg-query: ./dev works on Debian 12"

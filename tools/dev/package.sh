@@ -22,7 +22,7 @@ need_packages
 build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet manual
 
 # The version stands in CMakeLists.txt, and again where dpkg wants it.
-version="$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' build/release/CMakeCache.txt)"
+version="$(project_version)"
 packaged="$(dpkg-parsechangelog -l deploy/debian/changelog -S Version)"
 [[ "$packaged" == "$version" || "$packaged" == "$version"-* ]] ||
   die "CMakeLists.txt says $version, deploy/debian/changelog $packaged"

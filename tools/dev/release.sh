@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # release.sh [--require-sbom]: everything that a release consists of, in build/release-VERSION: packages, a
-# tarball of what they install, SBOMs (CycloneDX and SPDX) and SHA256SUMS. Packages and tarball of the same tree have the same bytes.
+# tarball of what they install, SBOMs (CycloneDX and SPDX) and SHA256SUMS. Packages and tarball of the same
+# tree have the same bytes.
 # debsbom comes from PyPI; where it cannot be had the SBOMs are left out, which fails with --require-sbom.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -16,7 +17,7 @@ case "$#:${1:-}" in
 esac
 
 tools/dev/package.sh
-version="$(dpkg-parsechangelog -l deploy/debian/changelog -S Version)"
+version="$(project_version)"
 epoch="$(dpkg-parsechangelog -l deploy/debian/changelog -S Timestamp)"
 architecture="$(dpkg --print-architecture)"
 readonly name="uplinkd-$version" out="$PWD/build/release-$version"
