@@ -49,8 +49,8 @@ using Value = std::variant<bool, std::uint64_t, std::chrono::milliseconds, std::
 inline constexpr std::size_t kListItemsMax = 256;
 inline constexpr std::size_t kListItemBytesMax = 256;
 
-/// One key that an operator can set. The only list of keys: reading, printing, the example file
-/// and the reference page follow from it.
+/// One key that an operator can set. The only list of keys: reading and printing follow from it,
+/// and ReferenceTest holds the example file and the reference page to it.
 struct Setting {
   std::string_view section;
   std::string_view key;

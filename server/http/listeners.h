@@ -7,7 +7,8 @@
 
 namespace uplink::http {
 
-/// The listeners that a server may have, each with its own key, limits and counts of connections.
+/// The listeners of HTTP that a server may have, each with its own key, limits and counts of
+/// connections.
 enum class ListenerId : std::uint8_t {
   /// Everything, on loopback.
   kHttp,

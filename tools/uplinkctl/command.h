@@ -8,7 +8,7 @@
 
 namespace uplink::ctl {
 
-/// Exit codes of the program (surface page).
+/// Exit codes of the program (docs/reference/exit-codes.md).
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitWrongUse = 2;

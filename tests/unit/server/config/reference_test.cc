@@ -55,7 +55,7 @@ TEST(ReferenceTest, AChoiceThatIsNotServedIsNotOffered) {
 }
 
 TEST(ReferenceTest, TheExampleFileReadsBackToTheDefaultsWhenUncommented) {
-  const std::regex setting("(^|\n)# ([a-z_.]+ = )");
+  const std::regex setting("(^|\n)# ([a-z0-9_.]+ = )");
   std::string text = std::regex_replace(ExampleToml(), setting, "$1$2");
   const std::regex file("\n(certificate|key|client_ca)_file = \"\"");
   text = std::regex_replace(text, file, "\n$1_file = \"x\"");
