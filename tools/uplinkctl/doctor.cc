@@ -56,10 +56,10 @@ int Doctor(const Arguments& arguments) {
 
 void AddDoctor(config::Flags& program) {
   const auto arguments = std::make_shared<Arguments>();
-  config::Flags& noun = program.AddCommand(
-      "doctor",
-      "Check configuration, certificates, store, ports and limits; 1 for warnings, 2 for errors",
-      [arguments] { return Doctor(*arguments); });
+  config::Flags& noun = program.AddCommand("doctor",
+                                           "Check configuration, certificates, store, disk, ports, "
+                                           "descriptors and clock; 1 for warnings, 2 for errors",
+                                           [arguments] { return Doctor(*arguments); });
   noun.Add({"--config", "The server's configuration file", config::Flag::Need::kRequired},
            arguments->config);
   noun.Add(

@@ -21,8 +21,8 @@ struct CheckContext {
 };
 
 /// Gathers the facts of each part and judges them, in the order in which an operator reads them:
-/// certificates, store and disk, ports, the running server (or the clock, if none runs),
-/// descriptors. Each wait is bounded by postgres_check.h or kProbeDeadline.
+/// certificates, store, disk, ports, descriptors and clock; of a running server, what it says of
+/// itself in place of the clock. Each wait is bounded by postgres_check.h or kProbeDeadline.
 ///
 /// Thread: any; asks files, the store and the server, and changes nothing.
 [[nodiscard]] Findings CheckAll(const CheckContext& context);
