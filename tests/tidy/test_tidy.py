@@ -254,12 +254,12 @@ class LengthTest(RuleTest):
         return "int a;\n" * count
 
     def test_takes_files_at_the_limit(self):
-        files = {"server/a.cc": self.lines(300), "tests/a.cc": self.lines(500)}
+        files = {"server/a.cc": self.lines(300), "tools/a.py": self.lines(300), "tests/a.py": self.lines(500)}
         self.assert_clean(text.length, files, {})
 
     def test_refuses_files_past_it(self):
-        files = {"server/a.cc": self.lines(301), "tests/a.cc": self.lines(501)}
-        self.assertEqual(len(self.find(text.length, files, {})), 2)
+        files = {"server/a.cc": self.lines(301), "tools/a.py": self.lines(301), "tests/a.py": self.lines(501)}
+        self.assertEqual(len(self.find(text.length, files, {})), 3)
 
     def test_takes_a_listed_file_up_to_its_own_limit(self):
         long_files = {"server/a.cc": (320, "a table")}
