@@ -11,17 +11,19 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
-import time
 import unittest
 import urllib.error
 import urllib.request
 
 BIN = pathlib.Path(os.environ["UPLINK_BIN_DIR"])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "tests/support"))
+from waiting import wait_until  # noqa: E402
+
 POSTGRES = SOURCE / "tools/dev/postgres.sh"
 START_SECONDS = 30
-LOOK_SECONDS = 0.02
 LINE_SECONDS = 10
 BREAKS = re.compile(r"(\d+) breaks")
 LISTENING = re.compile(r" listening .*?relay=\"?([^ \"]+)\"? http=\"?([^ \"]+)\"?")
@@ -42,22 +44,6 @@ def run(*arguments, code=0, timeout=60, env=None):
 
 def uplinkctl(*arguments, code=0, env=None):
     return run(BIN / "uplinkctl", *arguments, code=code, env=env)
-
-
-def wait_until(process, condition, seconds, what, every=LOOK_SECONDS):
-    """Waits until `condition` gives something true, while `process` lives."""
-    deadline = time.monotonic() + seconds
-    while True:
-        found = condition()
-        if found:
-            return found
-        if time.monotonic() > deadline:
-            raise AssertionError(f"not within {seconds} s: {what}")
-        try:
-            code = process.wait(every)
-        except subprocess.TimeoutExpired:
-            continue
-        raise AssertionError(f"{process.args[0]} ended with {code} while waiting: {what}")
 
 
 class Server:

@@ -5,7 +5,10 @@ import pathlib
 import shutil
 import signal
 import subprocess
-import time
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from waiting import wait_until  # noqa: E402
 
 BOOT_SECONDS = 60
 STOP_SECONDS = 30
@@ -23,22 +26,6 @@ def run(*arguments, code=0, timeout=RUN_SECONDS, env=None):
     if code is not None and done.returncode != code:
         raise AssertionError(f"{arguments} ended with {done.returncode}, not {code}\n{done.stdout}")
     return done
-
-
-def wait_until(process, condition, seconds, what):
-    """Waits until `condition` gives something true, while `process` lives."""
-    deadline = time.monotonic() + seconds
-    while True:
-        found = condition()
-        if found:
-            return found
-        if time.monotonic() > deadline:
-            raise AssertionError(f"not within {seconds} s: {what}")
-        try:
-            code = process.wait(LOOK_SECONDS)
-        except subprocess.TimeoutExpired:
-            continue
-        raise AssertionError(f"{process.args[0]} ended with {code} while waiting: {what}")
 
 
 def unpack(tar, root):
@@ -64,8 +51,8 @@ class Machine:
                  "--private-network", "--console=pipe"],
                 stdin=subprocess.DEVNULL, stdout=console, stderr=console,
             )  # fmt: skip
-        wait_until(self.nspawn, self._find_leader, BOOT_SECONDS, "systemd is process 1")
-        wait_until(self.nspawn, self._is_running, BOOT_SECONDS, "the system is running")
+        wait_until(self.nspawn, self._find_leader, BOOT_SECONDS, "systemd is process 1", LOOK_SECONDS)
+        wait_until(self.nspawn, self._is_running, BOOT_SECONDS, "the system is running", LOOK_SECONDS)
 
     def _find_leader(self):
         """The container's first process is the only child of systemd-nspawn."""
@@ -106,7 +93,7 @@ class Machine:
         return self.run("systemctl", "show", "-P", name, unit).stdout.strip()
 
     def wait_until(self, condition, seconds, what):
-        return wait_until(self.nspawn, condition, seconds, what)
+        return wait_until(self.nspawn, condition, seconds, what, LOOK_SECONDS)
 
     def stop(self):
         if self.nspawn and self.nspawn.poll() is None:
