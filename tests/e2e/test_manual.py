@@ -91,7 +91,8 @@ class Manual(unittest.TestCase):
 
     def test_an_example_file_that_is_not_understood_is_an_error(self):
         head = "# Opening.\n\n[listen]\n"
-        for text in ("", head, head + "# a = 1\n\n# Text without a key.\n", head + "# a = 1\n# B = 2\n", "# a = 1\n" + head):
+        ends = ("# a = 1\n\n# Text without a key.\n", "# a = 1\n# B = 2\n")
+        for text in ("", head, *(head + end for end in ends), "# a = 1\n" + head):
             with self.assertRaises(ValueError):
                 settings_page.settings_page(text, "1.0.0", "")
 
