@@ -307,7 +307,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kHttpReadsWaitingLimit, "uplinkd_http_reads_waiting_limit", kGauge, "requests",
      "API requests that wait at most; further ones get 503."},
     {kHttpReadsRefused, "uplinkd_http_reads_refused_total", kCounter, "requests",
-     "API requests that got 503 because too many waited."},
+     "API requests, and scrapes of /metrics, that got 503 because too many waited."},
     {kRcanSeries, "uplinkd_rcan_series", kGauge, "series",
      "Series of the last scrape of /metrics/robots."},
     {kRcanSeriesLimit, "uplinkd_rcan_series_limit", kGauge, "series",

@@ -20,6 +20,7 @@
 #include "server/http/errors.h"
 #include "server/http/header_text.h"
 #include "server/http/incoming.h"
+#include "server/http/posted_job.h"
 
 namespace uplink::http {
 namespace {
@@ -58,9 +59,13 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   Connection& operator=(const Connection&) = delete;
 
   void GiveWay() override {
+    // Its job may hold the last reference.
+    const auto self = shared_from_this();
     place_.reset();
     gave_way_ = true;
     stream_.close();
+    // Else the jobs of those that gave way would take the places of others in the queue.
+    if (job_) job_->Withdraw();
   }
 
   /// The first time and after each answer.
@@ -135,25 +140,6 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     return request;
   }
 
-  /// Posts to the lane's thread; false if it takes no more.
-  [[nodiscard]] bool Post(Lane lane, std::function<void()> job) const {
-    const HttpServer::Context& server = context_->server;
-    switch (lane) {
-      case Lane::kMemory:
-        return server.memory.TryPost(std::move(job));
-      case Lane::kMetrics:
-        return server.metrics.TryPost(std::move(job));
-      case Lane::kScrape:
-        // Scrapers on this machine go ahead of those on others.
-        return context_->listener == ListenerId::kHttp ? server.scrapes.TryPostAhead(std::move(job))
-                                                       : server.scrapes.TryPost(std::move(job));
-      case Lane::kIo:
-      case Lane::kRead:
-        break;
-    }
-    return server.reads.TryPost(std::move(job));
-  }
-
   void OnRequest() {
     started_ = context_->server.clock.Steady();
     method_ = MethodOf(incoming_.message().method());
@@ -165,17 +151,19 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
 
     stream_.expires_never();  // the answer's time is the store's
-    const bool taken =
-        Post(resolved.lane, [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
+    job_ = PostedJob::Post(
+        *context_, resolved.lane,
+        [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
           // A connection that has given way meanwhile needs no answer.
           Response response = self->gave_way_ ? Response() : run();
           // The reference moves along, so that the connection always ends on the loop's thread.
           asio::any_io_executor executor = self->stream_.get_executor();
           asio::post(executor, [moved = std::move(self), answer = std::move(response)]() mutable {
+            moved->job_.reset();
             if (!moved->gave_way_) moved->Answer(std::move(answer));
           });
         });
-    if (!taken) Answer(TooBusy());
+    if (!job_) Answer(IsScrape(resolved.lane) ? TooManyScrapes() : TooBusy());
   }
 
   template <typename Body>
@@ -261,6 +249,8 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   using Shared = bhttp::response<bhttp::span_body<const char>>;
 
   const std::shared_ptr<ConnectionContext> context_;
+  /// That of the request, until the loop has its answer.
+  std::optional<PostedJob> job_;
   /// Nothing once it gave way.
   std::optional<Places::Handle> place_;
   beast::tcp_stream stream_;

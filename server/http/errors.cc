@@ -84,6 +84,10 @@ Response TooBusy() {
   return Answer(503, {"UNAVAILABLE", "too many requests wait for the store; try again"});
 }
 
+Response TooManyScrapes() {
+  return Answer(503, {"UNAVAILABLE", "too many scrapes are under way; try again"});
+}
+
 Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
 
 Response MisdirectedRequest() {

@@ -22,6 +22,8 @@ namespace uplink::http {
 [[nodiscard]] Response MethodNotAllowed();
 /// 503: too many requests wait already.
 [[nodiscard]] Response TooBusy();
+/// 503: too many scrapes wait, or too many of their texts are sent.
+[[nodiscard]] Response TooManyScrapes();
 /// 503: there is no store yet, and no robot.
 [[nodiscard]] Response Starting();
 /// 421: the data are not shown under this name.

@@ -91,7 +91,7 @@ Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request) {
   Response response = ScrapeResponse(request.format, request.coding);
   response.shared_body =
       sources.robots.Text(request.format, request.coding, TextsMaxOf(request.listener));
-  if (response.shared_body == nullptr) return TooBusy();
+  if (response.shared_body == nullptr) return TooManyScrapes();
   return response;
 }
 

@@ -30,10 +30,10 @@ struct HttpProbe {
   /// By ListenerId.
   std::array<ConnectionProbe, kListenerKeys.size()> connections;
   metrics::Cell reads_waiting;
+  /// Scrapes of /metrics, too.
   metrics::Cell reads_refused;
-  /// Scrapes of /metrics that wait for their thread, and those that it did not take.
+  /// Scrapes of /metrics that wait for their thread.
   metrics::Cell metrics_waiting;
-  metrics::Cell metrics_refused;
   /// Scrapes of robots that wait for their thread.
   metrics::Cell scrapes_waiting;
 

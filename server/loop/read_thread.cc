@@ -1,5 +1,6 @@
 #include "server/loop/read_thread.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <pthread.h>
@@ -23,26 +24,44 @@ ReadThread::~ReadThread() {
   thread_.join();
 }
 
-bool ReadThread::TryPost(std::function<void()> job) {
+std::optional<JobId> ReadThread::TryPost(std::function<void()> job) {
   return TryPost(jobs_, bounds_.waiting_max, std::move(job));
 }
 
-bool ReadThread::TryPostAhead(std::function<void()> job) {
+std::optional<JobId> ReadThread::TryPostAhead(std::function<void()> job) {
   return TryPost(ahead_, bounds_.ahead_max, std::move(job));
 }
 
-bool ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()> job) {
+std::optional<JobId> ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max,
+                                         std::function<void()> run) {
+  JobId id = 0;
   {
     const std::lock_guard lock(mutex_);
     if (jobs.size() >= jobs_max) {
       refused_.Add();
-      return false;
+      return std::nullopt;
     }
-    jobs.push_back(std::move(job));
+    id = ++posted_;
+    jobs.push_back({id, std::move(run)});
     waiting_.Add();
   }
   work_.notify_one();
-  return true;
+  return id;
+}
+
+void ReadThread::Withdraw(JobId id) {
+  // Ends without the lock: it may hold much.
+  std::function<void()> withdrawn;
+  const std::lock_guard lock(mutex_);
+  for (Jobs* jobs : {&ahead_, &jobs_}) {
+    const auto job = std::find_if(jobs->begin(), jobs->end(),
+                                  [id](const Job& waiting) { return waiting.id == id; });
+    if (job == jobs->end()) continue;
+    withdrawn = std::move(job->run);
+    jobs->erase(job);
+    waiting_.Add(-1);
+    return;
+  }
 }
 
 void ReadThread::Run(const std::stop_token& stop) {
@@ -55,7 +74,7 @@ void ReadThread::Run(const std::stop_token& stop) {
       const auto some = [this] { return !ahead_.empty() || !jobs_.empty(); };
       if (!work_.wait(lock, stop, some) || stop.stop_requested()) return;
       Jobs& first = ahead_.empty() ? jobs_ : ahead_;
-      job = std::move(first.front());
+      job = std::move(first.front().run);
       first.pop_front();
       waiting_.Add(-1);
     }

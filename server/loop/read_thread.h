@@ -2,9 +2,11 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 
@@ -30,6 +32,9 @@ struct ThreadKind {
   int nice;
 };
 
+/// A job of one ReadThread.
+using JobId = std::uint64_t;
+
 /// One thread for jobs that may wait for the store or take long, so that the event loop never does.
 /// Jobs must not throw. Thread-safe. The destructor drops waiting jobs and joins.
 class ReadThread final {
@@ -41,15 +46,22 @@ class ReadThread final {
   ReadThread(const ReadThread&) = delete;
   ReadThread& operator=(const ReadThread&) = delete;
 
-  /// False if JobBounds::waiting_max jobs wait: then the job is dropped.
-  [[nodiscard]] bool TryPost(std::function<void()> job);
+  /// Nothing if JobBounds::waiting_max jobs wait: then the job is dropped.
+  [[nodiscard]] std::optional<JobId> TryPost(std::function<void()> job);
   /// The same, ahead of all jobs of TryPost, with a bound of its own (ahead_max).
-  [[nodiscard]] bool TryPostAhead(std::function<void()> job);
+  [[nodiscard]] std::optional<JobId> TryPostAhead(std::function<void()> job);
+  /// Drops the job if it still waits, and with it what it holds, in the caller's thread.
+  void Withdraw(JobId id);
 
  private:
-  using Jobs = std::deque<std::function<void()>>;
+  struct Job {
+    JobId id = 0;
+    std::function<void()> run;
+  };
+  using Jobs = std::deque<Job>;
 
-  [[nodiscard]] bool TryPost(Jobs& jobs, std::size_t jobs_max, std::function<void()> job);
+  [[nodiscard]] std::optional<JobId> TryPost(Jobs& jobs, std::size_t jobs_max,
+                                             std::function<void()> run);
   void Run(const std::stop_token& stop);
 
   metrics::Cell& waiting_;
@@ -58,6 +70,7 @@ class ReadThread final {
   const JobBounds bounds_;
   std::mutex mutex_;
   std::condition_variable_any work_;
+  JobId posted_ = 0;
   Jobs ahead_;
   Jobs jobs_;
   std::jthread thread_;

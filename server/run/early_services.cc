@@ -19,15 +19,16 @@ EarlyServices::EarlyServices(Context context)
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
   reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
-  // A connection has one request under way at most, so no scrape is refused.
-  metrics_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMetricsThread,
+  // A connection has one job at most, which leaves with it if it gives way, so no scrape is
+  // refused.
+  metrics_.emplace(http_probe_.metrics_waiting, http_probe_.reads_refused, http::kMetricsThread,
                    loop::JobBounds{.waiting_max = context_.http.connections_max});
   // Those of listen.http go ahead.
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max,
                                    .ahead_max = loop::kReadsWaitingMax});
   if (!config::IsSet(context_.listen.metrics)) return;
-  monitor_.emplace(http_probe_.metrics_waiting, http_probe_.metrics_refused, http::kMonitorThread,
+  monitor_.emplace(http_probe_.metrics_waiting, http_probe_.reads_refused, http::kMonitorThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max});
 }
 

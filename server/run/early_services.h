@@ -73,11 +73,11 @@ class EarlyServices final {
   /// Posts a job to the thread that may wait for the store; false if it takes none now. Until
   /// EndReaders.
   [[nodiscard]] loop::Post OnReads() {
-    return [this](auto job) { return reads_->TryPost(std::move(job)); };
+    return [this](auto job) { return reads_->TryPost(std::move(job)).has_value(); };
   }
   /// The same, ahead of what others posted.
   [[nodiscard]] loop::Post OnReadsAhead() {
-    return [this](auto job) { return reads_->TryPostAhead(std::move(job)); };
+    return [this](auto job) { return reads_->TryPostAhead(std::move(job)).has_value(); };
   }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }

@@ -22,6 +22,8 @@ HALF_REQUESTS = 40
 # One source has a quarter of the connections at most.
 SOURCES = 4
 FLOODERS = 32
+# Each opens, asks and closes without a pause.
+LEAVERS = 3
 PROBES = 20
 
 
@@ -129,6 +131,33 @@ class MetricsListener(EndToEnd):
             ended.set()
             for thread in threads:
                 thread.join()
+
+    def test_scrapes_that_are_left_at_once_from_one_source_refuse_no_other(self):
+        server = self.begin(f"{ELSEWHERE}:0")
+        address = (ELSEWHERE, int(self.metrics_port))
+        ended = threading.Event()
+
+        def flood():
+            while not ended.is_set():
+                with contextlib.suppress(OSError), socket.create_connection(
+                    address, WAIT_SECONDS, ("127.0.0.3", 0)
+                ) as end:
+                    end.sendall(b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n")
+
+        threads = [threading.Thread(target=flood) for _ in range(LEAVERS)]
+        for thread in threads:
+            thread.start()
+        try:
+            given_up = 'uplinkd_http_connections_given_up_total{listener="metrics"}'
+            wait_until(server.process, lambda: server.metric(given_up) > PROBES, WAIT_SECONDS, "it has its share")
+            for _ in range(PROBES):
+                for path in SHOWN:
+                    self.assertEqual(ask(f"{ELSEWHERE}:{self.metrics_port}", path), 200, path)
+        finally:
+            ended.set()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(server.metric("uplinkd_http_reads_refused_total"), 0)
 
     def test_a_reload_says_that_it_needs_a_restart(self):
         server = self.server()

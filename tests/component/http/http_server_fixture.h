@@ -25,10 +25,12 @@ class HttpServerTest : public ::testing::Test {
     http::HttpProbe& probe = world_.http_probe;
     memory_.emplace(probe.reads_waiting, probe.reads_refused, kMemoryThread);
     reads_.emplace(probe.reads_waiting, probe.reads_refused, kReadThread);
-    metrics_.emplace(probe.metrics_waiting, probe.metrics_refused, kMetricsThread,
+    metrics_.emplace(probe.metrics_waiting, probe.reads_refused, kMetricsThread,
                      loop::JobBounds{.waiting_max = kConnectionsMax});
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
-    world_.to_store_thread = [this](auto job) { return reads_->TryPost(std::move(job)); };
+    world_.to_store_thread = [this](auto job) {
+      return reads_->TryPost(std::move(job)).has_value();
+    };
     entrance_.Open(world_.site);
   }
   ~HttpServerTest() override {

@@ -1,4 +1,5 @@
 // What listen.metrics shows, and what its clients cannot do to those of listen.http.
+#include <algorithm>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -213,6 +214,35 @@ TEST_F(MetricsListenerTest, ProbesThatAreSentAheadShutNoOtherOut) {
   }
 }
 
+TEST_F(MetricsListenerTest, ScrapersThatLeaveAtOnceTakeNoRoomOfOthersInTheQueue) {
+  const std::uint16_t port = ServeBoth();
+  std::promise<void> gate;
+  std::promise<void> begun;
+  ASSERT_TRUE(metrics_->TryPost([&begun, opened = gate.get_future().share()] {
+    begun.set_value();
+    opened.wait();
+  }));
+  begun.get_future().wait();
+  const auto share = static_cast<int>(kMetricsLimits.source_share);
+  const http::HttpProbe& probe = world_.http_probe;
+  // The queue has room for kConnectionsMax.
+  for (int i = 0; i < 2 * static_cast<int>(kConnectionsMax); ++i) {
+    RawConnection(port, 0, kElsewhere).SendGet("/metrics");
+    const int waiting = std::min(i + 1, share);
+    ASSERT_TRUE(testing::Eventually([&] {
+      return Metrics().given_up.value() == i + 1 - waiting &&
+             probe.metrics_waiting.value() == waiting;
+    })) << i;
+  }
+  RawConnection other(port);
+  other.SendGet("/metrics");
+  ASSERT_TRUE(testing::Eventually([&] { return probe.metrics_waiting.value() == share + 1; }));
+  gate.set_value();
+  EXPECT_EQ(other.Read().value_or(RawAnswer()).status, 200);
+  EXPECT_EQ(probe.reads_refused.value(), 0);
+  EXPECT_EQ(probe.metrics_waiting.value(), 0);
+}
+
 TEST_F(MetricsListenerTest, ScrapersThatDoNotReadLeaveATextToThoseOfTheMachine) {
   constexpr int kLittle = 4096;
   AddRobotsOfManyWords(world_);
@@ -241,7 +271,9 @@ TEST_F(MetricsListenerTest, ScrapesThatWaitDelayNoneOfTheMachine) {
   for (std::size_t i = 0; i < loop::kReadsWaitingMax; ++i) {
     ASSERT_TRUE(scrapes_->TryPost([] {}));
   }
-  EXPECT_EQ(HttpGet(port, "/metrics/robots").status, 503) << "no room behind those that wait";
+  const RawAnswer refused = HttpGet(port, "/metrics/robots");
+  EXPECT_EQ(refused.status, 503) << "no room behind those that wait";
+  EXPECT_THAT(refused.body, HasSubstr("too many scrapes are under way; try again"));
   RawConnection of_the_machine(http_port_);
   of_the_machine.SendGet("/metrics/robots");
   ASSERT_TRUE(testing::Eventually([&] {

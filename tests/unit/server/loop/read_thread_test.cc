@@ -1,6 +1,7 @@
 #include "server/loop/read_thread.h"
 
 #include <future>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -70,6 +71,43 @@ TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
   release.set_value();
   last.get_future().wait();
   EXPECT_TRUE(thread.TryPost([] {}));
+}
+
+TEST(ReadThread, AJobThatIsWithdrawnMakesRoomAndLeavesNothing) {
+  metrics::Cell waiting;
+  metrics::Cell refused;
+  ReadThread thread(waiting, refused, kKind, {.waiting_max = 2, .ahead_max = 1});
+  std::promise<void> started;
+  std::promise<void> release;
+  std::promise<void> done;
+  std::string order;
+  const auto running = thread.TryPost([&] {
+    started.set_value();
+    release.get_future().wait();
+  });
+  ASSERT_TRUE(running);
+  started.get_future().wait();
+  auto held = std::make_shared<int>();
+  const auto first = thread.TryPost([&order, held] { order += "first "; });
+  const auto ahead = thread.TryPostAhead([&order, held] { order += "ahead "; });
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(ahead);
+  ASSERT_TRUE(thread.TryPost([&] { order += "second "; }));
+  ASSERT_FALSE(thread.TryPost([] {}));
+  thread.Withdraw(*first);
+  thread.Withdraw(*ahead);
+  thread.Withdraw(*first);
+  thread.Withdraw(*running);
+  EXPECT_EQ(held.use_count(), 1);
+  EXPECT_EQ(waiting.value(), 1);
+  ASSERT_TRUE(thread.TryPost([&] {
+    order += "third";
+    done.set_value();
+  }));
+  release.set_value();
+  done.get_future().wait();
+  EXPECT_EQ(order, "second third");
+  EXPECT_EQ(waiting.value(), 0);
 }
 
 }  // namespace
