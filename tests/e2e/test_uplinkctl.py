@@ -101,6 +101,16 @@ class Pki(EndToEnd):
             for name, content in files.items():
                 self.assertEqual(content, (self.pki / name).read_bytes(), name)
 
+    def test_what_a_killed_call_left_is_removed(self):
+        copy = self.folder / "tls"
+        copy.mkdir(mode=0o700)
+        left = [folder / f".server.{kind}.new" for folder in (self.pki, copy) for kind in ("crt", "key")]
+        for file in left:
+            file.write_text("half", encoding="utf-8")
+        uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost", "--copy-to", copy)
+        for file in left:
+            self.assertFalse(file.exists(), file)
+
     def test_every_file_is_for_its_owner_only(self):
         uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
         uplinkctl("pki", "robot", "--dir", self.pki, "--count", "3")

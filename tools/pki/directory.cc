@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -47,8 +48,32 @@ bool WriteAll(int fd, const std::string& text) {
   return fsync(fd) == 0;
 }
 
+/// Keeps other calls from writing into a folder, so that none takes the other's file aside for one
+/// that was left. A file system without such locks does without.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::string& folder)
+      : fd_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    while (fd_ >= 0 && flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~FolderLock() {
+    if (fd_ >= 0) close(fd_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  const int fd_;
+};
+
 absl::Status WriteFile(const std::string& path, const std::string& text, Existing existing) {
-  const std::string aside = fmt::format("{}.{}.new", path, getpid());
+  const std::filesystem::path whole(path);
+  const std::filesystem::path folder = whole.has_parent_path() ? whole.parent_path() : ".";
+  const FolderLock lock(folder.string());
+  const std::string aside = folder / fmt::format(".{}.new", whole.filename().string());
+  // A call that was killed as it wrote may have left one, with a private key.
+  unlink(aside.c_str());
   const int fd =
       open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kFileMode);
   if (fd < 0) return SystemError(aside, "written", errno);

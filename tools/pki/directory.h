@@ -17,7 +17,8 @@ inline constexpr std::size_t kPemBytesMax = std::size_t{64} * 1024;
 enum class Existing { kRefuse, kReplace };
 
 /// A folder of PEM files: `NAME.crt` and `NAME.key`, every file 0600, the folder 0700 if it is made
-/// here. Files are written aside and renamed, so a reader never sees half of one.
+/// here. Files are written aside and renamed, so a reader never sees half of one; what a call left
+/// aside that was killed is removed when its file is written next.
 ///
 /// Errors: each names the path: kAlreadyExists, kNotFound, kPermissionDenied, kInternal.
 /// Thread: any; holds only its path.

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "schema/model/ids.h"
 #include "server/identity/certificate_gate.h"
@@ -225,6 +226,43 @@ TEST(Directory, WritesFilesForTheirOwnerOnly) {
   EXPECT_EQ(read->key_pem, "key");
   // Nothing else is left behind.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 2);
+}
+
+TEST(Directory, RemovesWhatACallLeftThatWasKilledAsItWrote) {
+  const Folder folder;
+  const Directory directory(folder / "pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  const std::filesystem::path path(directory.path());
+  for (const Existing existing : {Existing::kRefuse, Existing::kReplace}) {
+    for (const char* left : {".r1.key.new", ".r1.crt.new"}) std::ofstream(path / left) << "half";
+    const absl::Status written = directory.Write("r1", {"certificate", "key"}, existing);
+    ASSERT_TRUE(written.ok()) << written;
+    EXPECT_EQ(directory.Read("r1")->key_pem, "key");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path), {}), 2);
+  }
+}
+
+TEST(Directory, ALinkThatACallLeftIsNotTheFile) {
+  const Folder folder;
+  const Directory directory(folder / "pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  ASSERT_TRUE(directory.Write("r1", {"old", "old key"}, Existing::kRefuse).ok());
+  const std::filesystem::path aside = std::filesystem::path(directory.path()) / ".r1.key.new";
+  std::filesystem::create_hard_link(directory.KeyPath("r1"), aside);
+  EXPECT_TRUE(absl::IsAlreadyExists(directory.Write("r1", {"c", "k"}, Existing::kRefuse)));
+  EXPECT_EQ(directory.Read("r1")->key_pem, "old key");
+  ASSERT_TRUE(directory.Write("r1", {"c", "k"}, Existing::kReplace).ok());
+  EXPECT_EQ(directory.Read("r1")->key_pem, "k");
+  EXPECT_FALSE(std::filesystem::exists(aside));
+}
+
+TEST(Directory, ACallInAContainerDoesNotMeetTheFileOfTheOneBefore) {
+  const Folder folder;
+  const Directory directory(folder / "pki");
+  ASSERT_TRUE(directory.Prepare().ok());
+  // The only process of a container has the same number each time.
+  std::ofstream(directory.KeyPath("r1") + "." + std::to_string(getpid()) + ".new") << "half";
+  EXPECT_TRUE(directory.Write("r1", {"certificate", "key"}, Existing::kRefuse).ok());
 }
 
 TEST(Directory, ReplacesOnlyWhenAsked) {
