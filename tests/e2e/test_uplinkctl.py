@@ -101,6 +101,17 @@ class Pki(EndToEnd):
             for name, content in files.items():
                 self.assertEqual(content, (self.pki / name).read_bytes(), name)
 
+    def test_a_copy_goes_into_no_folder_that_others_may_write(self):
+        copy = self.folder / "tls"
+        copy.mkdir()
+        copy.chmod(0o777)
+        server = ("pki", "server", "--keep", "--dir", self.pki, "--host", "localhost", "--copy-to", copy)
+        self.assertIn(f"{copy}: others than the folder's owner may write into it (mode 0777)",
+                      uplinkctl(*server, code=1).stderr)  # fmt: skip
+        self.assertEqual(list(copy.iterdir()), [])
+        copy.chmod(0o755)
+        uplinkctl(*server)
+
     def test_what_a_killed_call_left_is_removed(self):
         copy = self.folder / "tls"
         copy.mkdir(mode=0o700)

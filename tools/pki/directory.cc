@@ -114,7 +114,31 @@ absl::StatusOr<std::string> ReadFile(const std::string& path) {
   return text;
 }
 
+/// Who owns a folder, or may write into it, can put a key or an authority of theirs in place of
+/// ours.
+absl::Status CheckTrusted(const std::string& path) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0) return SystemError(path, "looked at", errno);
+  return CheckFolder(path, {.owner = info.st_uid, .mode = info.st_mode}, geteuid());
+}
+
 }  // namespace
+
+absl::Status CheckFolder(const std::string& path, const FolderFacts& facts, uid_t caller) {
+  if (facts.owner != 0 && facts.owner != caller) {
+    return absl::FailedPreconditionError(
+        fmt::format("{}: the folder belongs to user {}, who could replace the files; name another, "
+                    "or give it to this user: chown {} {}",
+                    path, facts.owner, caller, path));
+  }
+  if ((facts.mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return absl::FailedPreconditionError(
+        fmt::format("{}: others than the folder's owner may write into it (mode {:04o}) and could "
+                    "replace the files; name another, or take that away: chmod go-w {}",
+                    path, facts.mode & 07777U, path));
+  }
+  return absl::OkStatus();
+}
 
 std::string Directory::CertificatePath(const std::string& name) const {
   return (std::filesystem::path(path_) / (name + ".crt")).string();
@@ -138,7 +162,7 @@ absl::Status Directory::Prepare() const {
     return absl::InvalidArgumentError(
         fmt::format("{}: it is not a folder; name another (--dir)", path_));
   }
-  return absl::OkStatus();
+  return CheckTrusted(path_);
 }
 
 absl::StatusOr<bool> Directory::HasPair(const std::string& name) const {

@@ -5,6 +5,7 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <sys/types.h>
 
 #include "tools/pki/authority.h"
 
@@ -15,6 +16,19 @@ inline constexpr std::size_t kPemBytesMax = std::size_t{64} * 1024;
 
 /// What to do when a file is already there.
 enum class Existing { kRefuse, kReplace };
+
+/// What decides who may replace a folder's files. A value.
+struct FolderFacts {
+  uid_t owner = 0;
+  mode_t mode = 0;
+};
+
+/// Whether root and the caller alone may replace the folder's files.
+///
+/// Errors: kFailedPrecondition with a sentence that says what to do.
+/// Thread: pure; any thread.
+[[nodiscard]] absl::Status CheckFolder(const std::string& path, const FolderFacts& facts,
+                                       uid_t caller);
 
 /// A folder of PEM files: `NAME.crt` and `NAME.key`, every file 0600, the folder 0700 if it is made
 /// here. Files are written aside and renamed, so a reader never sees half of one; what a call left
@@ -31,6 +45,8 @@ class Directory final {
   [[nodiscard]] std::string KeyPath(const std::string& name) const;
 
   /// Makes the folder if it is missing.
+  ///
+  /// Errors: those of CheckFolder.
   [[nodiscard]] absl::Status Prepare() const;
   /// Whether the certificate and its key are there.
   ///

@@ -228,6 +228,35 @@ TEST(Directory, WritesFilesForTheirOwnerOnly) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 2);
 }
 
+TEST(Directory, AFolderIntoWhichOthersMayWriteIsRefused) {
+  const Folder folder;
+  const std::string path = folder / "pki";
+  ASSERT_EQ(mkdir(path.c_str(), 0700), 0);
+  for (const mode_t mode : {0770U, 0703U, 01777U}) {
+    ASSERT_EQ(chmod(path.c_str(), mode), 0);
+    const absl::Status refused = Directory(path).Prepare();
+    EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+    EXPECT_THAT(Message(refused), HasSubstr(path + ": others than the folder's owner may write"));
+    EXPECT_THAT(Message(refused), HasSubstr("chmod go-w " + path));
+  }
+  ASSERT_EQ(chmod(path.c_str(), 0755), 0);
+  EXPECT_TRUE(Directory(path).Prepare().ok());
+}
+
+TEST(Directory, AFolderOfAnotherUserIsRefused) {
+  constexpr uid_t kCaller = 1000;
+  constexpr uid_t kAnother = 4711;
+  const auto said = [](uid_t owner, uid_t caller) {
+    return Message(CheckFolder("/keys", {.owner = owner, .mode = 0755}, caller));
+  };
+  EXPECT_EQ(said(0, kCaller), "");
+  EXPECT_EQ(said(kCaller, kCaller), "");
+  EXPECT_EQ(said(kAnother, kCaller),
+            "/keys: the folder belongs to user 4711, who could replace the files; name another, or "
+            "give it to this user: chown 1000 /keys");
+  EXPECT_THAT(said(kAnother, 0), HasSubstr("chown 0 /keys"));
+}
+
 TEST(Directory, RemovesWhatACallLeftThatWasKilledAsItWrote) {
   const Folder folder;
   const Directory directory(folder / "pki");
