@@ -92,6 +92,21 @@ class Pki(EndToEnd):
         self.assertIn("was not signed by the authority of", uplinkctl(*server, code=1).stderr)
         self.assertEqual(certificate.read_bytes(), before)
 
+    def test_keep_refuses_another_identity_and_a_key_that_others_may_read(self):
+        robot = ("pki", "robot", "--keep", "--dir", self.pki, "--name", "r1", "--ruri")
+        uplinkctl(*robot, "rcan://a", "--fleet", "north")
+        uplinkctl(*robot, "rcan://a", "--fleet", "north")
+        done = uplinkctl(*robot, "rcan://b", "--fleet", "south", code=1)
+        self.assertIn("r1.crt: has the fleet north, and not south; the RURI rcan://a, and not rcan://b; --force",
+                      done.stderr)  # fmt: skip
+        viewer = ("pki", "operator", "--keep", "--dir", self.pki, "--name", "ann", "--role")
+        uplinkctl(*viewer, "viewer")
+        self.assertIn("has the role viewer, and not admin", uplinkctl(*viewer, "admin", code=1).stderr)
+        key = self.pki / "r1.key"
+        key.chmod(0o644)
+        done = uplinkctl(*robot, "rcan://a", "--fleet", "north", code=1)
+        self.assertIn(f"{key}: others than its owner may read or write the key (mode 0644)", done.stderr)
+
     def test_a_copy_for_the_server_lacks_the_authoritys_key(self):
         copy = self.folder / "tls"
         for _ in range(2):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 #include "schema/base/clock.h"
 #include "tools/pki/directory.h"
+#include "tools/pki/profile.h"
 
 namespace uplink::pki {
 
@@ -16,11 +18,14 @@ struct Wanted {
   std::string authority_pem;
   /// It is a server's, and clients dial it by these names; none: it is no server's.
   std::vector<std::string> hosts;
+  /// It is a robot's, gateway's or operator's, and says this.
+  std::optional<Profile> client;
 };
 
 /// Whether the pair `name` of the folder can be used as if it had been made now: the key belongs to
-/// the certificate, the authority signed it, it has not expired, and it names the hosts. What it
-/// says of a robot, gateway or operator is not compared.
+/// the certificate, its owner alone may read and write the key, the authority signed it, it has not
+/// expired, it is of the wanted kind and names the hosts, or says what the profile of a client
+/// says.
 ///
 /// Errors: kFailedPrecondition names the file, what is wrong and what to do; those of
 ///         Directory::Read.

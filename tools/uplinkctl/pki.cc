@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,7 +92,10 @@ absl::Status IssueOne(const pki::Authority& authority, const Request& request,
   if (!profile.ok()) return profile.status();
   const pki::Directory directory(request.directory);
   const absl::StatusOr<bool> kept =
-      Keeps(request, name, {authority.credentials().certificate_pem, request.hosts});
+      Keeps(request, name,
+            {.authority_pem = authority.credentials().certificate_pem,
+             .hosts = request.hosts,
+             .client = profile->server ? std::nullopt : std::optional<pki::Profile>(*profile)});
   if (!kept.ok() || *kept) return kept.status();
   const absl::StatusOr<pki::Credentials> made = authority.Issue(*profile, request.days);
   if (!made.ok()) return made.status();

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/support/temp_folder.h"
 
@@ -30,7 +31,14 @@ class KeptTest : public ::testing::Test {
   [[nodiscard]] std::string Judge(const std::vector<std::string>& hosts,
                                   const std::string& name = "server") const {
     const absl::Status status =
-        CheckKept(directory_, name, {authority_->credentials().certificate_pem, hosts}, now_);
+        CheckKept(directory_, name, {authority_->credentials().certificate_pem, hosts, {}}, now_);
+    return std::string(status.message());
+  }
+
+  /// Of a client's pair r1.
+  [[nodiscard]] std::string JudgeClient(const absl::StatusOr<Profile>& wanted) const {
+    const absl::Status status =
+        CheckKept(directory_, "r1", {authority_->credentials().certificate_pem, {}, *wanted}, now_);
     return std::string(status.message());
   }
 
@@ -46,6 +54,43 @@ TEST_F(KeptTest, AGoodPairStays) {
   EXPECT_TRUE(CheckKept(directory_, "ca", {}, now_).ok());
   Put("r1", Issue(*authority_, RobotProfile("rcan://a", "north", "r1")));
   EXPECT_EQ(Judge({}, "r1"), "");
+  EXPECT_EQ(JudgeClient(RobotProfile("rcan://a", "north", "r1")), "");
+  Put("r1", Issue(*authority_, GatewayProfile({"rcan://a", "rcan://b"}, "north", "r1")));
+  EXPECT_EQ(JudgeClient(GatewayProfile({"rcan://b", "rcan://a"}, "north", "r1")), "");
+  Put("r1", Issue(*authority_, OperatorProfile("viewer", "*", "r1")));
+  EXPECT_EQ(JudgeClient(OperatorProfile("viewer", "*", "r1")), "");
+}
+
+TEST_F(KeptTest, AnotherIdentityIsNamed) {
+  Put("r1", Issue(*authority_, RobotProfile("rcan://a", "north", "r1")));
+  EXPECT_THAT(JudgeClient(RobotProfile("rcan://b", "north", "r1")),
+              HasSubstr("r1.crt: has the RURI rcan://a, and not rcan://b; --force"));
+  EXPECT_THAT(JudgeClient(RobotProfile("rcan://a", "south", "r2")),
+              HasSubstr("has the fleet north, and not south; the name r1, and not r2; --force"));
+  EXPECT_THAT(JudgeClient(GatewayProfile({}, "north", "r1")),
+              HasSubstr("has the role robot, and not gateway; the RURI rcan://a, and not none;"));
+  Put("r1", Issue(*authority_, OperatorProfile("viewer", "*", "r1")));
+  EXPECT_THAT(JudgeClient(OperatorProfile("admin", "*", "r1")),
+              HasSubstr("has the role viewer, and not admin; --force"));
+  Put("r1", Issue(*authority_, ServerProfile({"localhost"})));
+  EXPECT_THAT(JudgeClient(RobotProfile("rcan://a", "north", "r1")),
+              HasSubstr("its extended key usage lacks clientAuth; --force"));
+}
+
+TEST_F(KeptTest, AClientsCertificateIsNoAuthoritys) {
+  Put("ca", Issue(*authority_, RobotProfile("rcan://a", "north", "ca")));
+  EXPECT_THAT(std::string(CheckKept(directory_, "ca", {}, now_).message()),
+              HasSubstr("ca.crt: is no authority's certificate; --force"));
+}
+
+TEST_F(KeptTest, AKeyThatOthersMayReadIsNamed) {
+  for (const mode_t mode : {0640U, 0604U, 0620U}) {
+    ASSERT_EQ(chmod(directory_.KeyPath("server").c_str(), mode), 0);
+    EXPECT_THAT(Judge({"uplink.example.org"}),
+                HasSubstr("server.key: others than its owner may read or write the key (mode 06"));
+  }
+  ASSERT_EQ(chmod(directory_.KeyPath("server").c_str(), 0400), 0);
+  EXPECT_EQ(Judge({"uplink.example.org"}), "");
 }
 
 TEST_F(KeptTest, HostsThatItLacksAreNamed) {
