@@ -1,28 +1,45 @@
 #include "server/config/file_text.h"
 
 #include <cerrno>
-#include <fstream>
+#include <utility>
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "schema/base/unread.h"
 
 namespace uplink::config {
+namespace {
+
+FileText ReadOpen(const std::string& path, int file, std::size_t bytes_max) {
+  struct stat status {};
+  if (fstat(file, &status) != 0) return {{}, UnreadText(path, errno)};
+  if (S_ISDIR(status.st_mode)) return {{}, UnreadText(path, EISDIR)};
+  if (!S_ISREG(status.st_mode)) return {{}, "is not a regular file; name one"};
+  std::string text(bytes_max + 1, '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t n = read(file, text.data() + size, text.size() - size);
+    if (n < 0) return {{}, UnreadText(path, errno)};
+    if (n == 0) break;
+    size += static_cast<std::size_t>(n);
+  }
+  text.resize(size);
+  if (size <= bytes_max) return {std::move(text), {}};
+  return {{}, fmt::format("is larger than {} bytes; name the right file", bytes_max)};
+}
+
+}  // namespace
 
 FileText ReadFileText(const std::string& path, std::size_t bytes_max) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return {{}, UnreadText(path, errno)};
-  if (S_ISDIR(status.st_mode)) return {{}, UnreadText(path, EISDIR)};
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {{}, UnreadText(path, errno)};
-  std::string text(bytes_max + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return {{}, UnreadText(path, errno)};
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() <= bytes_max) return {std::move(text), {}};
-  return {{}, fmt::format("is larger than {} bytes; name the right file", bytes_max)};
+  // If it is a pipe, do not wait for its writer.
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return {{}, UnreadText(path, errno)};
+  FileText text = ReadOpen(path, file, bytes_max);
+  close(file);
+  return text;
 }
 
 }  // namespace uplink::config

@@ -11,9 +11,9 @@ struct FileText {
   std::string problem;
 };
 
-/// Reads a regular file, or a pipe, of at most `bytes_max`.
+/// Reads a regular file of at most `bytes_max`.
 ///
-/// Thread: any.
+/// Thread: any; blocks on the file, never on a pipe.
 [[nodiscard]] FileText ReadFileText(const std::string& path, std::size_t bytes_max);
 
 }  // namespace uplink::config

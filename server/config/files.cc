@@ -23,13 +23,6 @@ namespace {
 constexpr std::size_t kTextBytesMax = 1 * kMiB;
 constexpr const char* kNoPassword = "is empty; write the password into its first line";
 
-/// Refuses a pipe: the server reads the password at each connect.
-FileText ReadPassword(const std::string& path, std::size_t bytes_max) {
-  std::error_code error;
-  if (std::filesystem::is_fifo(path, error)) return {{}, "is a pipe; name a regular file"};
-  return ReadFileText(path, bytes_max);
-}
-
 /// What a function says of a file, without its path, which stands before it already.
 std::string WithoutPath(const std::string& path, const absl::Status& status) {
   const std::string text(status.message());
@@ -94,7 +87,7 @@ void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) 
 void CheckPasswordFile(const StoreConfig& store, std::vector<Problem>& problems) {
   const std::string& path = store.password_file;
   if (path.empty() || !IsPostgres(store)) return;
-  const FileText file = ReadPassword(path, kTextBytesMax);
+  const FileText file = ReadFileText(path, kTextBytesMax);
   std::string flaw = file.problem;
   if (flaw.empty() && file.text.substr(0, file.text.find('\n')).empty()) flaw = kNoPassword;
   if (!flaw.empty()) problems.push_back({path, "store.password_file", std::move(flaw)});
@@ -108,7 +101,7 @@ void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
             problems);
   const std::string& path = mqtt.password_file;
   if (path.empty()) return;
-  const FileText file = ReadPassword(path, kMqttPasswordBytesMax);
+  const FileText file = ReadFileText(path, kMqttPasswordBytesMax);
   std::string flaw = file.problem;
   const bool line_end_alone = file.text.find_first_not_of("\r\n") == std::string::npos;
   if (flaw.empty() && line_end_alone) flaw = kNoPassword;

@@ -1,13 +1,11 @@
 #include "server/mqtt/secrets.h"
 
-#include <cerrno>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "server/config/file_modes.h"
+#include "server/config/file_text.h"
 #include "server/identity/authorities.h"
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
@@ -64,18 +62,9 @@ std::string TextOf(std::optional<identity::NamedPem> pem) {
 
 absl::StatusOr<std::string> ReadPassword(const std::string& path) {
   constexpr std::string_view kKey = "password_file";
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kPasswordBytesMax + 1, '\0');
-  if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad() || !file.is_open()) {
-    const std::error_code error(errno, std::generic_category());
-    return Invalid(kKey, fmt::format("{}: {}", path, error.message()));
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kPasswordBytesMax) {
-    return Invalid(kKey, fmt::format("{} has over {} bytes", path, kPasswordBytesMax));
-  }
+  config::FileText file = config::ReadFileText(path, kPasswordBytesMax);
+  if (!file.problem.empty()) return Invalid(kKey, fmt::format("{}: {}", path, file.problem));
+  std::string text = std::move(file.text);
   if (text.ends_with('\n')) text.pop_back();
   if (text.ends_with('\r')) text.pop_back();
   if (text.empty()) return Invalid(kKey, fmt::format("{} is empty", path));

@@ -59,6 +59,12 @@ class Health(EndToEnd):
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done.stderr
 
+    def test_a_pipe_as_the_configuration_is_not_waited_for(self):
+        pipe = self.folder / "pipe.toml"
+        os.mkfifo(pipe)
+        self.assertIn(f"{pipe}: is not a regular file; name one", self.failing("--config", pipe))
+        self.assertIn("is not a regular file; name one", uplinkctl("doctor", "--config", pipe, code=2).stdout)
+
     def test_a_running_server_is_alive_and_ready(self):
         server = self.server().start()
         path = server.configuration()

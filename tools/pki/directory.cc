@@ -95,8 +95,15 @@ absl::Status WriteFile(const std::string& path, const std::string& text, Existin
 }
 
 absl::StatusOr<std::string> ReadFile(const std::string& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // If it is a pipe, do not wait for its writer.
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return SystemError(path, "read", errno);
+  struct stat info {};
+  if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
+    close(fd);
+    return absl::InvalidArgumentError(
+        fmt::format("{}: it is not a regular file; name the right folder (--dir)", path));
+  }
   std::string text(kPemBytesMax + 1, '\0');
   std::size_t size = 0;
   ssize_t n = 0;

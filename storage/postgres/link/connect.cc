@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,13 @@ using Handle = std::unique_ptr<PGconn, Finish>;
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 absl::StatusOr<std::string> ReadPassword(const std::string& path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  // A pipe would be waited for.
+  if (type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::character) {
+    return absl::FailedPreconditionError("store.password_file " + path +
+                                         " is not a regular file; name one");
+  }
   std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line)) {

@@ -2,6 +2,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "storage/postgres/reader.h"
 #include "storage/postgres/store.h"
@@ -61,6 +62,14 @@ TEST_F(PostgresLinkTest, APasswordComesFromItsFile) {
   const auto store = Open(url, PasswordFile("uplinkd"));
   ASSERT_TRUE(store.ok()) << store.status();
   EXPECT_TRUE((*store)->open_error().ok()) << (*store)->open_error();
+}
+
+TEST_F(PostgresLinkTest, APipeWithThePasswordIsNotWaitedFor) {
+  const std::string pipe = folder_.File("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const auto store = Open("postgresql://uplinkd@127.0.0.1:1/x", pipe);
+  const absl::Status why = store.ok() ? (*store)->open_error() : store.status();
+  EXPECT_TRUE(Says(why, "store.password_file " + pipe + " is not a regular file")) << why;
 }
 
 TEST_F(PostgresLinkTest, AWrongPasswordIsAnError) {

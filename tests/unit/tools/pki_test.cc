@@ -319,6 +319,9 @@ TEST(Directory, ACertificateWithoutItsKeyIsNotReplacedEither) {
 
 TEST(Directory, ErrorsNameThePath) {
   const Folder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe.crt").c_str(), 0600), 0);
+  EXPECT_THAT(Message(Directory(folder / "").Read("pipe").status()),
+              HasSubstr("pipe.crt: it is not a regular file"));
   const Directory missing(folder / "missing");
   EXPECT_TRUE(absl::IsNotFound(missing.LoadAuthority().status()));
   EXPECT_THAT(Message(missing.LoadAuthority().status()), HasSubstr(missing.CertificatePath("ca")));

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "server/config/load.h"
 #include "tests/support/certificates.h"
@@ -193,6 +194,15 @@ TEST_F(ValidateFilesTest, ABrokersPasswordIsSomeBytes) {
     config_.mqtt.password_file = Write("password", text);
     EXPECT_THAT(ValidateFiles(config_), SizeIs(1)) << text.size();
   }
+}
+
+TEST_F(ValidateFilesTest, DoesNotWaitForAPipeWithAPassword) {
+  config_.mqtt.url = "mqtts://broker";
+  config_.mqtt.password_file = folder_ + "/pipe";
+  ASSERT_EQ(mkfifo(config_.mqtt.password_file.c_str(), 0600), 0);
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_THAT(problems[0].text, HasSubstr("is not a regular file"));
 }
 
 TEST_F(ValidateFilesTest, RefusesAFolderAsTheStore) {

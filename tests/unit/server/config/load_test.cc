@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "server/config/service_variables.h"
 #include "server/config/settings.h"
@@ -361,6 +362,16 @@ TEST(LoadConfigTest, ReportsAFileThatIsNotThereOrAFolder) {
               ElementsAre(IsProblem("/no/such/file.toml", "",
                                     "cannot be read: No such file or directory; correct")));
   EXPECT_THAT(LoadConfig("/", {}).problems, ElementsAre(IsProblem("/", "", "cannot be read")));
+}
+
+TEST(LoadConfigTest, ReportsWhatIsNoRegularFileAndDoesNotWaitForAPipe) {
+  EXPECT_THAT(LoadConfig("/dev/null", {}).problems,
+              ElementsAre(IsProblem("/dev/null", "", "is not a regular file; name one")));
+  const std::string path = ::testing::TempDir() + "uplinkd_load_pipe_test.toml";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_THAT(LoadConfig(path, {}).problems,
+              ElementsAre(IsProblem(path, "", "is not a regular file; name one")));
+  EXPECT_EQ(std::remove(path.c_str()), 0);
 }
 
 }  // namespace

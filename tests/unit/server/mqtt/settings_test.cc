@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "server/config/load.h"
 #include "server/mqtt/limits.h"
@@ -117,11 +118,14 @@ TEST(MqttSecrets, SayWhichFileIsInvalid) {
   WriteFile(settings.password_file, "\n");
   EXPECT_THAT(problem(), HasSubstr("is empty"));
   WriteFile(settings.password_file, std::string(kPasswordBytesMax + 1, 'p'));
-  EXPECT_THAT(problem(), HasSubstr("has over 4096 bytes"));
+  EXPECT_THAT(problem(), HasSubstr("is larger than 4096 bytes"));
   WriteFile(settings.password_file, "secret");
   std::filesystem::permissions(settings.password_file, std::filesystem::perms::others_write,
                                std::filesystem::perm_options::add);
   EXPECT_THAT(problem(), StartsWith("mqtt.password_file: "));
+  std::filesystem::remove(settings.password_file);
+  ASSERT_EQ(mkfifo(settings.password_file.c_str(), 0600), 0);
+  EXPECT_THAT(problem(), HasSubstr("password: is not a regular file; name one"));
   settings.password_file.clear();
   settings.ca_file = folder.File("ca");
   EXPECT_THAT(problem(), StartsWith("mqtt.ca_file: "));
