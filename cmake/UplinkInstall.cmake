@@ -21,7 +21,7 @@ install(CODE "
 install(FILES "${deploy}/prometheus/alerts.rules.yml" "${deploy}/prometheus/recording.rules.yml"
               "${deploy}/prometheus/prometheus.yml" DESTINATION share/uplinkd/prometheus)
 install(DIRECTORY "${deploy}/grafana/" DESTINATION share/uplinkd/grafana FILES_MATCHING PATTERN "*.json")
-install(DIRECTORY "${CMAKE_BINARY_DIR}/manual/" DESTINATION share)
+install(DIRECTORY "${CMAKE_BINARY_DIR}/manual/" DESTINATION share OPTIONAL)
 install(FILES README.md CHANGELOG.md LICENSE SECURITY.md DESTINATION "${handbook}")
 install(DIRECTORY docs DESTINATION "${handbook}" FILES_MATCHING REGEX "\\.(md|svg|yaml)$")
 install(FILES "${deploy}/systemd/credentials.conf" DESTINATION "${handbook}/examples")
