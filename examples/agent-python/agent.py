@@ -124,7 +124,7 @@ class Stream:
         self.draining = False
         self.closed = False
         self.call = None
-        # Why the spool failed, such as a full disk. It ends this stream, and the link opens another.
+        # What failed here, such as the spool on a full disk. It ends this stream, and the link opens another.
         self.trouble = None
 
     def credentials(self):
@@ -136,9 +136,22 @@ class Stream:
     def run(self):
         """How the call ended: the status, and the server's sentence."""
         try:
-            credentials, hello = self.credentials(), self.spool.hello()
-        except (OSError, sqlite3.Error) as error:
-            return grpc.StatusCode.UNAVAILABLE, str(error)
+            code, why = self.talk()
+        except Exception as error:
+            # Whatever it is: without its thread the robot would be silent for good.
+            self.trouble = error
+        finally:
+            with self.news:
+                self.closed = True
+                self.news.notify_all()
+        if self.trouble:
+            is_spool = isinstance(self.trouble, sqlite3.Error)
+            return grpc.StatusCode.UNAVAILABLE, f"spool: {self.trouble}" if is_spool else ascii(self.trouble)
+        # A terminal obeys what a text of the server may hold: ascii() here and below escapes it.
+        return code, ascii(why)
+
+    def talk(self):
+        credentials, hello = self.credentials(), self.spool.hello()
         with grpc.secure_channel(self.link.target, credentials, OPTIONS) as channel:
             self.call = relay_pb2_grpc.UplinkRelayStub(channel).Relay(self.frames(*hello))
             try:
@@ -146,14 +159,6 @@ class Stream:
                     self.take(response)
             except grpc.RpcError:
                 pass
-            except sqlite3.Error as error:
-                self.trouble = error
-            finally:
-                with self.news:
-                    self.closed = True
-                    self.news.notify_all()
-            if self.trouble:
-                return grpc.StatusCode.UNAVAILABLE, f"spool: {self.trouble}"
             return self.call.code(), self.call.details()
 
     def was_steady(self):
@@ -167,7 +172,7 @@ class Stream:
         ))  # fmt: skip
         try:
             yield from self.batches()
-        except sqlite3.Error as error:
+        except Exception as error:
             # gRPC would log it, and end the call without the reason.
             self.trouble = error
             self.call.cancel()
@@ -197,17 +202,17 @@ class Stream:
     def take(self, response):
         kind = response.WhichOneof("frame")
         if kind == "welcome":
+            self.spool.judged(response.welcome.committed_seq)
             with self.news:
                 self.sent = response.welcome.committed_seq
                 self.welcomed_at = time.monotonic()
                 self.news.notify_all()
-            self.spool.judged(response.welcome.committed_seq)
         elif kind == "ack":
             self.spool.acked(response.ack.through_seq, response.ack.judged_seq)
         elif kind == "reject":
             self.reject(response.reject)
         elif kind == "notice":
-            print(f"dropped: {response.notice.field}: {response.notice.detail}", file=sys.stderr)
+            print(f"dropped: {response.notice.field!a}: {response.notice.detail!a}", file=sys.stderr)
         elif kind == "resend_request":
             self.resend(response.resend_request.kinds)
         elif kind == "drain":
@@ -217,12 +222,14 @@ class Stream:
     def reject(self, reject):
         if reject.reason == relay.REJECT_REASON_RATE_LIMITED:
             self.spool.repeat(reject.seq, time.monotonic() + reject.retry_after_ms / 1000)
-        else:
-            # It is kept until an Ack covers it. Repair what made it: the same bytes are rejected again.
-            reason = relay.RejectReason.Name(reject.reason)
-            print(f"rejected: {reason} {reject.field}: {reject.detail}", file=sys.stderr)
-        # Last: what the spool could not take is not judged yet.
+        # After that: what the spool could not take is not judged yet.
         self.spool.judged(reject.seq)
+        if reject.reason != relay.REJECT_REASON_RATE_LIMITED:
+            # It is kept until an Ack covers it. Repair what made it: the same bytes are rejected again.
+            # A later server may have a reason without a name here; it is as final.
+            known = relay.RejectReason.DESCRIPTOR.values_by_number.get(reject.reason)
+            reason = known.name if known else f"reason {reject.reason}"
+            print(f"rejected: {reason} {reject.field!a}: {reject.detail!a}", file=sys.stderr)
 
     def resend(self, kinds):
         with self.news:

@@ -20,10 +20,14 @@ CREATE TABLE IF NOT EXISTS message (
 """
 
 
+class ProtocolError(Exception):
+    """The server named a number that no message has had."""
+
+
 class Spool:
     """Numbers and messages of one session, in a file of SQLite. A message has its number from the moment at
     which it may be sent, and keeps it. Each change is on disk when its method returns, and undone when it raises
-    sqlite3.Error, such as for a full disk. Thread-safe."""
+    sqlite3.Error, such as for a full disk, or ProtocolError. Thread-safe."""
 
     def __init__(self, path):
         self.lock = threading.Lock()
@@ -102,9 +106,17 @@ class Spool:
                 return batch, not live
             return batch + [(self.number(base), payload) for payload in live], True
 
+    @staticmethod
+    def check(base, *numbers):
+        """Numbers on the wire go up to 2^64-1, which SQLite does not hold."""
+        (last,) = base.execute("SELECT last FROM session").fetchone()
+        if max(numbers) > last:
+            raise ProtocolError(f"the server names {max(numbers)}, and the last number is {last}")
+
     def acked(self, through, judged):
         """Only an Ack lets the agent forget."""
         with self.change() as base:
+            self.check(base, through, judged)
             base.execute("DELETE FROM message WHERE seq <= ?", (through,))
             base.execute(
                 "UPDATE session SET settled = max(settled, ?), judged = max(judged, ?)", (through, judged)
@@ -112,12 +124,14 @@ class Spool:
 
     def judged(self, seq):
         with self.change() as base:
+            self.check(base, seq)
             base.execute("UPDATE session SET judged = max(judged, ?)", (seq,))
 
     def repeat(self, seq, due):
         """A message came too soon: it goes out again under a new number, not before `due` by time.monotonic(),
         which no change of the wall clock moves."""
         with self.change() as base:
+            self.check(base, seq)
             found = base.execute("SELECT key FROM message WHERE seq = ?", (seq,)).fetchone()
             if found is None:
                 return

@@ -74,10 +74,11 @@ class Avatar:
             if error.code() in LATER:
                 return False
             # A certificate or a server that is not for this drone: no retry changes that.
-            sys.exit(f"{kind}: {error.code().name}: {error.details()}")
+            # As below, ascii() keeps what steers a terminal in a text of the server from it.
+            sys.exit(f"{kind}: {error.code().name}: {error.details()!a}")
         if answer.reason or answer.dropped:
             # The sample is invalid, in whole or in part, or came too soon: report it, do not repeat it.
-            print(f"{kind}: {answer.field} {answer.detail} {list(answer.dropped)}", file=sys.stderr)
+            print(f"{kind}: {answer.field!a} {answer.detail!a} {list(answer.dropped)}", file=sys.stderr)
         return True
 
     def show(self, kind, request):

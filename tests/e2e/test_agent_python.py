@@ -19,6 +19,7 @@ PYTHON = os.environ.get("UPLINK_AGENT_PYTHON", "/usr/bin/python3")
 EXAMPLE = SOURCE / "examples/agent-python"
 RURI = "rcan://local.rcan/example/rover/r1"
 SECONDS = 60
+PORT = re.compile(r"(\d+)\n")
 STEP = re.compile(r"^step (\d+)$", re.MULTILINE)
 # The robot says so at every fifth step.
 SAYS = 5
@@ -85,6 +86,65 @@ for name in ("keep", *turns):
     let_fail(name)
 agent.main()
 """
+# A server whose first streams go wrong, each in another way, and which then acks all. It prints its port, and the
+# numbers that it acks.
+WRONG_SERVER = r"""
+import sys
+from concurrent import futures
+
+import grpc
+from uplink.v1 import relay_pb2 as relay
+from uplink.v1 import relay_pb2_grpc
+
+NUMBER_MAX = 2**64 - 1
+turns = iter(["welcome", "reject", "ack", "good"])
+
+
+def welcome(number):
+    return relay.RelayResponse(welcome=relay.Welcome(committed_seq=number))
+
+
+def ack(number):
+    return relay.RelayResponse(ack=relay.Ack(through_seq=number, judged_seq=number))
+
+
+class Server(relay_pb2_grpc.UplinkRelayServicer):
+    def Relay(self, requests, context):
+        turn = next(turns)
+        next(requests)
+        yield welcome(NUMBER_MAX if turn == "welcome" else 0)
+        for request in requests:
+            numbers = [uplink.seq for uplink in request.batch.uplinks]
+            if turn == "reject":
+                text = "\x1b[31m\x9b2J\u202e"
+                yield relay.RelayResponse(notice=relay.Notice(seq=numbers[0], field=text, detail=text))
+                yield relay.RelayResponse(reject=relay.Reject(seq=numbers[0], reason=99, field=text, detail=text))
+                context.abort(grpc.StatusCode.UNAVAILABLE, text)
+            elif turn == "ack":
+                yield ack(10**9)
+            else:
+                print(*numbers, flush=True)
+                yield ack(numbers[-1])
+
+
+def read(name):
+    with open(f"{sys.argv[1]}/{name}", "rb") as opened:
+        return opened.read()
+
+
+pair = (read("server.key"), read("server.crt"))
+server = grpc.server(futures.ThreadPoolExecutor(4))
+relay_pb2_grpc.add_UplinkRelayServicer_to_server(Server(), server)
+print(server.add_secure_port("localhost:0", grpc.ssl_server_credentials([pair], read("ca.crt"), True)))
+server.start()
+server.wait_for_termination()
+"""
+HURRIED = """
+import agent
+
+agent.PAUSE_SECONDS = 0.01
+agent.main()
+"""
 # More than the agent's log has, and less than its spool.
 FILE_BYTES_MAX = 64 * 1024
 
@@ -106,20 +166,34 @@ class AgentPython(EndToEnd):
             f"--grpc_python_out={self.folder}", "uplink/v1/relay.proto")  # fmt: skip
         self.said = self.folder / "agent.log"
 
-    def drive(self, first, steps, program=EXAMPLE / "agent.py", every=0.02):
+    def drive(self, first, steps, program=EXAMPLE / "agent.py", every=0.02, target=None):
         """Starts the agent. It is killed with the test."""
-        target = self.running.relay.replace("127.0.0.1", "localhost")
+        target = target or self.running.relay.replace("127.0.0.1", "localhost")
         with self.said.open("wb") as said:
             agent = subprocess.Popen(
                 [PYTHON, str(program), "--target", target, "--pki", str(self.running.pki), "--spool",
                  str(self.folder / "spool.db"), "--schema", str(SOURCE / "schema/uplink.capnp"),
                  "--first", str(first), "--steps", str(steps), "--every", str(every)],
                 stdout=said, stderr=subprocess.STDOUT,
-                env={**os.environ, "PYTHONPATH": f"{self.folder}:{EXAMPLE}", "PYTHONDONTWRITEBYTECODE": "1"},
+                env=self.environment(),
             )  # fmt: skip
         self.addCleanup(agent.wait)
         self.addCleanup(agent.kill)
         return agent
+
+    def environment(self):
+        return {**os.environ, "PYTHONPATH": f"{self.folder}:{EXAMPLE}", "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def wrong_server(self):
+        """It runs until the test ends; where it listens, and the file into which it prints."""
+        printed = self.folder / "wrong-server.txt"
+        with printed.open("wb") as out:
+            server = subprocess.Popen([PYTHON, "-c", WRONG_SERVER, str(self.running.pki)], stdout=out,
+                                      stderr=subprocess.DEVNULL, env=self.environment())  # fmt: skip
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        port = wait_until(server, lambda: PORT.match(printed.read_text("utf-8")), SECONDS, "its port")
+        return f"localhost:{port.group(1)}", printed
 
     def text(self):
         return self.said.read_text(encoding="utf-8")
@@ -270,6 +344,22 @@ class AgentPython(EndToEnd):
             self.assertRegex(text, rf"link: UNAVAILABLE: .*no room to {name}\n")
         self.assertNotIn("Traceback", text)
         self.assertEqual(self.stored(), list(range(SAYS - 1, 60, SAYS)))
+
+    def test_it_outlives_what_a_later_or_wrong_server_says(self):
+        target, printed = self.wrong_server()
+        program = self.folder / "hurried.py"
+        program.write_text(HURRIED, encoding="utf-8")
+        self.assert_ends_stored(self.drive(0, 10, program, target=target))
+        text = self.text()
+        self.assertRegex(text, r"link: UNAVAILABLE: ProtocolError\('the server names 18446744073709551615, ")
+        self.assertRegex(text, r"link: UNAVAILABLE: ProtocolError\('the server names 1000000000, ")
+        escaped = r"'\x1b[31m\x9b2J\u202e'"
+        for said in (f"dropped: {escaped}: {escaped}", f"rejected: reason 99 {escaped}: {escaped}",
+                     f"link: UNAVAILABLE: {escaped}"):  # fmt: skip
+            self.assertIn(f"{said}\n", text)
+        self.assertNotIn("Traceback", text)
+        acked = [int(number) for line in printed.read_text("utf-8").splitlines()[1:] for number in line.split()]
+        self.assertEqual(acked[0], 1, "neither a Reject nor an Ack of what was not sent lets it forget")
 
 
 if __name__ == "__main__":
