@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the tests of the packages, the two files side by side, and ends with the line "N passed, N failed"."""
+"""Runs the tests of the packages, the files side by side, and ends with the line "N passed, N failed"."""
 
 import concurrent.futures
 import io
@@ -9,7 +9,7 @@ import unittest
 
 from base import Base
 
-MODULES = ("test_host", "test_package")
+MODULES = ("test_host", "test_package", "test_postrm")
 
 
 def run(name):
@@ -20,7 +20,7 @@ def run(name):
 
 
 def main():
-    # Both begin from the same base.
+    # Two begin from the same base.
     Base(os.environ["UPLINK_PACKAGE_CACHE"]).make_if_missing()
     total = failed = 0
     with concurrent.futures.ThreadPoolExecutor(len(MODULES)) as pool:
