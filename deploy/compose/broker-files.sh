@@ -9,6 +9,19 @@ mkdir -p "$target/certs"
 cp /mosquitto-files/mosquitto.conf /mosquitto-files/acl "$target/"
 cp /authority/broker.crt "$target/certs/server.crt"
 cp /authority/broker.key "$target/certs/server.key"
-touch "$target/passwords"
-mosquitto_passwd -b "$target/passwords" uplinkd "$(head -n 1 /run/secrets/broker_password)"
+
+# By a file, since everyone on the machine sees a program's arguments.
+new="$target/passwords.new"
+password="$(head -n 1 /run/secrets/broker_password)"
+case "$password" in
+  *:*)
+    echo 'broker-files.sh: the password of the broker holds a colon, which ends it in the file of passwords' >&2
+    exit 1
+    ;;
+esac
+printf 'uplinkd:%s\n' "$password" >"$new"
+mosquitto_passwd -U "$new"
+[ ! -e "$target/passwords" ] || sed '/^uplinkd:/d' "$target/passwords" >>"$new"
+mv "$new" "$target/passwords"
+
 chown -R mosquitto:mosquitto "$target" /var/lib/mosquitto

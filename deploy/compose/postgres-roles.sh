@@ -3,7 +3,8 @@
 # it makes the database.
 set -eu
 
-psql -v ON_ERROR_STOP=1 --username "$POSTGRES_USER" --dbname "$POSTGRES_DB" \
-  -v password="$(head -n 1 /run/secrets/store_password)" <<'SQL'
+# psql reads the password itself: everyone on the machine sees a program's arguments.
+psql -v ON_ERROR_STOP=1 --username "$POSTGRES_USER" --dbname "$POSTGRES_DB" <<'SQL'
+\set password `head -n 1 /run/secrets/store_password`
 CREATE ROLE uplinkd LOGIN PASSWORD :'password';
 SQL
