@@ -180,6 +180,28 @@ class Chart(unittest.TestCase):
         self.assertEqual(template(), template("--set", "service.port=443"))
         self.assertNotEqual(template(), template("--set", "config.limits.robots_max=10"))
 
+    def test_no_pod_gets_more_of_a_secret_than_it_uses(self):
+        for values in SETS:
+            with self.subTest(values.name):
+                _, documents = rendered(values, KUBERNETES[-1], "--set", "tests.authoritySecret=authority")
+                pods = [one(documents, "StatefulSet")["spec"]["template"], one(documents, "Pod")]
+                pods += [document["spec"]["template"] for document in documents if document["kind"] == "Job"]
+                for pod in pods:
+                    for volume in pod["spec"]["volumes"]:
+                        if "secret" in volume:
+                            self.assertEqual(volume["secret"].get("defaultMode"), 0o440, volume)
+                            self.assertTrue(volume["secret"].get("items"), volume)
+        _, documents = rendered(CHART / "ci/postgres.yaml", KUBERNETES[-1],
+                                "--set", "store.postgres.passwordKey=p,store.postgres.migrate.passwordKey=owner")  # fmt: skip
+        keys = {(document["kind"], volume["name"]): [item["key"] for item in volume["secret"]["items"]]
+                for document in documents if document["kind"] in ("StatefulSet", "Job")
+                for volume in document["spec"]["template"]["spec"]["volumes"] if "secret" in volume}  # fmt: skip
+        self.assertEqual(keys, {
+            ("StatefulSet", "tls"): ["tls.crt", "tls.key"], ("StatefulSet", "robots"): ["ca.crt"],
+            ("StatefulSet", "store"): ["p"], ("StatefulSet", "database"): ["ca.crt"],
+            ("Job", "owner"): ["owner"], ("Job", "database"): ["ca.crt"],
+        })  # fmt: skip
+
     def test_no_selector_of_servers_finds_a_job_or_a_test(self):
         _, documents = rendered(CHART / "ci/postgres.yaml", KUBERNETES[-1], "--set", "tests.authoritySecret=x")
         selector = one(documents, "StatefulSet")["spec"]["selector"]["matchLabels"].items()
