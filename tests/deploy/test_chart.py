@@ -3,8 +3,10 @@ must fail, and that it knows what uplinkd knows. What needs no helm is a rule of
 
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import tomllib
 import unittest
 
@@ -31,9 +33,9 @@ def helm(*arguments, code=0):
     return run(found if found.exists() else "helm", *arguments, code=code)
 
 
-def rendered(values, kubernetes, *flags):
+def rendered(values, kubernetes, *flags, chart=CHART):
     """The manifests, and their documents."""
-    text = helm("template", "robots", CHART, "--namespace", "robots", "--values", values,
+    text = helm("template", "robots", chart, "--namespace", "robots", "--values", values,
                 "--kube-version", f"{kubernetes}.0", *flags).stdout  # fmt: skip
     return text, [document for document in yaml.safe_load_all(text) if document]
 
@@ -201,6 +203,26 @@ class Chart(unittest.TestCase):
             ("StatefulSet", "store"): ["p"], ("StatefulSet", "database"): ["ca.crt"],
             ("Job", "owner"): ["owner"], ("Job", "database"): ["ca.crt"],
         })  # fmt: skip
+
+    def test_notes_say_who_can_read_positions_until_a_policy_names_who_scrapes(self):
+        folder = tempfile.TemporaryDirectory(prefix="uplinkd-chart-")
+        self.addCleanup(folder.cleanup)
+        chart = pathlib.Path(shutil.copytree(CHART, f"{folder.name}/uplinkd"))
+        # Without a cluster, helm shows manifests alone.
+        notes = (chart / "templates/NOTES.txt").read_text(encoding="utf-8")
+        text = f'{{{{- define "notes" }}}}{notes}{{{{ end }}}}\nkind: Notes\ntext: {{{{ include "notes" . | quote }}}}\n'
+        (chart / "templates/notes.yaml").write_text(text, encoding="utf-8")
+
+        def says(*flags):
+            _, documents = rendered(CHART / "ci/sqlite.yaml", KUBERNETES[-1], *flags, chart=chart)
+            said = one(documents, "Notes")["text"]
+            return "Every pod of the cluster can read the robots' positions" in said
+
+        self.assertTrue(says())
+        self.assertTrue(says("--set", "networkPolicy.enabled=true"))
+        scraper = "networkPolicy.metricsFrom[0].namespaceSelector.matchLabels.name=monitoring"
+        self.assertTrue(says("--set", scraper))
+        self.assertFalse(says("--set", f"networkPolicy.enabled=true,{scraper}"))
 
     def test_no_selector_of_servers_finds_a_job_or_a_test(self):
         _, documents = rendered(CHART / "ci/postgres.yaml", KUBERNETES[-1], "--set", "tests.authoritySecret=x")
