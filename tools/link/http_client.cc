@@ -9,6 +9,8 @@
 #include <boost/beast/http.hpp>
 #include <fmt/core.h>
 
+#include "schema/base/utf8.h"
+
 namespace uplink::link {
 namespace {
 
@@ -97,9 +99,13 @@ absl::StatusOr<std::string> HttpClient::Get(const std::string& target) {
   absl::StatusOr<HttpAnswer> answer = Ask(target);
   if (!answer.ok()) return answer.status();
   if (answer->status == 200) return std::move(answer->body);
-  const std::string text =
-      fmt::format("GET {}: {}: {}", target, answer->status, answer->body.substr(0, kShownBytesMax));
-  if (answer->status == 404) return absl::NotFoundError(text);
+  return ErrorOf(target, *answer);
+}
+
+absl::Status ErrorOf(const std::string& target, const HttpAnswer& answer) {
+  const std::string text = fmt::format("GET {}: {}: {}", target, answer.status,
+                                       PrintableUtf8(answer.body, kShownBytesMax));
+  if (answer.status == 404) return absl::NotFoundError(text);
   return absl::InternalError(text);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
@@ -25,6 +26,10 @@ struct HttpAnswer {
   unsigned status = 0;
   std::string body;
 };
+
+/// What Get returns for an answer that is not 200: the beginning of its body, as a terminal may
+/// have it.
+[[nodiscard]] absl::Status ErrorOf(const std::string& target, const HttpAnswer& answer);
 
 /// Fetches pages from the server's HTTP listener, over one connection that is opened again when it
 /// ends.

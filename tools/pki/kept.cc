@@ -63,11 +63,13 @@ absl::Status CheckHosts(const NamedPem& pem, const Certificate& certificate,
   const auto names = identity::ServerNamesOf(pem);
   if (!names.ok()) return names.status();
   std::vector<std::string> missing;
+  std::vector<std::string> shown;
+  for (const std::string& name : *names) shown.push_back(PrintableUtf8(name, kShownBytesMax));
   for (const std::string& host : hosts) {
     if (!Names(certificate, *names, host)) missing.push_back(host);
   }
   if (missing.empty()) return absl::OkStatus();
-  return Unfit(pem.name, fmt::format("is for {}, and not for {}", fmt::join(*names, ", "),
+  return Unfit(pem.name, fmt::format("is for {}, and not for {}", fmt::join(shown, ", "),
                                      fmt::join(missing, ", ")));
 }
 

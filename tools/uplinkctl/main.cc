@@ -7,12 +7,14 @@
 
 #include "server/config/version.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/doctor/finding.h"
 
 namespace uplink::ctl {
 
 int ExitOf(const absl::Status& status) {
   if (status.ok()) return kExitDone;
-  fmt::print(stderr, "uplinkctl: {}\n", std::string(status.message()));
+  // A database or a server may have worded it.
+  fmt::print(stderr, "uplinkctl: {}\n", OneLine(std::string(status.message())));
   return absl::IsInvalidArgument(status) ? kExitWrongUse : kExitFailed;
 }
 

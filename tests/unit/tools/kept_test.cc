@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "tests/support/certificates.h"
 #include "tests/support/temp_folder.h"
 
 namespace uplink::pki {
@@ -97,6 +98,17 @@ TEST_F(KeptTest, HostsThatItLacksAreNamed) {
   EXPECT_THAT(Judge({"uplink.example.org", "192.0.2.7", "other"}),
               HasSubstr("server.crt: is for uplink.example.org, 2001:db8::1, and not for "
                         "192.0.2.7, other; --force"));
+}
+
+TEST_F(KeptTest, ANameThatSteersATerminalIsEscaped) {
+  const testing::TestAuthority authority;
+  testing::CertificateSpec spec = testing::ServerSpec();
+  spec.dns_names = {"a\n\x1b[2Jb"};
+  const testing::KeyPair pair = authority.Issue(spec);
+  Put("server", {.certificate_pem = pair.certificate, .key_pem = pair.key});
+  const absl::Status status =
+      CheckKept(directory_, "server", {authority.certificate(), {"other"}}, now_);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("is for a\\x0a\\x1b[2Jb, "));
 }
 
 TEST_F(KeptTest, AnotherAuthorityIsNamed) {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "schema/base/utf8.h"
+
 namespace uplink::synthetic {
 namespace {
 
@@ -24,6 +26,9 @@ void Findings::Differ(Thing thing, const std::string& ruri, std::string expected
                       std::string found) {
   ++At(thing).differences;
   if (differences_.size() >= kDifferencesMax) return;
+  // The server's words among them: a report is read at a terminal.
+  expected = PrintableUtf8(expected, std::string::npos);
+  found = PrintableUtf8(found, std::string::npos);
   differences_.push_back({ruri, thing, std::move(expected), std::move(found)});
 }
 

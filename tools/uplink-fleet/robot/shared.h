@@ -8,17 +8,19 @@
 #include <mutex>
 #include <string>
 
+#include "schema/base/utf8.h"
 #include "schema/model/rejection.h"
 #include "tools/uplink-fleet/robot/forward_board.h"
 
 namespace uplink::synthetic {
 
-/// The first of many texts of one kind, for the report. Thread-safe.
+/// The first of many texts of one kind, for the report: the server may have worded it, so what
+/// steers a terminal is escaped. Thread-safe.
 class FirstText final {
  public:
   void Keep(const std::string& text) {
     const std::scoped_lock lock(mutex_);
-    if (text_.empty()) text_ = text;
+    if (text_.empty()) text_ = PrintableUtf8(text, kBytesMax);
   }
   /// Empty: there was none.
   [[nodiscard]] std::string Read() const {
@@ -27,6 +29,8 @@ class FirstText final {
   }
 
  private:
+  static constexpr std::size_t kBytesMax = 4'096;
+
   mutable std::mutex mutex_;
   std::string text_;
 };

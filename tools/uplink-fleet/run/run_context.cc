@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/utf8.h"
+
 namespace uplink::synthetic {
 
 std::string RandomRun() {
@@ -13,7 +15,8 @@ std::string RandomRun() {
 }
 
 int CannotRun(const absl::Status& status) {
-  fmt::print(stderr, "uplink-fleet: {}\n", std::string(status.message()));
+  fmt::print(stderr, "uplink-fleet: {}\n",
+             PrintableUtf8(std::string(status.message()), std::string::npos));
   return kExitFailed;
 }
 

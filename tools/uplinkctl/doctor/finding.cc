@@ -6,6 +6,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/utf8.h"
+
 namespace uplink::ctl {
 namespace {
 
@@ -51,7 +53,7 @@ std::string OneLine(std::string_view text) {
   std::string line(text);
   std::replace_if(
       line.begin(), line.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
-  return line;
+  return PrintableUtf8(line, std::string::npos);
 }
 
 void Append(Findings& to, Findings from) {

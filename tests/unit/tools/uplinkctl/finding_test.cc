@@ -14,6 +14,8 @@ TEST(Finding, ALineSaysHowBadWhereWhatAndWhatToDo) {
 TEST(Finding, AForeignTextStaysOnOneLine) {
   EXPECT_EQ(ToText(Error("store.url", "refused\n\tby \x1b[31mhost\n", "start it")),
             "error    store.url: refused  by  [31mhost ; start it");
+  EXPECT_EQ(OneLine("C1 \u009B2J, bidi \u202E, \xFF, ä\n"),
+            "C1 \\xc2\\x9b2J, bidi \\xe2\\x80\\xae, \\xff, ä");
 }
 
 TEST(Finding, TheWorstOneMakesTheExitCode) {

@@ -196,13 +196,13 @@ TEST(Report, SaysWhetherAllAgree) {
               HasSubstr("verification: all agree"));
   EXPECT_THAT(JsonReport(RunFigures(), Verify(good), good.findings), HasSubstr("\"ok\":true"));
   Evidence bad = Good();
-  bad.findings.Differ(Thing::kShapes, "rcan://a", "a square", "a circle");
+  bad.findings.Differ(Thing::kShapes, "rcan://a", "a square", "a circle\x1b[2J");
   const std::string text = TextReport(RunFigures(), Verify(bad), bad.findings, Palette({}));
-  EXPECT_THAT(text, HasSubstr("rcan://a | shapes present | a square | a circle\n"));
+  EXPECT_THAT(text, HasSubstr("rcan://a | shapes present | a square | a circle\\x1b[2J\n"));
   EXPECT_THAT(text, HasSubstr("verification: MISMATCH"));
   const std::string json = JsonReport(RunFigures(), Verify(bad), bad.findings);
   EXPECT_THAT(json, HasSubstr("\"ok\":false"));
-  EXPECT_THAT(json, HasSubstr("\"found\":\"a circle\""));
+  EXPECT_THAT(json, HasSubstr("\"found\":\"a circle\\\\x1b[2J\""));
 }
 
 TEST(Report, ShowsNoMoreDifferencesThanOnePage) {

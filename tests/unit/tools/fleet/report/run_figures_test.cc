@@ -24,7 +24,7 @@ TEST(SumUp, AddsTheRobotsToWhatTheyCountedTogether) {
   Shared shared;
   shared.acked_durable.store(6);
   shared.welcomes.store(2);
-  shared.first_error.Keep("the first");
+  shared.first_error.Keep("the first\x1b[2J");
   const RunFigures figures = SumUp(robots, shared);
   EXPECT_EQ(figures.robots, 2U);
   EXPECT_EQ(figures.sent, 7U);
@@ -33,7 +33,7 @@ TEST(SumUp, AddsTheRobotsToWhatTheyCountedTogether) {
   EXPECT_EQ(figures.notices, 5U);
   EXPECT_EQ(figures.acked_durable, 6U);
   EXPECT_EQ(figures.welcomes, 2U);
-  EXPECT_EQ(figures.first_error, "the first");
+  EXPECT_EQ(figures.first_error, "the first\\x1b[2J");
 }
 
 TEST(SumUp, NamesTheEndsOfStreams) {
