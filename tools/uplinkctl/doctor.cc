@@ -46,7 +46,7 @@ int Doctor(const Arguments& arguments) {
       config::WithFiles(config::LoadConfig(arguments.config, config::ProcessEnvironment()));
   Findings findings{UserFinding(*user, arguments)};
   Append(findings, ConfigFindings(read, arguments.config, user->name));
-  Append(findings, CheckAll({read, machine, user->name, clock}));
+  Append(findings, CheckAll({read, machine, user->name, user->uid, clock}));
   for (const Finding& finding : findings) fmt::print("{}\n", ToText(finding));
   fmt::print("{}\n", Summary(findings));
   return ExitOfFindings(findings);

@@ -120,9 +120,9 @@ Findings CheckAll(const CheckContext& context) {
   }
   const std::vector<PortFacts> ports = TryPorts(config, at_fault);
   // A server that starts meanwhile has ports that it did not have when the machine was read.
-  const MachineFacts machine = HasUnknownHolder(ports, context.machine)
-                                   ? ReadMachineAgain(context.machine)
-                                   : context.machine;
+  const MachineFacts machine = WithServersOf(context.uid, HasUnknownHolder(ports, context.machine)
+                                                              ? ReadMachineAgain(context.machine)
+                                                              : context.machine);
   const PortUser user{context.user, OwnServer(ports, machine)};
   Findings findings = CheckCertificates(config, context.clock.System());
   if (file) {

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <sys/types.h>
+
 #include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "tools/uplinkctl/doctor/finding.h"
@@ -17,6 +19,7 @@ struct CheckContext {
   const MachineFacts& machine;
   /// Who this process is now, for people.
   std::string user;
+  uid_t uid = 0;
   const Clock& clock;
 };
 

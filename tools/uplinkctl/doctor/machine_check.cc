@@ -15,6 +15,7 @@ namespace uplink::ctl {
 namespace {
 
 constexpr const char* kRelayKey = "listen.relay";
+constexpr const char* kProgram = "uplinkd";
 
 /// The socket that keeps a server from that address. One on the address itself comes first: a
 /// socket on [::] may be for IPv6 alone, and then another one has 0.0.0.0.
@@ -35,7 +36,13 @@ std::string HolderText(const config::ListenAddress& address, const MachineFacts&
   if (holder == machine.holders.end()) {
     return fmt::format("a program of user id {} (root sees which)", socket->owner);
   }
-  return fmt::format("{} (pid {})", holder->second.name, holder->second.pid);
+  const Process& process = holder->second;
+  // A server of the user whom we look for would have been taken for one.
+  if (process.name == kProgram) {
+    return fmt::format("a program named {} of user id {} (pid {})", kProgram, process.owner,
+                       process.pid);
+  }
+  return fmt::format("{} (pid {})", process.name, process.pid);
 }
 
 Finding TakenFinding(const Listener& listener, const MachineFacts& machine,
@@ -98,6 +105,12 @@ std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
   }
   if (own && relay_free && !ListensOnlyAt(ports, own->pid, machine)) return std::nullopt;
   return own;
+}
+
+MachineFacts WithServersOf(uid_t user, MachineFacts machine) {
+  std::erase_if(machine.servers,
+                [user](const ServerProcess& server) { return server.owner != user; });
+  return machine;
 }
 
 std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,

@@ -5,12 +5,18 @@
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 #include "server/config/config.h"
 #include "tools/uplinkctl/doctor/finding.h"
 #include "tools/uplinkctl/doctor/machine_facts.h"
 #include "tools/uplinkctl/listeners.h"
 
 namespace uplink::ctl {
+
+/// The machine without the servers of other users: every user may call a program uplinkd. A pure
+/// function.
+[[nodiscard]] MachineFacts WithServersOf(uid_t user, MachineFacts machine);
 
 /// The uplinkd that listens there, if one does: by its sockets, or, where these cannot be seen, by
 /// the user who owns the socket. All here are pure functions.

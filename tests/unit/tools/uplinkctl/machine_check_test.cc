@@ -128,6 +128,16 @@ TEST(PortCheck, AnotherFamilysAddressHoldsNothing) {
             "0.0.0.0:7443 is held by another program");
 }
 
+TEST(PortCheck, AServerOfAnotherUserIsNotOurs) {
+  EXPECT_EQ(FindingOfRelay(WithServersOf(997, Machine())).severity, Severity::kOk);
+  MachineFacts others = Machine();
+  others.holders[4713].owner = 65'534;
+  others.servers.front().owner = 65'534;
+  const Finding finding = FindingOfRelay(WithServersOf(997, others));
+  EXPECT_EQ(finding.severity, Severity::kError);
+  EXPECT_EQ(finding.what, "[::]:7443 is held by a program named uplinkd of user id 65534 (pid 10)");
+}
+
 TEST(OwnServerCheck, OneProcessHasEveryPort) {
   MachineFacts machine = Machine();
   EXPECT_EQ(OwnServer(Ports(EADDRINUSE, 0), machine), std::nullopt);
