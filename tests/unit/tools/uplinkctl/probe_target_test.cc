@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string WithListenHttp(const testing::TempFolder& folder, const std::string& address) {
-  const std::string path = folder.File("uplinkd.toml");
+  std::string path = folder.File("uplinkd.toml");
   std::ofstream(path) << "[listen]\nhttp = \"" << address << "\"\n";
   return path;
 }
