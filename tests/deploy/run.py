@@ -1,7 +1,11 @@
 """run.py MODULE [unittest's arguments]: its tests, and a last line "N passed, N failed"."""
 
+import pathlib
 import sys
 import unittest
+
+# The helpers that every suite shares.
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 
 def main():
