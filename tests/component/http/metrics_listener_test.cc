@@ -27,6 +27,24 @@ using ::testing::StartsWith;
 /// Another source than 127.0.0.1.
 constexpr const char* kElsewhere = "127.0.0.2";
 
+/// Keeps a thread busy until Release, or its end.
+class BusyThread final {
+ public:
+  explicit BusyThread(loop::ReadThread& thread) {
+    std::promise<void> begun;
+    const auto job = thread.TryPost([&begun, opened = gate_.get_future().share()] {
+      begun.set_value();
+      opened.wait();
+    });
+    EXPECT_TRUE(job.has_value());
+    if (job) begun.get_future().wait();
+  }
+  void Release() { gate_.set_value(); }
+
+ private:
+  std::promise<void> gate_;
+};
+
 class MetricsListenerTest : public HttpServerTest {
  protected:
   ~MetricsListenerTest() override { loop_.Stop(); }
@@ -216,13 +234,7 @@ TEST_F(MetricsListenerTest, ProbesThatAreSentAheadShutNoOtherOut) {
 
 TEST_F(MetricsListenerTest, ScrapersThatLeaveAtOnceTakeNoRoomOfOthersInTheQueue) {
   const std::uint16_t port = ServeBoth();
-  std::promise<void> gate;
-  std::promise<void> begun;
-  ASSERT_TRUE(metrics_->TryPost([&begun, opened = gate.get_future().share()] {
-    begun.set_value();
-    opened.wait();
-  }));
-  begun.get_future().wait();
+  BusyThread busy(*metrics_);
   const auto share = static_cast<int>(kMetricsLimits.source_share);
   const http::HttpProbe& probe = world_.http_probe;
   // The queue has room for kConnectionsMax.
@@ -237,7 +249,7 @@ TEST_F(MetricsListenerTest, ScrapersThatLeaveAtOnceTakeNoRoomOfOthersInTheQueue)
   RawConnection other(port);
   other.SendGet("/metrics");
   ASSERT_TRUE(testing::Eventually([&] { return probe.metrics_waiting.value() == share + 1; }));
-  gate.set_value();
+  busy.Release();
   EXPECT_EQ(other.Read().value_or(RawAnswer()).status, 200);
   EXPECT_EQ(probe.reads_refused.value(), 0);
   EXPECT_EQ(probe.metrics_waiting.value(), 0);
@@ -261,13 +273,7 @@ TEST_F(MetricsListenerTest, ScrapersThatDoNotReadLeaveATextToThoseOfTheMachine) 
 
 TEST_F(MetricsListenerTest, ScrapesThatWaitDelayNoneOfTheMachine) {
   const std::uint16_t port = ServeBoth();
-  std::promise<void> gate;
-  std::promise<void> begun;
-  ASSERT_TRUE(scrapes_->TryPost([&begun, opened = gate.get_future().share()] {
-    begun.set_value();
-    opened.wait();
-  }));
-  begun.get_future().wait();
+  BusyThread busy(*scrapes_);
   for (std::size_t i = 0; i < loop::kReadsWaitingMax; ++i) {
     ASSERT_TRUE(scrapes_->TryPost([] {}));
   }
@@ -280,7 +286,7 @@ TEST_F(MetricsListenerTest, ScrapesThatWaitDelayNoneOfTheMachine) {
     return world_.http_probe.scrapes_waiting.value() ==
            static_cast<int>(loop::kReadsWaitingMax + 1);
   }));
-  gate.set_value();
+  busy.Release();
   EXPECT_EQ(of_the_machine.Read()->status, 200);
 }
 
