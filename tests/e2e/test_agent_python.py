@@ -284,13 +284,17 @@ class AgentPython(EndToEnd):
         self.assert_ends_stored(self.drive(first, 30))
         self.assert_stored(done + self.steps())
 
-    def test_what_waits_on_disk_is_sent_by_the_next_start(self):
+    def leave_steps_on_disk(self):
+        """The steps of an agent that was killed, and found no server."""
         self.running.kill()
         agent = self.drive(0, 1_000)
         self.wait_for_step(agent, 50)
         agent.send_signal(signal.SIGKILL)
         agent.wait(SECONDS)
-        done = self.steps()
+        return self.steps()
+
+    def test_what_waits_on_disk_is_sent_by_the_next_start(self):
+        done = self.leave_steps_on_disk()
         self.running.start()
         self.assert_ends_stored(self.drive(done[-1] + 2, 1))
         self.assert_stored(done)
@@ -315,12 +319,7 @@ class AgentPython(EndToEnd):
         self.assertGreater(int(self.robot()["rateLimited"]["agentInfo"]), 0)
 
     def test_what_waits_for_its_time_is_sent_at_once_after_a_restart(self):
-        self.running.kill()
-        agent = self.drive(0, 1_000)
-        self.wait_for_step(agent, 50)
-        agent.send_signal(signal.SIGKILL)
-        agent.wait(SECONDS)
-        done = self.steps()
+        done = self.leave_steps_on_disk()
         # As if they had come too soon, by a clock that no longer counts.
         with contextlib.closing(sqlite3.connect(self.folder / "spool.db")) as spool, spool:
             spool.execute("UPDATE message SET seq = NULL, due = 1e12")
