@@ -154,7 +154,7 @@ Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const Po
 
 std::size_t DescriptorsWanted(const config::Config& config) {
   const std::size_t of_metrics =
-      config.listen.metrics.host.empty() ? 0 : config::kMetricsConnectionsMax;
+      config::IsSet(config.listen.metrics) ? config::kMetricsConnectionsMax : 0;
   transport::RelayOptions options;
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
   options.descriptors_reserved =
