@@ -75,7 +75,7 @@ struct JudgeLimits {
 // Violations
 /// Dropped fields of one message that are listed, each with its path and a sentence. Further ones
 /// are dropped as well, and counted by their reason alone: a message full of invalid fields costs
-/// no more than a good one, and hides nothing of what is good in it.
+/// no more than a good one, and keeps all that is good in it.
 inline constexpr std::size_t kDroppedFieldsListedMax = 16;
 
 // Numbers
