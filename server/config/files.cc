@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/file_text.h"
 #include "server/config/file_modes.h"
-#include "server/config/file_text.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
 #include "server/identity/expiry.h"

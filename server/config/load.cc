@@ -10,10 +10,10 @@
 #include <fmt/core.h>
 #include <toml++/toml.h>
 
+#include "schema/base/file_text.h"
 #include "schema/base/utf8.h"
 #include "server/config/broker_relations.h"
 #include "server/config/file_modes.h"
-#include "server/config/file_text.h"
 #include "server/config/relations.h"
 #include "server/config/removed.h"
 #include "server/config/service_variables.h"

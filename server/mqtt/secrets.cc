@@ -4,8 +4,8 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/file_text.h"
 #include "server/config/file_modes.h"
-#include "server/config/file_text.h"
 #include "server/identity/authorities.h"
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
@@ -62,7 +62,7 @@ std::string TextOf(std::optional<identity::NamedPem> pem) {
 
 absl::StatusOr<std::string> ReadPassword(const std::string& path) {
   constexpr std::string_view kKey = "password_file";
-  config::FileText file = config::ReadFileText(path, kPasswordBytesMax);
+  FileText file = ReadFileText(path, kPasswordBytesMax);
   if (!file.problem.empty()) return Invalid(kKey, fmt::format("{}: {}", path, file.problem));
   std::string text = std::move(file.text);
   if (text.ends_with('\n')) text.pop_back();

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <filesystem>
-#include <fstream>
+#include <cstddef>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <libpq-fe.h>
 #include <poll.h>
+
+#include "schema/base/file_text.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -23,21 +23,18 @@ struct Finish {
 using Handle = std::unique_ptr<PGconn, Finish>;
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
+/// Bytes of a password file, whose first line is the password.
+constexpr std::size_t kPasswordFileBytesMax = std::size_t{1024} * 1024;
+
 absl::StatusOr<std::string> ReadPassword(const std::string& path) {
-  std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
-  // A pipe would be waited for.
-  if (type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::character) {
-    return absl::FailedPreconditionError("store.password_file " + path +
-                                         " is not a regular file; name one");
+  const std::string where = "store.password_file " + path;
+  const FileText file = ReadFileText(path, kPasswordFileBytesMax);
+  if (!file.problem.empty()) return absl::FailedPreconditionError(where + " " + file.problem);
+  if (file.text.empty()) {
+    return absl::FailedPreconditionError(where +
+                                         " is empty; write the password into its first line");
   }
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) {
-    return absl::FailedPreconditionError(
-        "store.password_file " + path +
-        " cannot be read, or is empty; write the password into its first line");
-  }
+  std::string line = file.text.substr(0, file.text.find('\n'));
   if (line.ends_with('\r')) line.pop_back();
   return line;
 }

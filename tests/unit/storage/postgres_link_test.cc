@@ -72,6 +72,13 @@ TEST_F(PostgresLinkTest, APipeWithThePasswordIsNotWaitedFor) {
   EXPECT_TRUE(Says(why, "store.password_file " + pipe + " is not a regular file")) << why;
 }
 
+TEST_F(PostgresLinkTest, AFileThatIsNoPasswordIsNotReadWhole) {
+  const std::string file = PasswordFile(std::string(std::size_t{2} * 1024 * 1024, 'x'));
+  const auto store = Open("postgresql://uplinkd@127.0.0.1:1/x", file);
+  const absl::Status why = store.ok() ? (*store)->open_error() : store.status();
+  EXPECT_TRUE(Says(why, "store.password_file " + file + " is larger than 1048576 bytes")) << why;
+}
+
 TEST_F(PostgresLinkTest, AWrongPasswordIsAnError) {
   PostgresDatabase database;
   const std::string url = database.cluster().TcpUrl("uplinkd", database.name());

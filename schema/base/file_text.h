@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-namespace uplink::config {
+namespace uplink {
 
 /// A file's text, or why it cannot be had: a sentence without the path.
 struct FileText {
@@ -16,4 +16,4 @@ struct FileText {
 /// Thread: any; blocks on the file, never on a pipe.
 [[nodiscard]] FileText ReadFileText(const std::string& path, std::size_t bytes_max);
 
-}  // namespace uplink::config
+}  // namespace uplink

@@ -1,16 +1,15 @@
-#include "server/config/file_text.h"
+#include "schema/base/file_text.h"
 
 #include <cerrno>
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "schema/base/unread.h"
 
-namespace uplink::config {
+namespace uplink {
 namespace {
 
 FileText ReadOpen(const std::string& path, int file, std::size_t bytes_max) {
@@ -28,7 +27,7 @@ FileText ReadOpen(const std::string& path, int file, std::size_t bytes_max) {
   }
   text.resize(size);
   if (size <= bytes_max) return {std::move(text), {}};
-  return {{}, fmt::format("is larger than {} bytes; name the right file", bytes_max)};
+  return {{}, "is larger than " + std::to_string(bytes_max) + " bytes; name the right file"};
 }
 
 }  // namespace
@@ -42,4 +41,4 @@ FileText ReadFileText(const std::string& path, std::size_t bytes_max) {
   return text;
 }
 
-}  // namespace uplink::config
+}  // namespace uplink
