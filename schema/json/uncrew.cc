@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "schema/base/rfc3339.h"
 #include "schema/json/fields.h"
 #include "schema/model/uncrew/fields.h"
 
@@ -71,8 +72,8 @@ object ObjectOf(const Struct& body) {
 template <uc::Listed Struct>
 object Stamped(const Struct& body, const SampleTimes& times) {
   object stamped = ObjectOf(body);
-  if (times.sampled_at_us != 0) stamped["sampledAtUs"] = times.sampled_at_us;
-  stamped["receivedAtMs"] = times.received_at_ms;
+  if (times.sampled_at_us != 0) stamped["sampledAt"] = Rfc3339OfUs(times.sampled_at_us);
+  stamped["receivedAt"] = Rfc3339(times.received_at);
   return stamped;
 }
 

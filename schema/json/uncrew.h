@@ -5,6 +5,7 @@
 
 #include <boost/json.hpp>
 
+#include "schema/base/clock.h"
 #include "schema/model/uncrew/value.h"
 
 /// What drones say, by the contract's names with capitals in place of underscores. What is not
@@ -15,11 +16,11 @@ namespace uplink::json {
 struct SampleTimes {
   /// Unix microseconds by the drone's clock; 0: unknown, and then absent.
   std::int64_t sampled_at_us = 0;
-  std::int64_t received_at_ms = 0;
+  SystemTime received_at;
 };
 
 /// One type as `Robot.uncrew` shows it under its name, and under its key if it has one, with
-/// `sampledAtUs` and `receivedAtMs`. Of a set each item, by its id.
+/// `sampledAt`, to the microsecond, and `receivedAt`. Of a set each item, by its id.
 [[nodiscard]] boost::json::object Render(const model::uncrew::Value& value,
                                          const SampleTimes& times);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "schema/base/rfc3339.h"
 #include "server/http/target.h"
 #include "storage/reader.h"
 
@@ -18,9 +19,6 @@ std::optional<Number> ParseNumber(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
-
-/// 2100-01-01: a later time is a mistake, and far ones would overflow in arithmetic.
-constexpr std::int64_t kTimeMsMax = 4'102'444'800'000;
 
 }  // namespace
 
@@ -98,10 +96,9 @@ std::uint32_t Parameters::Number(std::string_view name, std::uint32_t absent, st
 std::optional<SystemTime> Parameters::Time(std::string_view name) {
   const std::string* value = FindSome(name);
   if (value == nullptr) return std::nullopt;
-  const std::optional<std::int64_t> number = ParseNumber<std::int64_t>(*value);
-  if (number && *number >= 0 && *number <= kTimeMsMax) return FromUnixMs(*number);
-  Reject(name, fmt::format("must be Unix milliseconds from 0 to {}", kTimeMsMax));
-  return std::nullopt;
+  const std::optional<SystemTime> time = FromRfc3339(*value);
+  if (!time) Reject(name, "must be a time of RFC 3339, such as 2026-05-01T12:00:00Z");
+  return time;
 }
 
 std::vector<std::string> Parameters::Words(std::string_view name) {

@@ -36,7 +36,7 @@ class Parameters final {
   /// From 1 to `max`; `absent` if it is not given.
   [[nodiscard]] std::uint32_t Number(std::string_view name, std::uint32_t absent,
                                      std::uint32_t max);
-  /// Unix milliseconds.
+  /// As RFC 3339 writes it.
   [[nodiscard]] std::optional<SystemTime> Time(std::string_view name);
   /// Words between commas, without empty ones; none if absent.
   [[nodiscard]] std::vector<std::string> Words(std::string_view name);

@@ -25,8 +25,8 @@ template <typename Row>
 }
 
 inline void ReadTimes(Parameters& parameters, storage::HistoryQuery& query) {
-  query.from = parameters.Time("fromMs");
-  query.to = parameters.Time("toMs");
+  query.from = parameters.Time("from");
+  query.to = parameters.Time("to");
 }
 
 /// The handler of a history of the one robot that the path names; `kList` is a list of

@@ -13,9 +13,9 @@ boost::json::object DroneJson(const uncrew::LiveSamples& live) {
   for (const model::uncrew::TypeRow& row : model::uncrew::kTypeRows) {
     boost::json::object by_key;
     for (const uncrew::LiveSample& sample : live.Of(row.type)) {
-      boost::json::object shown =
-          json::Render(sample.value, {.sampled_at_us = sample.metadata.sampled_at_us,
-                                      .received_at_ms = UnixMs(sample.received)});
+      boost::json::object shown = json::Render(
+          sample.value,
+          {.sampled_at_us = sample.metadata.sampled_at_us, .received_at = sample.received});
       if (sample.key) {
         by_key[std::to_string(*sample.key)] = std::move(shown);
       } else {

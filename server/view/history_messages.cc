@@ -1,6 +1,7 @@
 #include "schema/model/enum_text.h"
 #include "schema/model/rejection.h"
 #include "server/view/messages.h"
+#include "server/view/timestamps.h"
 
 // Histories, and the active set of faults.
 namespace uplink::view {
@@ -15,9 +16,9 @@ v1::Fault ToMessage(const storage::FaultRow& row) {
   message.set_category(row.fault.category);
   message.set_description(row.fault.description);
   message.set_suggested_action(row.fault.suggested_action);
-  message.set_sampled_at_ms(row.fault.unix_time_ms);
-  message.set_received_at_ms(UnixMs(row.received_at));
-  if (row.raised_at) message.set_raised_at_ms(UnixMs(*row.raised_at));
+  SetTimeMs(message, &v1::Fault::mutable_sampled_at, row.fault.unix_time_ms);
+  SetTime(message, &v1::Fault::mutable_received_at, row.received_at);
+  SetTime(message, &v1::Fault::mutable_raised_at, row.raised_at);
   return message;
 }
 
@@ -25,8 +26,8 @@ v1::Event ToMessage(const storage::EventRow& row) {
   v1::Event event;
   event.set_ruri(row.robot.ruri);
   event.set_kind(row.kind);
-  event.set_sampled_at_ms(row.sampled_at_ms);
-  event.set_received_at_ms(UnixMs(row.received_at));
+  SetTimeMs(event, &v1::Event::mutable_sampled_at, row.sampled_at_ms);
+  SetTime(event, &v1::Event::mutable_received_at, row.received_at);
   return event;
 }
 
@@ -43,8 +44,8 @@ v1::RobotMessage ToMessage(const storage::MessageRow& row) {
   item.set_level(model::EnumText(row.message.level));
   item.set_message(row.message.message);
   if (!row.message.source_level.empty()) item.set_source_level(row.message.source_level);
-  item.set_sampled_at_ms(row.message.unix_time_ms);
-  item.set_received_at_ms(UnixMs(row.received_at));
+  SetTimeMs(item, &v1::RobotMessage::mutable_sampled_at, row.message.unix_time_ms);
+  SetTime(item, &v1::RobotMessage::mutable_received_at, row.received_at);
   return item;
 }
 
@@ -57,8 +58,8 @@ TextMembers TextsOf(const storage::MessageRow& row) {
 v1::PresenceChange ToMessage(const storage::PresenceRow& row) {
   v1::PresenceChange change;
   change.set_ruri(row.robot.ruri);
-  change.set_presence(ToMessage(row.presence));
-  change.set_at_ms(UnixMs(row.at));
+  change.set_presence(std::string(model::ToText(row.presence)));
+  SetTime(change, &v1::PresenceChange::mutable_at, row.at);
   return change;
 }
 
@@ -70,7 +71,7 @@ v1::Quarantined ToMessage(const storage::QuarantineRow& row) {
   item.set_reason(std::string(model::ToText(row.rejection.reason)));
   item.set_field(row.rejection.field);
   item.set_detail(row.rejection.detail);
-  item.set_received_at_ms(UnixMs(row.received_at));
+  SetTime(item, &v1::Quarantined::mutable_received_at, row.received_at);
   item.set_payload(row.payload);
   item.set_payload_bytes(Signed(row.payload_bytes));
   item.set_source(std::string(model::ToText(row.source)));
@@ -83,8 +84,8 @@ v1::ScopeUpdate ToMessage(const storage::ScopeUpdateRow& row) {
   item.set_scope(std::string(model::ToText(row.update.scope)));
   item.set_id(row.update.id);
   item.set_type(row.update.type);
-  item.set_sampled_at_ms(row.update.unix_time_ms);
-  item.set_received_at_ms(UnixMs(row.received_at));
+  SetTimeMs(item, &v1::ScopeUpdate::mutable_sampled_at, row.update.unix_time_ms);
+  SetTime(item, &v1::ScopeUpdate::mutable_received_at, row.received_at);
   return item;
 }
 
@@ -100,7 +101,7 @@ v1::Gap ToMessage(const storage::GapRow& row) {
   gap.set_session_id(row.session.ToHex());
   gap.set_first_seq(row.first);
   gap.set_last_seq(row.last);
-  gap.set_seen_at_ms(UnixMs(row.seen_at));
+  SetTime(gap, &v1::Gap::mutable_seen_at, row.seen_at);
   return gap;
 }
 

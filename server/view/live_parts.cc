@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "schema/base/rfc3339.h"
 #include "schema/json/fields.h"
 #include "schema/json/render.h"
 
@@ -13,7 +14,12 @@ using json::Fields;
 using json::Render;
 
 boost::json::object RenderItem(const robot::Extra& extra) {
-  return Fields().Set("value", Render(extra.value)).Set("sampledAtMs", extra.sampled_at_ms).Take();
+  Fields fields;
+  fields.Set("value", Render(extra.value));
+  if (extra.sampled_at_ms != 0) {
+    fields.Set("sampledAt", Rfc3339(FromUnixMs(extra.sampled_at_ms)));
+  }
+  return fields.Take();
 }
 
 template <typename Message>

@@ -10,6 +10,7 @@
 #include "server/robot/source_of.h"
 #include "server/view/drone_json.h"
 #include "server/view/live_parts.h"
+#include "server/view/timestamps.h"
 #include "server/view/twin_json.h"
 
 namespace uplink::view {
@@ -17,7 +18,9 @@ namespace {
 
 void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_connected(session.connected);
-  if (session.connected) message.set_connected_since_ms(UnixMs(session.connected_since));
+  if (session.connected) {
+    SetTime(message, &v1::Robot::mutable_connected_since, session.connected_since);
+  }
   if (session.session) message.set_session_id(session.session->ToHex());
   message.set_settled_seq(session.settled_seq);
   message.set_uplinks_missing(Signed(session.missing));
@@ -25,7 +28,7 @@ void SetSession(const robot::SessionView& session, v1::Robot& message) {
   message.set_gateway(session.gateway);
   if (session.held_back == robot::HeldBack::kNone) return;
   message.set_held_back(std::string(robot::ToText(session.held_back)));
-  message.set_held_back_since_ms(UnixMs(session.held_back_since));
+  SetTime(message, &v1::Robot::mutable_held_back_since, session.held_back_since);
 }
 
 void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMembers& texts) {
@@ -40,19 +43,17 @@ void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMember
   }
 }
 
-std::int64_t UnixMsOf(const std::optional<SystemTime>& time) { return time ? UnixMs(*time) : 0; }
-
 void SetConnection(const BrokerConnection& connection, v1::MqttConnection& message) {
   message.set_name(connection.name);
   message.set_client_id(connection.client_id);
   message.set_state(connection.state);
-  message.set_connected_since_ms(UnixMsOf(connection.connected_since));
+  SetTime(message, &v1::MqttConnection::mutable_connected_since, connection.connected_since);
   message.set_session_present(connection.session_present);
   message.set_unacked(Signed(connection.unacked));
   message.set_filters_refused(Signed(connection.filters_refused));
   message.set_filters_lower(Signed(connection.filters_lower));
   message.set_last_error(connection.last_error);
-  message.set_last_error_at_ms(UnixMsOf(connection.last_error_at));
+  SetTime(message, &v1::MqttConnection::mutable_last_error_at, connection.last_error_at);
 }
 
 void SetBroker(const BrokerStatus& broker, v1::MqttStatus& message) {
@@ -61,25 +62,13 @@ void SetBroker(const BrokerStatus& broker, v1::MqttStatus& message) {
   message.set_held_by(broker.held_by);
   for (const std::string& prefix : broker.prefixes) message.add_prefixes(prefix);
   message.set_twins(Signed(broker.twins));
-  message.set_subscribed_since_ms(UnixMsOf(broker.subscribed_since));
+  SetTime(message, &v1::MqttStatus::mutable_subscribed_since, broker.subscribed_since);
   for (const BrokerConnection& connection : broker.connections) {
     SetConnection(connection, *message.add_connections());
   }
 }
 
 }  // namespace
-
-v1::Presence ToMessage(model::Presence presence) {
-  switch (presence) {
-    case model::Presence::kUnknown:
-      return v1::PRESENCE_UNKNOWN;
-    case model::Presence::kOnline:
-      return v1::PRESENCE_ONLINE;
-    case model::Presence::kOffline:
-      return v1::PRESENCE_OFFLINE;
-  }
-  return v1::PRESENCE_UNSPECIFIED;
-}
 
 std::int64_t Signed(std::uint64_t value) {
   constexpr auto kTop = std::numeric_limits<std::int64_t>::max();
@@ -92,16 +81,12 @@ v1::Robot ToMessage(const RobotView& robot) {
   message.set_fleet(robot.id.fleet);
   const model::MessageSource source = robot::SourceOf(robot.id.ruri);
   message.set_source(std::string(ToText(source)));
-  message.set_presence(ToMessage(robot.state.presence));
-  message.set_presence_since_ms(UnixMs(robot.state.presence_since));
-  if (robot.state.last_sign_of_life) {
-    message.set_last_sign_of_life_ms(UnixMs(*robot.state.last_sign_of_life));
-  }
+  message.set_presence(std::string(ToText(robot.state.presence)));
+  SetTime(message, &v1::Robot::mutable_presence_since, robot.state.presence_since);
+  SetTime(message, &v1::Robot::mutable_last_sign_of_life, robot.state.last_sign_of_life);
   if (robot.state.foreign) {
     message.set_held_by(robot.state.foreign->held_by);
-    if (robot.state.foreign->written_at) {
-      message.set_held_by_at_ms(UnixMs(*robot.state.foreign->written_at));
-    }
+    SetTime(message, &v1::Robot::mutable_held_by_at, robot.state.foreign->written_at);
   }
   SetSession(robot.session, message);
   if (robot.is_drone) {
@@ -112,7 +97,7 @@ v1::Robot ToMessage(const RobotView& robot) {
   if (source != model::MessageSource::kUplink) {
     // The stream is our own: it does not mean that the robot has a link to us.
     message.set_connected(false);
-    message.clear_connected_since_ms();
+    message.clear_connected_since();
   }
   message.set_clock_skew_ms(robot.state.clock_skew_ms.value_or(0));
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
@@ -162,8 +147,8 @@ void SetMessages(const metrics::MessageCounts& counts, v1::MessageCounts& messag
 v1::ServerStatus ToMessage(const StatusView& status, const std::vector<std::string>& degraded) {
   v1::ServerStatus message;
   message.set_version(status.version);
-  message.set_started_at_ms(UnixMs(status.started_at));
-  message.set_now_ms(UnixMs(status.now));
+  SetTime(message, &v1::ServerStatus::mutable_started_at, status.started_at);
+  SetTime(message, &v1::ServerStatus::mutable_now, status.now);
   auto& robots = *message.mutable_robots();
   robots["online"] = status.robots.online;
   robots["offline"] = status.robots.offline;

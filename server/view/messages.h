@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "schema/model/presence.h"
 #include "server/view/parts.h"
 #include "server/view/queries.h"
 #include "server/view/text_members.h"
@@ -18,7 +17,6 @@ namespace uplink::view {
 
 [[nodiscard]] v1::Robot ToMessage(const RobotView& robot);
 [[nodiscard]] TextMembers TextsOf(const RobotView& robot, const PartSet& parts);
-[[nodiscard]] v1::Presence ToMessage(model::Presence presence);
 
 // Rows of lists.
 [[nodiscard]] v1::Fault ToMessage(const storage::FaultRow& row);

@@ -3,6 +3,7 @@
 
 #include "schema/model/enum_text.h"
 #include "server/view/messages.h"
+#include "server/view/timestamps.h"
 
 // What is there now: mission runs, shapes, objects.
 namespace uplink::view {
@@ -29,11 +30,11 @@ v1::MissionRun ToMessage(const storage::MissionRunRow& row) {
   run.set_run_id(row.run_id);
   run.set_name(row.name);
   run.set_status(model::EnumText(row.status));
-  run.set_first_received_at_ms(UnixMs(row.first_received_at));
-  run.set_last_received_at_ms(UnixMs(row.last_received_at));
+  SetTime(run, &v1::MissionRun::mutable_first_received_at, row.first_received_at);
+  SetTime(run, &v1::MissionRun::mutable_last_received_at, row.last_received_at);
   run.set_updates(Signed(row.updates));
   run.set_closed_why(std::string(ToText(row.closed)));
-  run.set_closed_at_ms(row.closed_at_ms);
+  SetTimeMs(run, &v1::MissionRun::mutable_closed_at, row.closed_at_ms);
   return run;
 }
 
@@ -49,9 +50,9 @@ v1::OperatorRequest ToMessage(const storage::OperatorRequestRow& row) {
   request.set_request_id(row.request_id);
   request.set_kind(std::string(model::ToText(row.kind)));
   request.set_text(row.text);
-  request.set_requested_at_ms(row.requested_at_ms);
-  request.set_opened_at_ms(UnixMs(row.opened_at));
-  request.set_closed_at_ms(row.closed_at_ms);
+  SetTimeMs(request, &v1::OperatorRequest::mutable_requested_at, row.requested_at_ms);
+  SetTime(request, &v1::OperatorRequest::mutable_opened_at, row.opened_at);
+  SetTimeMs(request, &v1::OperatorRequest::mutable_closed_at, row.closed_at_ms);
   return request;
 }
 
@@ -64,11 +65,11 @@ v1::Shape ToMessage(const storage::ShapeRow& row) {
   shape.set_scope(model::EnumText(row.scope));
   shape.set_rev(row.identity.rev);
   shape.set_hash(row.identity.hash);
-  shape.set_expires_at_ms(row.expires_at_ms);
+  SetTimeMs(shape, &v1::Shape::mutable_expires_at, row.expires_at_ms);
   shape.set_min_z_m(row.min_z_m);
   shape.set_max_z_m(row.max_z_m);
   shape.set_level_id(row.level_id);
-  shape.set_received_at_ms(UnixMs(row.received_at));
+  SetTime(shape, &v1::Shape::mutable_received_at, row.received_at);
   return shape;
 }
 
@@ -86,9 +87,9 @@ v1::TrackedObject ToMessage(const storage::ObjectRow& row) {
   object.set_object_type(model::EnumText(row.object_type));
   object.set_scope(model::EnumText(row.scope));
   object.set_radius_m(row.radius_m);
-  object.set_sampled_at_ms(row.sampled_at_ms);
-  object.set_expires_at_ms(row.expires_at_ms);
-  object.set_received_at_ms(UnixMs(row.received_at));
+  SetTimeMs(object, &v1::TrackedObject::mutable_sampled_at, row.sampled_at_ms);
+  SetTimeMs(object, &v1::TrackedObject::mutable_expires_at, row.expires_at_ms);
+  SetTime(object, &v1::TrackedObject::mutable_received_at, row.received_at);
   return object;
 }
 

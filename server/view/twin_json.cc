@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "schema/base/rfc3339.h"
 #include "schema/json/exact.h"
 #include "schema/json/fields.h"
 
@@ -29,7 +30,7 @@ void SetText(Fields& fields, std::string_view name, const std::string& text) {
 
 void SetStamp(Fields& fields, const Stamp& stamp) {
   if (stamp.timestamp_us != 0) fields.Set("timestamp", Seconds(stamp.timestamp_us));
-  fields.Set("receivedAtMs", UnixMs(stamp.arrived.system));
+  fields.Set("receivedAt", Rfc3339(stamp.arrived.system));
 }
 
 void SetSource(Fields& fields, const cw::Source& source) {

@@ -67,7 +67,7 @@ struct InShort {
 /// Without the times of arrival, which are this test's own.
 void Forget(js::value& value) {
   if (js::object* object = value.if_object()) {
-    object->erase("receivedAtMs");
+    object->erase("receivedAt");
     for (auto& member : *object) Forget(member.value());
   }
 }

@@ -30,7 +30,7 @@ B = "11111111-2222-4333-8444-00000000000b"
 # Sessions of the vendor's clients: of a live one, of a simulation, of somebody who watches.
 LIVE, SIMULATION = "driver_live_0a1b2c3d4e5f", "driver_sim_0a1b2c3d4e5f"
 VIEWER = "viewer_live_0a1b2c3d4e5f"
-ONLINE, OFFLINE = "PRESENCE_ONLINE", "PRESENCE_OFFLINE"
+ONLINE, OFFLINE = "online", "offline"
 NOON = 1795262400.0
 
 

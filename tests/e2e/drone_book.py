@@ -149,7 +149,7 @@ def rows_of(events, messages, faults, requests, quarantine=()):
     stored["Alert"] = [(row["faultId"], row["active"]) for row in faults]
     for row in requests:
         stored["OperatorActionRequests"].append((row["requestId"], True))
-        if int(row["closedAtMs"]):
+        if "closedAt" in row:
             stored["OperatorActionRequests"].append((row["requestId"], False))
     if quarantine:
         stored[WRONG] = [("", int(WRONG_NUMBER.search(row["detail"]).group(1))) for row in quarantine]

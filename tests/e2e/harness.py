@@ -4,6 +4,7 @@ Nothing here sleeps: waiting is done on a process, with a deadline, and a server
 is waited for is a failure with its log.
 """
 
+import datetime
 import json
 import os
 import pathlib
@@ -44,6 +45,12 @@ def run(*arguments, code=0, timeout=60, env=None):
 
 def uplinkctl(*arguments, code=0, env=None):
     return run(BIN / "uplinkctl", *arguments, code=code, env=env)
+
+
+def unix_us(text):
+    """The Unix microseconds of a time in an answer."""
+    since = datetime.datetime.fromisoformat(text) - datetime.datetime.fromtimestamp(0, datetime.timezone.utc)
+    return since // datetime.timedelta(microseconds=1)
 
 
 class Server:

@@ -8,9 +8,9 @@ from openapi import Document, request, target
 WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
-    "robots": "robots", "events": "events", "messages": "messages", "presence": "changes",
-    "quarantine": "items", "all_quarantine": "items", "gaps": "gaps",
-    "scope_updates": "updates", "faults": "faults", "missions": "missionRuns",
+    "robots": "robots", "events": "events", "messages": "messages", "presence": "presenceChanges",
+    "quarantine": "quarantined", "all_quarantine": "quarantined", "gaps": "gaps",
+    "scope_updates": "scopeUpdates", "faults": "faults", "missions": "missions",
     "shapes": "shapes", "objects": "objects",
 }  # fmt: skip
 # Paths that show the same rows, and so take each other's tokens.

@@ -4,7 +4,7 @@ import collections
 import urllib.parse
 
 # By the number in the table.
-NAMES = ("PRESENCE_UNKNOWN", "PRESENCE_ONLINE", "PRESENCE_OFFLINE")
+NAMES = ("unknown", "online", "offline")
 UNKNOWN, ONLINE, OFFLINE = NAMES
 # The rows of a time in which no server hears a robot: its holder is gone, or stands still.
 PAUSE = [UNKNOWN, ONLINE]
@@ -23,7 +23,7 @@ def stored_histories(cluster):
 def shown_history(server, ruri):
     """What a server shows of a robot's changes, the earliest first."""
     answer = server.get(f"/api/v1/robots/{urllib.parse.quote(ruri, safe='')}/presence?pageSize=1000") or {}
-    return [change["presence"] for change in reversed(answer.get("changes", []))]
+    return [change["presence"] for change in reversed(answer.get("presenceChanges", []))]
 
 
 def goes_on(before, now, pauses):

@@ -119,7 +119,7 @@ class Reading:
         self.server.start()
 
         def is_held(robot):
-            return not robot["heldBy"] and robot["lastSignOfLifeMs"] != "0"
+            return not robot["heldBy"] and "lastSignOfLife" in robot
 
         def holds_all():
             robots = (self.server.get("/api/v1/robots?pageSize=1000") or {}).get("robots")

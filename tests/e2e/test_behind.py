@@ -19,7 +19,7 @@ class Behind(EndToEnd):
     def wait_for_presence(self, server, presence):
         def look():
             now = [robot["presence"] for robot in self.robots(server)]
-            self.assertNotIn("PRESENCE_OFFLINE", now, "messages lie unread")
+            self.assertNotIn("offline", now, "messages lie unread")
             return len(now) == ROBOTS and set(now) == {presence}
 
         wait_until(server.process, look, ROUND_SECONDS, presence)
@@ -39,7 +39,7 @@ class Behind(EndToEnd):
         with standing_still(relay):
             if not self.robots(server):
                 return False
-            self.wait_for_presence(server, "PRESENCE_UNKNOWN")
+            self.wait_for_presence(server, "unknown")
             try:
                 self.wait_for_word(server, True, "relay_behind why=late")
             except TimeoutError:
@@ -49,17 +49,17 @@ class Behind(EndToEnd):
     def test_robots_that_the_server_does_not_read_are_unknown_and_never_offline(self):
         server = self.server().start()
         fleet = self.fleet(server, "--robots", ROBOTS, "--faults", 5)
-        self.wait_for_presence(server, "PRESENCE_ONLINE")
+        self.wait_for_presence(server, "online")
         try:
             self.assertTrue(any(self.stand_still(server) for _ in range(STOPS)), "no stop without a lock")
         except PermissionError as error:
             self.skipTest(f"this system does not let us stop threads: {error}")
-        self.wait_for_presence(server, "PRESENCE_ONLINE")
+        self.wait_for_presence(server, "online")
         self.wait_for_word(server, False, "relay_caught_up")
         for robot in self.robots(server):
             name = urllib.parse.quote(robot["ruri"], safe="")
-            changes = server.get(f"/api/v1/robots/{name}/presence")["changes"]
-            self.assertNotIn("PRESENCE_OFFLINE", [change["presence"] for change in changes])
+            changes = server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"]
+            self.assertNotIn("offline", [change["presence"] for change in changes])
         self.assert_agrees(fleet)
 
 

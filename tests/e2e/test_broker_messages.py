@@ -169,7 +169,7 @@ class Clients(MessageTest):
         self.outcomes(server, 2)
         self.assertEqual(self.presence(server, twin(A)), ONLINE)
         self.wait(server, lambda: self.presence(server, twin(A)) == OFFLINE, "the silent twin is offline")
-        heard = self.robot(server, twin(A))["lastSignOfLifeMs"]
+        heard = self.robot(server, twin(A))["lastSignOfLife"]
         changes = self.wait(server, lambda: self.changes_to_offline(server), "the change is stored")
         self.assertEqual(changes[0]["presence"], ONLINE)
         for kind in ("connected", "telemetry_start", "initial_observation"):
@@ -179,7 +179,7 @@ class Clients(MessageTest):
         client.publish(topic(A, "position"), position(2, "tele"))
         self.assertEqual(self.outcomes(server, 8), {"applied": 1, "observed": 4, "stored": 3})
         robot = self.robot(server, twin(A))
-        self.assertEqual((robot["presence"], robot["lastSignOfLifeMs"]), (OFFLINE, heard))
+        self.assertEqual((robot["presence"], robot["lastSignOfLife"]), (OFFLINE, heard))
         self.assertTrue(robot["cyberwave"]["sessions"][VIEWER]["connected"])
         self.assertEqual(self.history(server, twin(A), "presence"), changes)
         # Its own word does.

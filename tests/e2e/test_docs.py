@@ -67,7 +67,7 @@ class Commands(EndToEnd):
         fleet = self.fleet(self.running, "--robots", 5, "--malformed-share", 0.2)
         path = f"/api/v1/robots/{urllib.parse.quote(ROBOT, safe='')}/quarantine"
         wait_until(
-            fleet.process, lambda: (self.running.get(path) or {}).get("items"), WAIT_SECONDS, "a rejected message"
+            fleet.process, lambda: (self.running.get(path) or {}).get("quarantined"), WAIT_SECONDS, "a rejected message"
         )
         pki = self.running.pki
         uplinkctl("pki", "robot", "--dir", pki, "--name", "r1", "--fleet", "default", "--ruri", ROBOT)

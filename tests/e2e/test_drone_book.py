@@ -144,8 +144,8 @@ class Rows(unittest.TestCase):
             messages=[{"message": "number 5."}],
             faults=[{"faultId": "low-1", "active": True}, {"faultId": "low-1", "active": False}],
             requests=[
-                {"requestId": "ask-0", "closedAtMs": "1795262400000"},
-                {"requestId": "ask-1", "closedAtMs": "0"},
+                {"requestId": "ask-0", "closedAt": "2026-11-21T12:00:00Z"},
+                {"requestId": "ask-1"},
             ],
             quarantine=[{"detail": '"wrong-8" stands twice in its list'}],
         )

@@ -23,10 +23,10 @@ class FleetRun(EndToEnd):
         name = urllib.parse.quote(ruri, safe="")
         lists = {
             f"/api/v1/faults?ruri={name}": "faults",
-            f"/api/v1/missions?ruri={name}": "missionRuns",
+            f"/api/v1/missions?ruri={name}": "missions",
             f"/api/v1/robots/{name}/events": "events",
-            f"/api/v1/robots/{name}/presence": "changes",
-            f"/api/v1/robots/{name}/quarantine": "items",
+            f"/api/v1/robots/{name}/presence": "presenceChanges",
+            f"/api/v1/robots/{name}/quarantine": "quarantined",
             f"/api/v1/objects?ruri={name}": "objects",
         }
         for path, rows in lists.items():

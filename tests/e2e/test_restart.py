@@ -99,7 +99,7 @@ startup_grace = "10m"
 
     def history(self, server, ruri):
         name = urllib.parse.quote(ruri, safe="")
-        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["changes"])]
+        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"])]
 
     def fleet_of(self, server, number):
         return self.fleet(server, "--robots", self.ROBOTS, "--ruri-prefix", f"rcan://restart/{number}", "--rate", 5)
@@ -117,16 +117,16 @@ startup_grace = "10m"
     def restart(self, server):
         server.start()
         fleet = self.fleet_of(server, 1)
-        self.wait_for(server, "PRESENCE_ONLINE", 1)
+        self.wait_for(server, "online", 1)
         fleet.close()
-        gone = self.wait_for(server, "PRESENCE_OFFLINE", 1)
+        gone = self.wait_for(server, "offline", 1)
         fleet = self.fleet_of(server, 2)
-        before = {ruri: ["PRESENCE_ONLINE", "PRESENCE_OFFLINE"] for ruri in gone}
+        before = {ruri: ["online", "offline"] for ruri in gone}
         for end in (server.kill, lambda: self.assertEqual(server.terminate(ROUND_SECONDS), 0)):
-            online = self.wait_for(server, "PRESENCE_ONLINE", 2)
+            online = self.wait_for(server, "online", 2)
             wait_until(
                 server.process,
-                lambda now=online: all(self.history(server, ruri)[-1:] == ["PRESENCE_ONLINE"] for ruri in now),
+                lambda now=online: all(self.history(server, ruri)[-1:] == ["online"] for ruri in now),
                 ROUND_SECONDS,
                 "the store has it",
             )
@@ -140,14 +140,14 @@ startup_grace = "10m"
                 ROUND_SECONDS,
                 "it judges them, and one half is unknown",
             )
-            for ruri, robot in self.wait_for(server, "PRESENCE_OFFLINE", 1).items():
-                self.assertEqual(robot["presenceSinceMs"], gone[ruri]["presenceSinceMs"], ruri)
+            for ruri, robot in self.wait_for(server, "offline", 1).items():
+                self.assertEqual(robot["presenceSince"], gone[ruri]["presenceSince"], ruri)
             self.assertEqual({ruri: self.history(server, ruri) for ruri in gone}, before, "no row is added")
-            self.wait_for(server, "PRESENCE_UNKNOWN", 2)
+            self.wait_for(server, "unknown", 2)
             fleet = self.fleet_of(server, 2)
         fleet.close()
         self.fleet_of(server, 1)
-        self.wait_for(server, "PRESENCE_ONLINE", 1)
+        self.wait_for(server, "online", 1)
 
     def test_who_was_offline_stays_so_on_sqlite(self):
         self.restart(self.server(self.SETTINGS))

@@ -28,7 +28,7 @@ class Standstill(EndToEnd):
     def wait_for_all_online(self, server):
         def look():
             now = [robot["presence"] for robot in self.robots(server)]
-            return len(now) == ROBOTS and set(now) == {"PRESENCE_ONLINE"}
+            return len(now) == ROBOTS and set(now) == {"online"}
 
         wait_until(server.process, look, ROUND_SECONDS, "all are online")
 
@@ -38,7 +38,7 @@ class Standstill(EndToEnd):
     def changes(self, server, robot):
         """The robot's presence changes, the oldest first."""
         name = urllib.parse.quote(robot["ruri"], safe="")
-        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["changes"])]
+        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"])]
 
     def stand_still(self, server, fleet, seconds):
         server.process.send_signal(signal.SIGSTOP)
@@ -76,10 +76,10 @@ class Standstill(EndToEnd):
         self.wait_for_all_online(server)
         for robot in self.robots(server):
             changes = self.changes(server, robot)
-            self.assertNotIn("PRESENCE_OFFLINE", changes)
+            self.assertNotIn("offline", changes)
             for before, after in zip(changes, changes[1:]):
                 self.assertNotEqual(before, after, "a row per change")
-            self.assertEqual(changes[-1], "PRESENCE_ONLINE")
+            self.assertEqual(changes[-1], "online")
         self.assert_agrees(fleet)
 
     def test_robots_whose_connections_broke_meanwhile_have_the_grace_of_a_start_to_come_back(self):
@@ -97,14 +97,14 @@ class Standstill(EndToEnd):
             server.process.send_signal(signal.SIGCONT)
 
         def nobody_is_offline():
-            self.assertNotIn("PRESENCE_OFFLINE", [robot["presence"] for robot in self.robots(server)])
+            self.assertNotIn("offline", [robot["presence"] for robot in self.robots(server)])
 
         self.pass_time(server.process, AWAY_SECONDS, nobody_is_offline)
-        self.assertIn("PRESENCE_UNKNOWN", {robot["presence"] for robot in self.robots(server)})
+        self.assertIn("unknown", {robot["presence"] for robot in self.robots(server)})
         self.fleet(server, "--robots", ROBOTS, "--rate", 10, "--faults", 10)
         self.wait_for_all_online(server)
         for robot in self.robots(server):
-            self.assertNotIn("PRESENCE_OFFLINE", self.changes(server, robot))
+            self.assertNotIn("offline", self.changes(server, robot))
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ class Example(DroneTest):
         faults = [(row["faultId"], row["active"]) for row in self.listed(server, "faults")]
         self.assertEqual(faults, [("battery-low", True)])
         (request,) = self.listed(server, "operator-requests")
-        self.assertGreater(int(request["closedAtMs"]), 0)
+        self.assertIn("closedAt", request)
         self.assertGreater(self.shown(server)["battery"]["0"]["remainingPercent"], 0)
 
     def test_the_example_drops_a_sample_that_is_too_large_and_sends_what_comes_after_it(self):

@@ -64,7 +64,7 @@ class Alternating(TwoServersWithDrones):
         faults = self.by_both(lambda server: [row["active"] for row in self.listed(server, "faults")])
         self.assertEqual(faults, [True, False])
         (row,) = self.by_both(lambda server: self.listed(server, "operator-requests"))
-        self.assertGreater(int(row["closedAtMs"]), 0)
+        self.assertIn("closedAt", row)
 
     def test_a_set_that_comes_back_at_a_server_is_stored_though_the_other_one_ended_it(self):
         for number, (place, sets) in enumerate(((A, ("x",)), (B, ()), (A, ("x",)), (B, ()), (A, ("x",)))):
@@ -156,7 +156,7 @@ class Killed(TwoServersWithDrones):
             lambda: self.at(B, "Battery", next(numbers)).get("outcome") == "APPLIED", "B has the drone", B,
             LEASE_SECONDS,
         )  # fmt: skip
-        self.assertNotIn("PRESENCE_OFFLINE", [row["presence"] for row in self.history(self.servers[B], "presence")])
+        self.assertNotIn("offline", [row["presence"] for row in self.history(self.servers[B], "presence")])
 
 
 if __name__ == "__main__":

@@ -54,7 +54,8 @@ def stored_rows(table):
             case "fault":
                 of_drone[what].append({"faultId": said, "active": int(how) == 1})
             case "request":
-                of_drone[what].append({"requestId": said, "closedAtMs": 1 - int(how)})
+                closed = {} if int(how) else {"closedAt": "1970-01-01T00:00:00.001Z"}
+                of_drone[what].append({"requestId": said, **closed})
             case "rejected":
                 of_drone[what].append({"detail": said})
             case _:

@@ -1,6 +1,8 @@
 #include "tests/support/vector_views.h"
 
-#include <charconv>
+#include <array>
+#include <cstdlib>
+#include <ctime>
 #include <utility>
 
 #include "schema/base/check.h"
@@ -27,9 +29,19 @@ std::string Encoded(std::string_view text) {
   return encoded;
 }
 
-/// A 64-bit number as proto3's JSON has it.
-value Wide(const value& number) {
-  return value(std::to_string(static_cast<std::int64_t>(number.as_double())));
+constexpr std::int64_t kMsPerSecond = 1000;
+
+/// Unix milliseconds as proto3's JSON has a time.
+std::string TimeText(std::int64_t ms) {
+  const std::time_t second = ms / kMsPerSecond;
+  std::tm parts{};
+  gmtime_r(&second, &parts);
+  std::array<char, 64> text{};
+  std::string shown(text.data(),
+                    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts));
+  if (ms % kMsPerSecond == 0) return shown + "Z";
+  const std::string fraction = std::to_string(ms % kMsPerSecond);
+  return shown + "." + std::string(3 - fraction.size(), '0') + fraction + "Z";
 }
 
 /// A row that repeats members of the vector and names its robot.
@@ -40,6 +52,11 @@ class Row {
   Row& Same(std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) Set(name, from_.at(Key(name)));
     return *this;
+  }
+  /// A time of the vector; 0 is none.
+  Row& Time(std::string_view name, std::string_view of) {
+    const auto ms = static_cast<std::int64_t>(from_.at(Key(of)).as_double());
+    return ms == 0 ? *this : Set(name, value(TimeText(ms)));
   }
   Row& Set(std::string_view name, value member) {
     row_[Key(name)] = std::move(member);
@@ -78,10 +95,12 @@ void AddExtras(const object& body, Views& out) {
   object extras;
   for (const value& reading : body.at("kv").as_array()) {
     const object& fields = reading.as_object();
-    const value* sampled = fields.if_contains("unixTimeMs");
-    extras[fields.at("key").as_string()] =
-        object{{"value", fields.at("value")},
-               {"sampledAtMs", sampled != nullptr ? *sampled : body.at("unixTimeMs")}};
+    const value* own = fields.if_contains("unixTimeMs");
+    const value& sampled = own != nullptr ? *own : body.at("unixTimeMs");
+    object shown{{"value", fields.at("value")}};
+    const auto ms = static_cast<std::int64_t>(sampled.as_double());
+    if (ms != 0) shown["sampledAt"] = TimeText(ms);
+    extras[fields.at("key").as_string()] = std::move(shown);
   }
   out.Part(extras.empty() ? "" : "extras", extras);
 }
@@ -98,15 +117,14 @@ void AddFault(const object& body, Views& out) {
   const object row = Row(out.ruri, body)
                          .Same({"faultId", "source", "severity", "active", "category",
                                 "description", "suggestedAction"})
-                         .Set("sampledAtMs", Wide(body.at("unixTimeMs")))
+                         .Time("sampledAt", "unixTimeMs")
                          .Take();
   object report = row;
-  report["raisedAtMs"] = "0";
-  out.views.push_back({out.ListTarget("faults"), "faults", report, {"receivedAtMs"}});
+  out.views.push_back({out.ListTarget("faults"), "faults", report, {"receivedAt"}});
   VectorView active{out.ListTarget("faults") + "&active=true", "faults", {}, {}};
   if (body.at("active").as_bool()) {
     active.row = row;
-    active.times = {"receivedAtMs", "raisedAtMs"};
+    active.times = {"receivedAt", "raisedAt"};
   }
   out.views.push_back(active);
 }
@@ -118,34 +136,31 @@ void AddEvent(const object& body, Views& out) {
                        Row(out.ruri, body)
                            .Set("kind", value(kind))
                            .Set("detail", detail.is_null() ? value(object()) : detail)
-                           .Set("sampledAtMs", Wide(body.at("unixTimeMs")))
+                           .Time("sampledAt", "unixTimeMs")
                            .Take(),
-                       {"receivedAtMs"}});
+                       {"receivedAt"}});
 }
 
 void AddMessage(const object& body, Views& out) {
-  out.views.push_back({out.RobotTarget() + "/messages",
-                       "messages",
-                       Row(out.ruri, body)
-                           .Same({"level", "message"})
-                           .Set("sampledAtMs", Wide(body.at("unixTimeMs")))
-                           .Take(),
-                       {"receivedAtMs"}});
+  out.views.push_back(
+      {out.RobotTarget() + "/messages",
+       "messages",
+       Row(out.ruri, body).Same({"level", "message"}).Time("sampledAt", "unixTimeMs").Take(),
+       {"receivedAt"}});
 }
 
 void AddMissionRun(const object& body, Views& out) {
   const value* name = body.if_contains("name");
   out.views.push_back({out.ListTarget("missions"),
-                       "missionRuns",
+                       "missions",
                        Row(out.ruri, body)
                            .Same({"missionId", "runId", "status"})
                            .Set("name", name != nullptr ? *name : value(""))
                            .Set("latest", body)
                            .Set("updates", "1")
                            .Set("closedWhy", "")
-                           .Set("closedAtMs", "0")
                            .Take(),
-                       {"firstReceivedAtMs", "lastReceivedAtMs"}});
+                       {"firstReceivedAt", "lastReceivedAt"}});
 }
 
 array Coordinates(const value& ring) {
@@ -175,9 +190,9 @@ void AddShape(const object& body, Views& out) {
                    .Set("rev", identity.at("rev"))
                    .Set("hash", identity.at("hash"))
                    .Set("geometry", Polygon(shape.at("data").at("polygon").as_object()))
-                   .Set("expiresAtMs", Wide(shape.at("expireTimeMs")))
+                   .Time("expiresAt", "expireTimeMs")
                    .Take();
-    view.times = {"receivedAtMs"};
+    view.times = {"receivedAt"};
   }
   out.views.push_back(view);
 }
@@ -188,10 +203,10 @@ void AddObject(const object& body, Views& out) {
     const object& tracked = found->as_object();
     view.row = Row(out.ruri, tracked)
                    .Same({"id", "name", "objectType", "scope", "location", "trajectory", "radiusM"})
-                   .Set("sampledAtMs", Wide(tracked.at("unixTimeMs")))
-                   .Set("expiresAtMs", Wide(tracked.at("expiresUnixTimeMs")))
+                   .Time("sampledAt", "unixTimeMs")
+                   .Time("expiresAt", "expiresUnixTimeMs")
                    .Take();
-    view.times = {"receivedAtMs"};
+    view.times = {"receivedAt"};
   }
   out.views.push_back(view);
 }
@@ -232,10 +247,13 @@ void AddRows(std::string_view variant, const object& body, Views& out) {
 bool IsTimeIn(const value* time, const TimeSpan& span) {
   if (time == nullptr || !time->is_string()) return false;
   const std::string text = TextOf(*time);
-  std::int64_t ms = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ms);
-  return error == std::errc() && end == text.data() + text.size() && ms >= span.from_ms &&
-         ms <= span.to_ms;
+  std::tm parts{};
+  const char* const fraction = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
+  if (fraction == nullptr) return false;
+  std::int64_t ms = timegm(&parts) * kMsPerSecond;
+  if (*fraction == '.') ms += std::atoi(fraction + 1);
+  // The same time has one text: this says that nothing else stands in it.
+  return TimeText(ms) == text && ms >= span.from_ms && ms <= span.to_ms;
 }
 
 /// A Robot's parts and nothing else of it.

@@ -20,7 +20,7 @@ struct VectorView {
   /// The one row that must be there; nothing: no row may be. Of a Robot: the one part that it must
   /// carry, under its name, or nothing.
   std::optional<boost::json::object> row;
-  /// Further members of the row: server times in milliseconds.
+  /// Further members of the row: times of the server.
   std::vector<std::string> times;
 };
 
@@ -38,7 +38,7 @@ struct TimeSpan {
 };
 
 /// What differs between an answer's body and `view`; empty if nothing. Server times must lie in
-/// `arrival`, as decimal texts; members that `view` does not name are a difference.
+/// `arrival`; members that `view` does not name are a difference.
 [[nodiscard]] std::string Difference(const VectorView& view, std::string_view answer,
                                      const TimeSpan& arrival);
 

@@ -42,7 +42,7 @@ TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
   connection.Send(
       "GET /api/v1/status HTTP/1.1\r\nHost: localhost\r\n\r\n"
       "GET /readyz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-  EXPECT_THAT(connection.Read()->body, HasSubstr("startedAtMs"));
+  EXPECT_THAT(connection.Read()->body, HasSubstr("startedAt"));
   EXPECT_THAT(connection.Read()->body, HasSubstr("degraded"));
   EXPECT_TRUE(connection.AtEnd());
 }

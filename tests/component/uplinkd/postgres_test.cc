@@ -106,7 +106,7 @@ TEST_F(PostgresServing, AnAckIsARowAndAKillLosesNone) {
     ASSERT_TRUE(process_->WaitForExit());
   }
   Serve();
-  EXPECT_THAT(HttpGet(http_, kRobotPath).body, HasSubstr(R"("presence":"PRESENCE_UNKNOWN")"));
+  EXPECT_THAT(HttpGet(http_, kRobotPath).body, HasSubstr(R"("presence":"unknown")"));
   const auto agent = Agent();
   const auto welcome = agent->Connect(session_);
   ASSERT_TRUE(welcome);
@@ -171,7 +171,7 @@ TEST_P(PostgresTrouble, DurableWaitsLiveGoesOnAndNothingIsLostOrDoubled) {
   ASSERT_TRUE(agent->Send(BatchFrame({{7, Motion()}})));
   const auto judged = agent->ReadJudged(7);
   ASSERT_TRUE(judged);
-  EXPECT_THAT(HttpGet(http_, kRobotPath).body, HasSubstr(R"("presence":"PRESENCE_ONLINE")"));
+  EXPECT_THAT(HttpGet(http_, kRobotPath).body, HasSubstr(R"("presence":"online")"));
   if (GetParam().stops) {
     EXPECT_EQ(judged->through_seq(), 3U);
     EXPECT_TRUE(Eventually([this] { return IsDegraded(); }));
@@ -234,8 +234,8 @@ TEST_F(PostgresServing, AtTheLimitsStreamsAreHeldBackAndTheirRobotsUnknown) {
   EXPECT_LE(Sample("uplinkd_journal_bytes"), 8 * 1024 + 2048);
   ASSERT_TRUE(Eventually([this] {
     const std::string body = HttpGet(http_, kRobotPath).body;
-    EXPECT_THAT(body, Not(HasSubstr("PRESENCE_OFFLINE")));
-    return body.find("PRESENCE_UNKNOWN") != std::string::npos;
+    EXPECT_THAT(body, Not(HasSubstr(R"("presence":"offline")")));
+    return body.find(R"("presence":"unknown")") != std::string::npos;
   }));
   proxy_.Set(ProxyMode::kPass);
   ASSERT_TRUE(agent->ReadThrough(kLast));

@@ -65,8 +65,11 @@ class ReadingServer final {
   [[nodiscard]] std::string PresenceOf(int twin) const {
     const std::string robot =
         Get("/api/v1/robots/rcan%3A%2F%2Flocal.rcan%2Fcyberwave%2Ftwin%2F" + TwinId(twin));
-    const std::size_t at = robot.find("PRESENCE_");
-    return at == std::string::npos ? "" : robot.substr(at + 9, robot.find('"', at) - at - 9);
+    constexpr std::string_view kMember = R"("presence":")";
+    const std::size_t at = robot.find(kMember);
+    if (at == std::string::npos) return "";
+    const std::size_t begin = at + kMember.size();
+    return robot.substr(begin, robot.find('"', begin) - begin);
   }
 
  private:

@@ -86,7 +86,7 @@ TEST_F(TwoReaders, OneThatStopsGivesTheBrokerToTheOther) {
   MqttPublisher publisher(broker_.port());
   publisher.PublishLive(TwinTopic(1, "position"),
                         R"({"source_type":"edge","position":{"x":1,"y":2,"z":3}})");
-  ASSERT_TRUE(Eventually([&] { return servers_[holder]->PresenceOf(1) == "ONLINE"; }));
+  ASSERT_TRUE(Eventually([&] { return servers_[holder]->PresenceOf(1) == "online"; }));
   EXPECT_TRUE(Eventually([&] { return !servers_[other]->Degraded("mqtt_away"); }))
       << "once it has looked it knows that the other one reads";
   servers_[holder]->process().Signal(SIGTERM);

@@ -57,7 +57,7 @@ TEST_P(Reading, EachClassOfMessageLandsWhereItBelongs) {
                     R"({"type":"joined","data":{}})");
   ASSERT_TRUE(Eventually([&] { return server->Settled("stored") >= 3; }));
   ASSERT_TRUE(Eventually([&] { return server->Settled("rejected") >= 1; }));
-  EXPECT_EQ(server->PresenceOf(1), "ONLINE");
+  EXPECT_EQ(server->PresenceOf(1), "online");
   const std::string robot =
       "/api/v1/robots/rcan%3A%2F%2Flocal.rcan%2Fcyberwave%2Ftwin%2F" + TwinId(1);
   EXPECT_THAT(server->Get(robot + "/events"), HasSubstr("cyberwave/bench"));
@@ -106,10 +106,10 @@ TEST_P(Reading, ABrokerThatRestartsLosesNothingAndTakesNobodyOffline) {
     MqttPublisher publisher(broker_.port());
     publisher.PublishLive(TwinTopic(1, "position"), kPosition);
     publisher.Publish(TwinTopic(1, "event"), NumberedEvent(1));
-    ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "ONLINE"; }));
+    ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "online"; }));
   }
   broker_.Stop();
-  ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "UNKNOWN"; }));
+  ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "unknown"; }));
   EXPECT_TRUE(server->Degraded("mqtt_away"));
   broker_.Start();
   ASSERT_TRUE(server->Subscribed());
@@ -118,7 +118,7 @@ TEST_P(Reading, ABrokerThatRestartsLosesNothingAndTakesNobodyOffline) {
   publisher.Publish(TwinTopic(1, "event"), NumberedEvent(2));
   ASSERT_TRUE(Eventually([&] { return server->Settled("stored") >= 2; }));
   // It says nothing more, and we hear.
-  ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "OFFLINE"; }));
+  ASSERT_TRUE(Eventually([&] { return server->PresenceOf(1) == "offline"; }));
   EXPECT_EQ(Stored(), "2 rows, 2 numbers\n");
 }
 

@@ -193,7 +193,7 @@ TEST_F(ServingTest, RobotsOfTheStoreAreKnownFromTheStart) {
   Serve();
   const RawAnswer answer = HttpGet(http_, "/api/v1/robots/rcan%3A%2F%2Fa%2Fb");
   EXPECT_EQ(answer.status, 200);
-  EXPECT_THAT(answer.body, HasSubstr(R"("presence":"PRESENCE_UNKNOWN")"));
+  EXPECT_THAT(answer.body, HasSubstr(R"("presence":"unknown")"));
   EXPECT_THAT(answer.body, HasSubstr(R"("fleet":"north")"));
 }
 

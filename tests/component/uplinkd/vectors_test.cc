@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <signal.h>
 
 #include "schema/base/check.h"
+#include "schema/base/rfc3339.h"
 #include "schema/encode.h"
 #include "schema/judge.h"
 #include "tests/support/eventually.h"
@@ -169,12 +171,14 @@ TEST_F(VectorsOverTheWire, ASignOfLifeIsAPresenceChange) {
   std::string body;
   ASSERT_TRUE(Eventually([&] {
     body = Get(target).body;
-    return body.find("PRESENCE_ONLINE") != std::string::npos;
+    return body.find(R"("presence":"online")") != std::string::npos;
   })) << body;
-  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Falive").body,
-              HasSubstr(R"("presence":"PRESENCE_ONLINE")"));
-  const auto at = body.find("\"atMs\":\"") + 8;
-  EXPECT_GE(std::stoll(body.substr(at)), from);
+  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Falive").body, HasSubstr(R"("presence":"online")"));
+  constexpr std::string_view kMember = R"("at":")";
+  const std::size_t begin = body.find(kMember) + kMember.size();
+  const auto at = FromRfc3339(body.substr(begin, body.find('"', begin) - begin));
+  ASSERT_TRUE(at) << body;
+  EXPECT_GE(UnixMs(*at), from);
 }
 
 TEST_F(VectorsOverTheWire, WholeNumbersAreExactTo2To53) {
@@ -225,8 +229,8 @@ TEST_F(VectorsOverTheWire, LiveStateIsBackAfterARestart) {
     EXPECT_TRUE(Eventually([&] {
       const RawAnswer robot = Get("/api/v1/robots/" + std::string("rcan%3A%2F%2Frestart") +
                                   std::to_string(signal) + "%2FmotionTelemetry");
-      return robot.body.find(R"("presence":"PRESENCE_UNKNOWN")") != std::string::npos &&
-             robot.body.find(R"("lastSignOfLifeMs":"1)") != std::string::npos;
+      return robot.body.find(R"("presence":"unknown")") != std::string::npos &&
+             robot.body.find(R"("lastSignOfLife":"2)") != std::string::npos;
     }));
   }
 }

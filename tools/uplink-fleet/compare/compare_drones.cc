@@ -13,6 +13,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/json/exact.h"
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
 #include "tools/uplink-fleet/compare/row_set.h"
 #include "tools/uplink-fleet/robot/rows.h"
@@ -24,7 +25,7 @@ namespace {
 
 namespace js = boost::json;
 
-constexpr const char* kArrival = "receivedAtMs";
+constexpr const char* kArrival = "receivedAt";
 /// Bytes of a value that are shown of a difference.
 constexpr std::size_t kShownBytes = 200;
 
@@ -66,12 +67,12 @@ std::map<std::string, std::string> PartsOf(const js::object& uncrew) {
 }
 
 std::string ContentOf(const v1::Event& row) {
-  return EventContent(row.kind(), ObjectOf(row.detail()), row.sampled_at_ms());
+  return EventContent(row.kind(), ObjectOf(row.detail()), view::UnixMs(row.sampled_at()));
 }
 std::string ContentOf(const v1::RobotMessage& row) {
   js::object detail = ObjectOf(row.detail());
   if (row.has_source_level()) detail["sourceLevel"] = row.source_level();
-  return MessageContent(row.level(), row.message(), detail, row.sampled_at_ms());
+  return MessageContent(row.level(), row.message(), detail, view::UnixMs(row.sampled_at()));
 }
 std::string ContentOf(const v1::Fault& row) {
   return FaultContent({.id = row.fault_id(),
@@ -80,7 +81,7 @@ std::string ContentOf(const v1::Fault& row) {
                        .severity = row.severity(),
                        .category = row.category(),
                        .description = row.description(),
-                       .sampled_ms = row.sampled_at_ms()});
+                       .sampled_ms = view::UnixMs(row.sampled_at())});
 }
 std::string ContentOf(const v1::Quarantined& row) {
   return QuarantineContent(row.reason(), row.field(), row.payload_bytes(), row.source(),
@@ -88,9 +89,11 @@ std::string ContentOf(const v1::Quarantined& row) {
 }
 
 std::string KeyOf(const v1::Event& row) {
-  return fmt::format("{} {}", row.kind(), row.sampled_at_ms());
+  return fmt::format("{} {}", row.kind(), view::UnixMs(row.sampled_at()));
 }
-std::string KeyOf(const v1::RobotMessage& row) { return fmt::format(" {}", row.sampled_at_ms()); }
+std::string KeyOf(const v1::RobotMessage& row) {
+  return fmt::format(" {}", view::UnixMs(row.sampled_at()));
+}
 std::string KeyOf(const v1::Fault& row) { return FaultKey(row.fault_id(), row.active()); }
 std::string KeyOf(const v1::Quarantined& row) { return ContentOf(row); }
 
@@ -98,8 +101,8 @@ std::string OpenText(const std::string& content, bool open) {
   return content + (open ? ", open" : ", closed");
 }
 std::string ContentOf(const v1::OperatorRequest& row) {
-  return OpenText(RequestContent(row.kind(), row.text(), row.requested_at_ms()),
-                  row.closed_at_ms() == 0);
+  return OpenText(RequestContent(row.kind(), row.text(), view::UnixMs(row.requested_at())),
+                  view::UnixMs(row.closed_at()) == 0);
 }
 
 /// One drone's account against its rows. Confined to one comparison.
@@ -179,8 +182,8 @@ void CompareDroneLive(const DroneScript& drone, const std::string& look, Finding
   const js::object robot = ObjectOf(look);
   const std::string shown =
       fmt::format("{}, source {}", TextIn(robot, "presence"), TextIn(robot, "source"));
-  findings.Check(Thing::kDroneOnline, ruri, shown == "PRESENCE_ONLINE, source uncrew",
-                 "PRESENCE_ONLINE, source uncrew", shown);
+  findings.Check(Thing::kDroneOnline, ruri, shown == "online, source uncrew",
+                 "online, source uncrew", shown);
   const auto open = std::ranges::count_if(
       account.requests(), [](const auto& request) { return request.second.closed == 0; });
   const std::string count = TextIn(robot, "operatorRequestsOpen");

@@ -8,6 +8,7 @@
 #include <google/protobuf/descriptor.h>
 
 #include "schema/base/check.h"
+#include "server/view/timestamps.h"
 #include "storage/live_parts.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
@@ -59,9 +60,7 @@ const Struct& FieldOf(const v1::Robot& robot, std::string_view name) {
   return static_cast<const Struct&>(v1::Robot::GetReflection()->GetMessage(robot, field));
 }
 
-bool IsThere(const v1::Robot& robot) {
-  return robot.presence() == v1::PRESENCE_ONLINE && robot.connected();
-}
+bool IsThere(const v1::Robot& robot) { return robot.presence() == "online" && robot.connected(); }
 
 }  // namespace
 
@@ -75,9 +74,9 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
   if (live == nullptr) {
     return findings.Check(Thing::kOnline, robot.ruri, false, "a robot", "not listed");
   }
-  findings.Check(Thing::kOnline, robot.ruri, IsThere(*live), "online and connected",
-                 fmt::format("{}, {}", v1::Presence_Name(live->presence()),
-                             live->connected() ? "connected" : "not connected"));
+  findings.Check(
+      Thing::kOnline, robot.ruri, IsThere(*live), "online and connected",
+      fmt::format("{}, {}", live->presence(), live->connected() ? "connected" : "not connected"));
   if (live->uplinks_missing() != 0) {
     findings.Find(Thing::kNumbersMissing, static_cast<std::uint64_t>(live->uplinks_missing()));
     findings.Differ(Thing::kNumbersMissing, robot.ruri, "0",
@@ -106,16 +105,15 @@ std::string WrongPresence(const std::vector<v1::PresenceChange>& newest_first, c
   const v1::PresenceChange* latest = nullptr;
   std::uint64_t offline = 0;
   for (const v1::PresenceChange& change : newest_first) {
-    if (change.at_ms() > run.to_ms) continue;
+    if (view::UnixMs(change.at()) > run.to_ms) continue;
     if (latest == nullptr) latest = &change;
-    const bool within = change.at_ms() >= run.from_ms;
-    if (within && change.presence() == v1::PRESENCE_OFFLINE) ++offline;
+    const bool within = view::UnixMs(change.at()) >= run.from_ms;
+    if (within && change.presence() == "offline") ++offline;
   }
-  const bool online = latest != nullptr && latest->presence() == v1::PRESENCE_ONLINE;
+  const bool online = latest != nullptr && latest->presence() == "online";
   if (online && offline <= offline_max) return {};
   return fmt::format("{} at last, offline {} times",
-                     latest == nullptr ? "no change" : v1::Presence_Name(latest->presence()),
-                     offline);
+                     latest == nullptr ? std::string("no change") : latest->presence(), offline);
 }
 
 }  // namespace uplink::synthetic

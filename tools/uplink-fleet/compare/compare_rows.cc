@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "schema/model/enum_text.h"
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/row_set.h"
 #include "tools/uplink-fleet/robot/rows.h"
 #include "tools/uplink-fleet/robot/script.h"
@@ -23,7 +24,7 @@ std::int64_t RaisedAt(const std::vector<v1::Fault>& newest_first, const v1::Faul
   for (const v1::Fault& row : newest_first) {
     if (row.fault_id() != fault.fault_id() || row.source() != fault.source()) continue;
     if (!row.active()) break;
-    raised_ms = row.received_at_ms();
+    raised_ms = view::UnixMs(row.received_at());
   }
   return raised_ms;
 }
@@ -52,10 +53,10 @@ class RobotRows final {
     std::int64_t received_before = 0;
     for (const Row& row : rows) {
       if (row.ruri() != robot_.ruri) Differ(thing, "rows of this robot", Shown(row));
-      if (received_before != 0 && row.received_at_ms() > received_before) {
+      if (received_before != 0 && view::UnixMs(row.received_at()) > received_before) {
         Differ(thing, "the newest first", Shown(row));
       }
-      received_before = row.received_at_ms();
+      received_before = view::UnixMs(row.received_at());
       set.Find(std::to_string(HashOf(Bare(row))), 0, [&row] { return Shown(row); });
     }
     set.Finish();
@@ -68,7 +69,8 @@ class RobotRows final {
                const std::vector<Row>& rows) {
     RowSet set = SetOf(thing);
     for (const auto& [id, row] : expected) {
-      const std::int64_t expires_ms = row.expires_at_ms() == 0 ? kNever : row.expires_at_ms();
+      const std::int64_t expires_ms =
+          view::UnixMs(row.expires_at()) == 0 ? kNever : view::UnixMs(row.expires_at());
       set.Expect(id, {.content = HashOf(row),
                       .shown = Shown(row),
                       .times = {.min = expires_ms > stored_.read.to_ms ? 1U : 0U,
@@ -80,8 +82,8 @@ class RobotRows final {
       Row bare = Bare(row);
       // One that names no expiry lives as long as the server lets it.
       const auto known = expected.find(row.id());
-      if (known != expected.end() && known->second.expires_at_ms() == 0) {
-        bare.clear_expires_at_ms();
+      if (known != expected.end() && view::UnixMs(known->second.expires_at()) == 0) {
+        bare.clear_expires_at();
       }
       set.Find(row.id(), HashOf(bare), [&row] { return Shown(row); });
     }
@@ -93,13 +95,13 @@ class RobotRows final {
     RowSet set = SetOf(Thing::kActiveFaults);
     for (const auto& [key, fault] : robot_.account.active()) {
       v1::Fault row = fault;
-      row.set_raised_at_ms(RaisedAt(stored_.faults, fault));
+      view::SetTimeMs(row, &v1::Fault::mutable_raised_at, RaisedAt(stored_.faults, fault));
       set.Expect(key.first, {.content = HashOf(row), .shown = Shown(row)});
     }
     for (const v1::Fault& stored : stored_.active_faults) {
       if (stored.source() != SourceOf(run_)) continue;
       v1::Fault row = Bare(stored);
-      row.set_raised_at_ms(stored.raised_at_ms());
+      view::SetTimeMs(row, &v1::Fault::mutable_raised_at, view::UnixMs(stored.raised_at()));
       set.Find(stored.fault_id(), HashOf(row), [&stored] { return Shown(stored); });
     }
     set.Finish();
@@ -192,12 +194,13 @@ class RobotRows final {
       Differ(Thing::kMissionUpdates, fmt::format("{}: {}", row.run_id(), expected.updates),
              fmt::format("{}", row.updates()));
     }
-    if (row.first_received_at_ms() != 0 &&
-        row.first_received_at_ms() <= row.last_received_at_ms()) {
+    if (view::UnixMs(row.first_received_at()) != 0 &&
+        view::UnixMs(row.first_received_at()) <= view::UnixMs(row.last_received_at())) {
       return;
     }
     Differ(Thing::kMissionRuns, row.run_id() + ": the last arrival after the first",
-           fmt::format("{}, {}", row.last_received_at_ms(), row.first_received_at_ms()));
+           fmt::format("{}, {}", view::UnixMs(row.last_received_at()),
+                       view::UnixMs(row.first_received_at())));
   }
 
   const RobotOutcome& robot_;

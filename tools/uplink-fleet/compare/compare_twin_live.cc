@@ -25,7 +25,7 @@ constexpr std::size_t kShownBytes = 120;
 constexpr std::array<const char*, 8> kWhole = {"position", "rotation", "scale",      "gps",
                                                "battery",  "motors",   "driverInfo", "lastCommand"};
 constexpr std::array<const char*, 3> kByKey = {"edgeHealth", "reports", "metrics"};
-constexpr const char* kArrival = "receivedAtMs";
+constexpr const char* kArrival = "receivedAt";
 
 std::string_view NameOf(const js::key_value_pair& member) {
   return {member.key().data(), member.key().size()};
@@ -129,7 +129,7 @@ void CompareTwinLive(const TwinScript& twin, const TwinLook& look, Findings& fin
     const js::object robot = answer && answer->is_object() ? answer->get_object() : js::object();
     const std::string_view presence = TextIn(robot, "presence");
     const std::string_view source = TextIn(robot, "source");
-    findings.Check(Thing::kTwinOnline, ruri, presence == "PRESENCE_ONLINE" && source == "cyberwave",
+    findings.Check(Thing::kTwinOnline, ruri, presence == "online" && source == "cyberwave",
                    "online, source cyberwave", fmt::format("{}, source {}", presence, source));
     const js::object cyberwave = ObjectIn(robot, "cyberwave");
     CompareParts(ruri, twin.account().live(side), cyberwave, findings);

@@ -14,6 +14,7 @@
 
 #include "schema/json/exact.h"
 #include "schema/model/rejection.h"
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
 namespace uplink::synthetic {
@@ -34,14 +35,15 @@ js::object ObjectOf(const Struct& detail) {
 }
 
 std::string ContentOf(const v1::Event& row) {
-  return EventContent(row.kind(), ObjectOf(row.detail()), row.sampled_at_ms());
+  return EventContent(row.kind(), ObjectOf(row.detail()), view::UnixMs(row.sampled_at()));
 }
 std::string ContentOf(const v1::RobotMessage& row) {
-  return MessageContent(row.level(), row.message(), ObjectOf(row.detail()), row.sampled_at_ms());
+  return MessageContent(row.level(), row.message(), ObjectOf(row.detail()),
+                        view::UnixMs(row.sampled_at()));
 }
 std::string ContentOf(const v1::ScopeUpdate& row) {
   return ScopeContent(row.scope(), row.id(), row.type(), ObjectOf(row.detail()),
-                      row.sampled_at_ms());
+                      view::UnixMs(row.sampled_at()));
 }
 
 std::string RunText(std::string_view status, std::string_view message,

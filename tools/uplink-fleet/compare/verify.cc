@@ -6,6 +6,8 @@
 
 #include <fmt/core.h>
 
+#include "server/view/timestamps.h"
+
 namespace uplink::synthetic {
 namespace {
 
@@ -150,7 +152,7 @@ bool AllOk(const std::vector<CheckRow>& rows) {
 }
 
 bool Restarted(const Evidence& evidence) {
-  return evidence.before.started_at_ms() != evidence.after.started_at_ms();
+  return view::UnixMs(evidence.before.started_at()) != view::UnixMs(evidence.after.started_at());
 }
 
 std::vector<CheckRow> VerifyAcks(const Evidence& evidence) {

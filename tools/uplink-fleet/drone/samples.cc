@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <google/protobuf/descriptor.h>
 
+#include "schema/base/rfc3339.h"
 #include "schema/json/exact.h"
 #include "tools/uplink-fleet/drone/shown.h"
 #include "tools/uplink-fleet/twin/account.h"
@@ -241,7 +242,7 @@ void DroneSamples::Expect(Line& line, AvatarDraft& draft) {
   std::string path(kind.shown.empty() ? std::string_view(member.json_name()) : kind.shown);
   if (!kind.key.empty()) path += fmt::format("/{}", line.key);
   js::object stamped = shown;
-  stamped["sampledAtUs"] = draft.time_us;
+  stamped["sampledAt"] = Rfc3339OfUs(draft.time_us);
   speech_.account.Live(path, stamped);
   const std::string key = fmt::format("{} {}", kind.event, draft.time_ms());
   draft.call.due.outcomes = kStores;

@@ -4,6 +4,7 @@
 
 #include <boost/json.hpp>
 
+#include "schema/base/rfc3339.h"
 #include "tools/uplink-fleet/twin/canonical.h"
 
 namespace uplink::synthetic {
@@ -23,7 +24,7 @@ js::object ShownOf(const Alert& alert, const std::string& category, std::int64_t
   js::object shown{{"alertId", alert.alert_id()},
                    {"kind", category},
                    {"raisedAtUs", alert.raised_at_unix_us()},
-                   {"sampledAtUs", sampled_us},
+                   {"sampledAt", Rfc3339OfUs(sampled_us)},
                    {"reaction", alert.reaction().has_rtl() ? "return_to_launch" : "none"}};
   if (!alert.text().empty()) shown["text"] = alert.text();
   if (alert.has_battery()) {
@@ -143,7 +144,7 @@ AvatarCall DroneSets::Requests(double share) {
                           {"kind", KindOf(request)},
                           {"requestedAtUs", request.requested_at_unix_us()},
                           {"text", request.text()},
-                          {"sampledAtUs", draft.time_us}});
+                          {"sampledAt", Rfc3339OfUs(draft.time_us)}});
   }
   draft.call.due.outcomes = DueOf(std::exchange(requests_said_, true), changes);
   return DroneVoice::Finish(std::move(draft));

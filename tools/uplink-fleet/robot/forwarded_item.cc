@@ -32,7 +32,7 @@ bool IsOf(const ItemName& item, std::string_view ruri) {
 std::uint64_t FingerprintOf(v1::Shape row) {
   row = Bare(std::move(row));
   row.clear_id();
-  row.clear_expires_at_ms();
+  row.clear_expires_at();
   return HashOf(row);
 }
 

@@ -10,9 +10,11 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/base/check.h"
+#include "schema/base/rfc3339.h"
 #include "schema/json/geojson.h"
 #include "schema/json/render.h"
 #include "schema/model/enum_text.h"
+#include "server/view/timestamps.h"
 
 namespace uplink::synthetic {
 namespace {
@@ -31,7 +33,7 @@ Struct StructOf(const boost::json::object& object) {
 template <typename Row>
 Row WithoutArrival(Row row) {
   row.clear_ruri();
-  row.clear_received_at_ms();
+  row.clear_received_at();
   return row;
 }
 
@@ -46,7 +48,7 @@ v1::Fault RowOf(const model::Fault& fault) {
   row.set_category(fault.category);
   row.set_description(fault.description);
   row.set_suggested_action(fault.suggested_action);
-  row.set_sampled_at_ms(fault.unix_time_ms);
+  view::SetTimeMs(row, &v1::Fault::mutable_sampled_at, fault.unix_time_ms);
   return row;
 }
 
@@ -54,7 +56,7 @@ v1::Event RowOf(const model::EventTelemetry& event) {
   v1::Event row;
   row.set_kind(std::string(model::EventKindText(event.kind)));
   *row.mutable_detail() = StructOf(json::RenderDetail(event.kind));
-  row.set_sampled_at_ms(event.unix_time_ms);
+  view::SetTimeMs(row, &v1::Event::mutable_sampled_at, event.unix_time_ms);
   return row;
 }
 
@@ -62,7 +64,7 @@ v1::RobotMessage RowOf(const model::Message& message) {
   v1::RobotMessage row;
   row.set_level(model::EnumText(message.level));
   row.set_message(message.message);
-  row.set_sampled_at_ms(message.unix_time_ms);
+  view::SetTimeMs(row, &v1::RobotMessage::mutable_sampled_at, message.unix_time_ms);
   return row;
 }
 
@@ -75,7 +77,7 @@ v1::Shape RowOf(const model::ReportedShape& shape) {
   row.set_area_type(model::EnumText(shape.area_type));
   row.set_scope(model::EnumText(shape.scope));
   *row.mutable_geometry() = StructOf(json::RenderGeometry(shape.data));
-  row.set_expires_at_ms(shape.expire_time_ms);
+  view::SetTimeMs(row, &v1::Shape::mutable_expires_at, shape.expire_time_ms);
   row.set_min_z_m(shape.min_z_m);
   row.set_max_z_m(shape.max_z_m);
   row.set_level_id(shape.level_id);
@@ -91,13 +93,13 @@ v1::TrackedObject RowOf(const model::Object& object) {
   *row.mutable_location() = StructOf(json::Render(object.location));
   if (object.trajectory) *row.mutable_trajectory() = StructOf(json::Render(*object.trajectory));
   row.set_radius_m(object.radius_m);
-  row.set_sampled_at_ms(object.unix_time_ms);
-  row.set_expires_at_ms(object.expires_unix_time_ms);
+  view::SetTimeMs(row, &v1::TrackedObject::mutable_sampled_at, object.unix_time_ms);
+  view::SetTimeMs(row, &v1::TrackedObject::mutable_expires_at, object.expires_unix_time_ms);
   return row;
 }
 
 v1::Fault Bare(v1::Fault row) {
-  row.clear_raised_at_ms();
+  row.clear_raised_at();
   return WithoutArrival(std::move(row));
 }
 v1::Event Bare(v1::Event row) {
@@ -135,8 +137,10 @@ Struct PartOf(const model::CurrentSettings& settings) {
 Struct PartOf(const std::map<std::string, model::SensorReading>& extras) {
   boost::json::object by_key;
   for (const auto& [key, reading] : extras) {
-    by_key[key] = boost::json::object{{"value", json::Render(reading.value)},
-                                      {"sampledAtMs", reading.unix_time_ms.value_or(0)}};
+    boost::json::object shown{{"value", json::Render(reading.value)}};
+    const std::int64_t sampled_ms = reading.unix_time_ms.value_or(0);
+    if (sampled_ms != 0) shown["sampledAt"] = Rfc3339(FromUnixMs(sampled_ms));
+    by_key[key] = std::move(shown);
   }
   return StructOf(by_key);
 }

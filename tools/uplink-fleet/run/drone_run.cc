@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_drones.h"
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
@@ -46,8 +47,8 @@ DroneRun::DroneRun(const RunOptions& options)
 absl::Status DroneRun::Begin() {
   const absl::StatusOr<v1::ServerStatus> status = view_.Status();
   if (!status.ok()) return status.status();
-  started_at_ms_ = status->started_at_ms();
-  span_.from_ms = status->now_ms();
+  started_at_ms_ = view::UnixMs(status->started_at());
+  span_.from_ms = view::UnixMs(status->now());
   evidence_.before = DroneMessagesIn(*status);
   return absl::OkStatus();
 }
@@ -151,8 +152,8 @@ absl::Status DroneRun::Count() {
     const auto status = AskAgain(context_, [this] { return view_.Status(); });
     if (!status.ok()) return status.status();
     evidence_.totals.sent = shared_.sent.load();
-    span_.to_ms = status->now_ms();
-    evidence_.restarted = status->started_at_ms() != started_at_ms_;
+    span_.to_ms = view::UnixMs(status->now());
+    evidence_.restarted = view::UnixMs(status->started_at()) != started_at_ms_;
     evidence_.after = DroneMessagesIn(*status);
     evidence_.watch.See(evidence_.after);
     // A call that was given up may still wait there.

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
 #include "tools/uplink-fleet/compare/compare_rows.h"
@@ -52,12 +53,12 @@ absl::Status GatherRobot(const RunContext& run, const RunOutcome& outcome,
   const auto live = outcome.look.live.find(robot.ruri);
   CompareViolations(robot, evidence.findings);
   CompareLive(robot, live == outcome.look.live.end() ? nullptr : &live->second, evidence.findings);
-  const auto stored =
-      AskAgain(run, [&] { return run.view.Stored(robot.ruri, evidence.before.now_ms()); });
+  const auto stored = AskAgain(
+      run, [&] { return run.view.Stored(robot.ruri, view::UnixMs(evidence.before.now())); });
   if (!stored.ok()) return stored.status();
   ++evidence.robots_read;
   CompareRows(robot, *stored, outcome.id, evidence.findings);
-  ComparePresence(robot, *stored, {evidence.before.now_ms(), outcome.look.at_ms},
+  ComparePresence(robot, *stored, {view::UnixMs(evidence.before.now()), outcome.look.at_ms},
                   evidence.findings);
   return absl::OkStatus();
 }

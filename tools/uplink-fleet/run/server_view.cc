@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "schema/base/rfc3339.h"
+#include "server/view/timestamps.h"
 #include "storage/live_parts.h"
 
 namespace uplink::synthetic {
@@ -17,6 +19,11 @@ constexpr const char* kParts =
     UPLINK_LIVE_PARTS(UPLINK_PART)
 #undef UPLINK_PART
         "agentInfo,settings,uiCapabilities";
+
+/// A time as a parameter.
+std::string TimeOf(std::int64_t unix_ms) {
+  return link::PercentEncoded(Rfc3339(FromUnixMs(unix_ms)));
+}
 
 template <typename Message>
 absl::StatusOr<Message> Parse(const std::string& target, const std::string& json) {
@@ -63,8 +70,8 @@ absl::StatusOr<v1::ServerStatus> ServerView::Status() {
   const std::int64_t before_ms = UnixMs(clock_.System());
   absl::StatusOr<v1::ServerStatus> status = Fetch<v1::ServerStatus>(http_, "/api/v1/status");
   if (!status.ok()) return status;
-  ahead_min_ms_ = status->now_ms() - UnixMs(clock_.System());
-  ahead_max_ms_ = status->now_ms() - before_ms;
+  ahead_min_ms_ = view::UnixMs(status->now()) - UnixMs(clock_.System());
+  ahead_max_ms_ = view::UnixMs(status->now()) - before_ms;
   return status;
 }
 
@@ -101,9 +108,10 @@ absl::StatusOr<SharedItems> ServerView::Shared(const std::string& fleet) {
 absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int64_t from_ms) {
   StoredRobot stored;
   const std::string name = link::PercentEncoded(ruri);
+  const std::string from = TimeOf(from_ms);
   const auto list = [&](const char* path) { return fmt::format("/api/v1/{}?ruri={}", path, name); };
   const auto history = [&](const char* path) {
-    return fmt::format("/api/v1/robots/{}/{}?fromMs={}", name, path, from_ms);
+    return fmt::format("/api/v1/robots/{}/{}?from={}", name, path, from);
   };
   const auto into = [](auto& rows) {
     return [&rows]<typename Row>(Row&& row) { rows.push_back(std::forward<Row>(row)); };
@@ -119,12 +127,12 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
   stored.read.to_ms = Now().to_ms;
   const auto faults = [](auto& page) { return page.mutable_faults(); };
   const absl::Status rest[] = {
-      FetchPages<v1::ListFaultsResponse>(
-          http_, fmt::format("{}&fromMs={}", list("faults"), from_ms), faults, into(stored.faults)),
+      FetchPages<v1::ListFaultsResponse>(http_, fmt::format("{}&from={}", list("faults"), from),
+                                         faults, into(stored.faults)),
       FetchPages<v1::ListFaultsResponse>(http_, list("faults") + "&active=true", faults,
                                          into(stored.active_faults)),
       FetchPages<v1::ListMissionRunsResponse>(
-          http_, list("missions"), [](auto& page) { return page.mutable_mission_runs(); },
+          http_, list("missions"), [](auto& page) { return page.mutable_missions(); },
           into(stored.runs)),
       FetchPages<v1::ListEventsResponse>(
           http_, history("events"), [](auto& page) { return page.mutable_events(); },
@@ -134,7 +142,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
           into(stored.messages)),
       FetchPages<v1::ListPresenceChangesResponse>(
           http_, fmt::format("/api/v1/robots/{}/presence", name),
-          [](auto& page) { return page.mutable_changes(); }, into(stored.presence)),
+          [](auto& page) { return page.mutable_presence_changes(); }, into(stored.presence)),
       FetchPages<v1::ListQuarantineResponse>(
           http_, history("quarantine"),
           [&stored](auto& page) {
@@ -142,7 +150,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
             for (const auto& [reason, rows] : page.dropped_by_reason()) {
               stored.quarantine_dropped += rows;
             }
-            return page.mutable_items();
+            return page.mutable_quarantined();
           },
           into(stored.quarantine)),
       FetchPages<v1::ListGapsResponse>(
@@ -169,8 +177,9 @@ absl::StatusOr<std::vector<v1::ScopeUpdate>> ServerView::ScopeUpdates(const std:
                                                                       std::int64_t from_ms) {
   std::vector<v1::ScopeUpdate> updates;
   const absl::Status status = FetchPages<v1::ListScopeUpdatesResponse>(
-      http_, fmt::format("/api/v1/scope-updates?scope={}&id={}&fromMs={}", scope, id, from_ms),
-      [](auto& page) { return page.mutable_updates(); },
+      http_,
+      fmt::format("/api/v1/scope-updates?scope={}&id={}&from={}", scope, id, TimeOf(from_ms)),
+      [](auto& page) { return page.mutable_scope_updates(); },
       [&updates](v1::ScopeUpdate&& row) { updates.push_back(std::move(row)); });
   if (!status.ok()) return status;
   return updates;
@@ -190,8 +199,8 @@ absl::StatusOr<std::vector<v1::OperatorRequest>> ServerView::OperatorRequests(
 absl::StatusOr<std::vector<v1::Quarantined>> ServerView::QuarantineOfNoRobot(std::int64_t from_ms) {
   std::vector<v1::Quarantined> rows;
   const absl::Status status = FetchPages<v1::ListQuarantineResponse>(
-      http_, fmt::format("/api/v1/quarantine?source=cyberwave&fromMs={}", from_ms),
-      [](auto& page) { return page.mutable_items(); },
+      http_, fmt::format("/api/v1/quarantine?source=cyberwave&from={}", TimeOf(from_ms)),
+      [](auto& page) { return page.mutable_quarantined(); },
       [&rows](v1::Quarantined&& row) {
         if (row.ruri().empty()) rows.push_back(std::move(row));
       });

@@ -6,6 +6,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
 
 namespace uplink::synthetic {
@@ -124,9 +125,9 @@ LastLook Settle(const RunContext& run) {
     auto live = LookAtRobots(run);
     const auto ended = AskAgain(run, [&run] { return run.view.Status(); });
     if (!began.ok() || !live.ok() || !ended.ok()) continue;
-    look = {.live = std::move(*live), .at_ms = ended->now_ms(), .forwards = {}};
+    look = {.live = std::move(*live), .at_ms = view::UnixMs(ended->now()), .forwards = {}};
     // A server that was started anew in between has forgotten what it acked as judged.
-    if (began->started_at_ms() == ended->started_at_ms()) break;
+    if (view::UnixMs(began->started_at()) == view::UnixMs(ended->started_at())) break;
   }
   look.forwards = LookAtForwards(run);
   return look;

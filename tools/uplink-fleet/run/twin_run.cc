@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_twin_live.h"
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
@@ -42,8 +43,8 @@ TwinRun::TwinRun(const RunOptions& options)
 absl::Status TwinRun::Begin() {
   const absl::StatusOr<v1::ServerStatus> status = view_.Status();
   if (!status.ok()) return status.status();
-  started_at_ms_ = status->started_at_ms();
-  span_.from_ms = status->now_ms();
+  started_at_ms_ = view::UnixMs(status->started_at());
+  span_.from_ms = view::UnixMs(status->now());
   const absl::StatusOr<std::string> page = view_.Metrics();
   if (!page.ok()) return page.status();
   evidence_.before = BrokerMessagesOn(*page);
@@ -219,8 +220,8 @@ absl::Status TwinRun::Gather(const TwinSwarm& swarm) {
   if (!status.ok()) return status;
   const auto now = AskAgain(context_, [this] { return view_.Status(); });
   if (!now.ok()) return now.status();
-  span_.to_ms = now->now_ms();
-  evidence_.restarted = now->started_at_ms() != started_at_ms_;
+  span_.to_ms = view::UnixMs(now->now());
+  evidence_.restarted = view::UnixMs(now->started_at()) != started_at_ms_;
   auto no_robot = AskAgain(context_, [this] { return view_.QuarantineOfNoRobot(span_.from_ms); });
   if (!no_robot.ok()) return no_robot.status();
   std::size_t compared = 0;

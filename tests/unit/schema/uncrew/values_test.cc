@@ -62,8 +62,8 @@ TEST_P(EveryType, IsShownByTheContractsNames) {
   boost::json::object expected =
       boost::json::parse({sample.json.data(), sample.json.size()}).get_object();
   const auto stamp = [](boost::json::object& object) {
-    object["sampledAtUs"] = 3;
-    object["receivedAtMs"] = 4;
+    object["sampledAt"] = "1970-01-01T00:00:00.000003Z";
+    object["receivedAt"] = "1970-01-01T00:00:00.004Z";
   };
   if (sample.type == Type::kAlerts || sample.type == Type::kOperatorRequests) {
     for (auto& item : expected) stamp(item.value().get_object());
@@ -71,7 +71,7 @@ TEST_P(EveryType, IsShownByTheContractsNames) {
     stamp(expected);
   }
   const boost::json::object shown =
-      json::Render(*judged.value(), {.sampled_at_us = 3, .received_at_ms = 4});
+      json::Render(*judged.value(), {.sampled_at_us = 3, .received_at = FromUnixMs(4)});
   EXPECT_EQ(WithDoubles(shown), WithDoubles(expected)) << shown;
 }
 

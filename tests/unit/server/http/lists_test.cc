@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "schema/base/rfc3339.h"
 #include "server/http/site.h"
 #include "tests/support/exact_json.h"
 #include "tests/support/server_world.h"
@@ -74,7 +75,8 @@ class ListsTest : public ::testing::Test {
     if (text == "one") object.expires_unix_time_ms = start_ms_ + 2;
     world_.CommitBody(ruri, model::ObjectOp{object});
   }
-  [[nodiscard]] std::string Ms(int offset) const { return std::to_string(start_ms_ + offset); }
+  /// A time as answers show it and parameters take it.
+  [[nodiscard]] std::string At(int offset) const { return Rfc3339(FromUnixMs(start_ms_ + offset)); }
 
   testing::ServerWorld world_;
   std::int64_t start_ms_ = 0;
@@ -86,13 +88,13 @@ TEST_F(ListsTest, HistoriesAreNewestFirstAndWithinTheTimesThatAreAsked) {
        {std::pair{"events", "/detail/missionId"}, std::pair{"messages", "/message"}}) {
     const std::string path = "/api/v1/robots/" + kA + "/" + list;
     EXPECT_THAT(Texts(path, name), ElementsAre("two", "one"));
-    EXPECT_THAT(Texts(path + "?fromMs=" + Ms(2), name), ElementsAre("two"));
-    EXPECT_THAT(Texts(path + "?toMs=" + Ms(1), name), ElementsAre("one"));
-    EXPECT_THAT(Texts(path + "?fromMs=" + Ms(3), name), IsEmpty());
+    EXPECT_THAT(Texts(path + "?from=" + At(2), name), ElementsAre("two"));
+    EXPECT_THAT(Texts(path + "?to=" + At(1), name), ElementsAre("one"));
+    EXPECT_THAT(Texts(path + "?from=" + At(3), name), IsEmpty());
   }
   const std::string presence = "/api/v1/robots/" + kA + "/presence";
-  EXPECT_THAT(Texts(presence, "/atMs"), ElementsAre(Ms(2), Ms(1)));
-  EXPECT_THAT(Texts(presence + "?fromMs=" + Ms(1) + "&toMs=" + Ms(1), "/atMs"), ElementsAre(Ms(1)));
+  EXPECT_THAT(Texts(presence, "/at"), ElementsAre(At(2), At(1)));
+  EXPECT_THAT(Texts(presence + "?from=" + At(1) + "&to=" + At(1), "/at"), ElementsAre(At(1)));
 }
 
 TEST_F(ListsTest, MissionsAreFiltered) {
@@ -152,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
     Lists, WalksTest,
     ::testing::Values(Walk{"/api/v1/robots/rcan%3A%2F%2Fa/events?", "/detail/missionId"},
                       Walk{"/api/v1/robots/rcan%3A%2F%2Fa/messages?", "/message"},
-                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/presence?", "/atMs"},
+                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/presence?", "/at"},
                       Walk{"/api/v1/missions?fleet=north&", "/runId"},
                       Walk{"/api/v1/shapes?includeExpired=true&fleet=north&", "/id"},
                       Walk{"/api/v1/objects?includeExpired=true&fleet=north&", "/id"}));
@@ -221,7 +223,7 @@ TEST_F(ScopeUpdatesTest, AreNewestFirstAndFiltered) {
               ElementsAre("b", "a"));
   EXPECT_THAT(Texts(path_ + "?scope=environment&id=" + kId, "/type"), ElementsAre("a"));
   EXPECT_THAT(Texts(path_ + "?fleet=south", "/type"), ElementsAre("c"));
-  EXPECT_THAT(Texts(path_ + "?fromMs=" + Ms(2) + "&toMs=" + Ms(2), "/type"), ElementsAre("b"));
+  EXPECT_THAT(Texts(path_ + "?from=" + At(2) + "&to=" + At(2), "/type"), ElementsAre("b"));
   const std::string page = path_ + "?pageSize=2";
   EXPECT_THAT(Texts(page + "&pageToken=" + Token(page), "/type"), ElementsAre("a"));
 }
@@ -269,8 +271,8 @@ TEST_F(AllQuarantineTest, IsFilteredAndWalked) {
   const std::string cyberwave = path_ + "?source=cyberwave";
   EXPECT_THAT(Texts(cyberwave, "/ruri"), ElementsAre("", "rcan://b"));
   EXPECT_THAT(Texts(cyberwave + "&fleet=south", "/ruri"), ElementsAre("rcan://b"));
-  EXPECT_THAT(Texts(cyberwave + "&fromMs=" + Ms(3), "/ruri"), ElementsAre(""));
-  EXPECT_THAT(Texts(cyberwave + "&toMs=" + Ms(2), "/ruri"), ElementsAre("rcan://b"));
+  EXPECT_THAT(Texts(cyberwave + "&from=" + At(3), "/ruri"), ElementsAre(""));
+  EXPECT_THAT(Texts(cyberwave + "&to=" + At(2), "/ruri"), ElementsAre("rcan://b"));
   EXPECT_THAT(Texts(cyberwave + "&ruri=" + kA, "/ruri"), IsEmpty());
   const std::string page = cyberwave + "&pageSize=1";
   EXPECT_THAT(Texts(page + "&pageToken=" + Token(page), "/ruri"), ElementsAre("rcan://b"));
@@ -311,7 +313,7 @@ std::vector<BadCase> BadCases() {
                                 {"/api/v1/robots?presence=ONLINE", "presence"},
                                 {"/api/v1/robots?parts=motion,wheels", "parts"},
                                 {"/api/v1/robots?ruri=x", "ruri"},
-                                {"/api/v1/robots?fromMs=1", "fromMs"},
+                                {"/api/v1/robots?from=1", "from"},
                                 {"/api/v1/robots/" + kA + "?parts=motion", "parts"},
                                 {"/api/v1/faults?active=1", "active"},
                                 {"/api/v1/missions?open=yes", "open"},
@@ -329,21 +331,23 @@ std::vector<BadCase> BadCases() {
     lists.push_back(path);
     cases.push_back({path + "?ruri=x", "ruri"});
     cases.push_back({path + "?fleet=x", "fleet"});
-    cases.push_back({path + "?fromMs=-1", "fromMs"});
-    cases.push_back({path + "?toMs=1e3", "toMs"});
+    cases.push_back({path + "?from=-1", "from"});
+    cases.push_back({path + "?to=1e3", "to"});
   }
   for (const char* path : {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects"}) {
-    cases.push_back({std::string(path) + "?fromMs=1", "fromMs"});
-    cases.push_back({std::string(path) + "?toMs=1", "toMs"});
+    cases.push_back({std::string(path) + "?from=1", "from"});
+    cases.push_back({std::string(path) + "?to=1", "to"});
   }
   // An empty filter would show everything.
   for (const char* filter :
-       {"quarantine?source=",   "quarantine?ruri=",  "quarantine?fleet=",      "quarantine?fromMs=",
-        "scope-updates?scope=", "scope-updates?id=", "scope-updates?fleet=",   "faults?active=",
-        "faults?ruri=",         "faults?fleet=",     "faults?toMs=",           "missions?open=",
-        "missions?ruri=",       "missions?fleet=",   "missions?missionId=",    "missions?runId=",
-        "shapes?ruri=",         "shapes?fleet",      "shapes?includeExpired=", "objects?fleet=",
-        "robots?fleet=",        "robots?presence=",  "robots?parts="}) {
+       {"quarantine?source=",     "quarantine?ruri=",     "quarantine?fleet=",
+        "quarantine?from=",       "scope-updates?scope=", "scope-updates?id=",
+        "scope-updates?fleet=",   "faults?active=",       "faults?ruri=",
+        "faults?fleet=",          "faults?to=",           "missions?open=",
+        "missions?ruri=",         "missions?fleet=",      "missions?missionId=",
+        "missions?runId=",        "shapes?ruri=",         "shapes?fleet",
+        "shapes?includeExpired=", "objects?fleet=",       "robots?fleet=",
+        "robots?presence=",       "robots?parts="}) {
     const std::string text(filter);
     const std::size_t mark = text.find('?') + 1;
     cases.push_back({"/api/v1/" + text, text.substr(mark, text.find('=') - mark)});

@@ -9,12 +9,13 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(Parameters, ReadsWhatIsThereAndDefaultsTheRest) {
-  Parameters parameters("ruri=rcan%3A%2F%2Fa&active=true&pageSize=7&fromMs=12&parts=a,,b&x=y&t=");
+  Parameters parameters(
+      "ruri=rcan%3A%2F%2Fa&active=true&pageSize=7&from=1970-01-01T00:00:00.012Z&parts=a,,b&x=y&t=");
   EXPECT_EQ(parameters.Text("ruri"), "rcan://a");
   EXPECT_TRUE(parameters.Flag("active"));
   EXPECT_EQ(parameters.Number("pageSize", 100, 1000), 7U);
-  EXPECT_EQ(parameters.Time("fromMs"), FromUnixMs(12));
-  EXPECT_EQ(parameters.Time("toMs"), std::nullopt);
+  EXPECT_EQ(parameters.Time("from"), FromUnixMs(12));
+  EXPECT_EQ(parameters.Time("to"), std::nullopt);
   EXPECT_THAT(parameters.Words("parts"), ElementsAre("a", "b"));
   EXPECT_EQ(parameters.Text("x"), "y");
   EXPECT_EQ(parameters.TextOrEmpty("t"), "");
@@ -51,15 +52,20 @@ INSTANTIATE_TEST_SUITE_P(
                       NumberCase{"pageSize=1001", false}, NumberCase{"pageSize=-1", false},
                       NumberCase{"pageSize=1x", false}, NumberCase{"pageSize=99999999999", false}));
 
-TEST(Parameters, RefusesTimesOutOfReach) {
-  for (const char* query : {"fromMs=-1", "fromMs=4102444800001", "fromMs=1.5"}) {
+TEST(Parameters, TakesTimesOfRfc3339Alone) {
+  for (const char* query : {"from=1777636800000", "from=2026-05-01", "from=yesterday"}) {
     Parameters parameters(query);
-    EXPECT_EQ(parameters.Time("fromMs"), std::nullopt);
-    EXPECT_TRUE(parameters.Problem()) << query;
+    EXPECT_EQ(parameters.Time("from"), std::nullopt);
+    ASSERT_TRUE(parameters.Problem()) << query;
+    EXPECT_EQ(parameters.Problem()->message,
+              "must be a time of RFC 3339, such as 2026-05-01T12:00:00Z");
   }
-  Parameters at("fromMs=4102444800000");
-  EXPECT_TRUE(at.Time("fromMs"));
-  EXPECT_FALSE(at.Problem());
+  for (const char* query : {"from=2026-05-01T12:00:00Z", "from=2026-05-01T14:00:00%2B02:00",
+                            "from=2026-05-01T14:00:00+02:00"}) {
+    Parameters parameters(query);
+    EXPECT_EQ(parameters.Time("from"), FromUnixMs(1'777'636'800'000)) << query;
+    EXPECT_FALSE(parameters.Problem()) << query;
+  }
 }
 
 TEST(Parameters, RefusesWordsThatAreNoFlag) {

@@ -19,6 +19,7 @@
 #include "server/fleet/fleet.h"
 #include "server/view/parts.h"
 #include "server/view/rows_json.h"
+#include "server/view/timestamps.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 
@@ -86,18 +87,17 @@ robot::LiveParts EveryPart() {
 
 TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
   ExpectSameJson(*ToJson(EmptyRobot(), PartSet::All()), R"({
-    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "PRESENCE_UNKNOWN",
-    "presenceSinceMs": "1000", "lastSignOfLifeMs": "0", "connected": false,
-    "connectedSinceMs": "0", "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
+    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "unknown",
+    "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
     "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
-    "heldBy": "", "heldByAtMs": "0", "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "",
+    "heldBy": "", "heldBack": "", "contested": false, "gateway": "",
     "rateLimited": {}})");
 }
 
 TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
   RobotView robot = EmptyRobot();
   robot.session.held_back_since = FromUnixMs(1700);
-  EXPECT_EQ(ToMessage(robot).held_back_since_ms(), 0) << "it is read again";
+  EXPECT_FALSE(ToMessage(robot).has_held_back_since()) << "it is read again";
   robot.session.contested = true;
   EXPECT_TRUE(ToMessage(robot).contested());
   robot.rate_limited[static_cast<std::size_t>(model::Variant::kShape)] = 7;
@@ -114,7 +114,7 @@ TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
     robot.session.held_back = by;
     const v1::Robot message = ToMessage(robot);
     EXPECT_EQ(message.held_back(), word);
-    EXPECT_EQ(message.held_back_since_ms(), word.empty() ? 0 : 1700) << word;
+    EXPECT_EQ(view::UnixMs(message.held_back_since()), word.empty() ? 0 : 1700) << word;
   }
 }
 
@@ -132,18 +132,18 @@ TEST(Json, ARobotWithEveryPart) {
   robot.active_faults = 2;
   robot.state.parts = EveryPart();
   ExpectSameJson(*ToJson(robot, PartSet::All()), R"({
-    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "PRESENCE_ONLINE",
-    "presenceSinceMs": "1000", "lastSignOfLifeMs": "2000", "connected": true,
-    "connectedSinceMs": "1500", "sessionId": "000102030405060708090a0b0c0d0e0f",
+    "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "online",
+    "presenceSince": "1970-01-01T00:00:01Z", "lastSignOfLife": "1970-01-01T00:00:02Z", "connected": true,
+    "connectedSince": "1970-01-01T00:00:01.500Z", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
-    "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "", "heldByAtMs": "0",
-    "heldBack": "", "heldBackSinceMs": "0", "contested": false, "gateway": "", "rateLimited": {},
+    "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "",
+    "heldBack": "", "contested": false, "gateway": "", "rateLimited": {},
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
     "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,
                "status": "fine"},
-    "extras": {"blade": {"value": true, "sampledAtMs": 13},
-               "rpm": {"value": 2.5, "sampledAtMs": 14}},
+    "extras": {"blade": {"value": true, "sampledAt": "1970-01-01T00:00:00.013Z"},
+               "rpm": {"value": 2.5, "sampledAt": "1970-01-01T00:00:00.014Z"}},
     "health": {"main": {"unixTimeMs": 15, "deviceId": "main", "cpuPct": 12.5}},
     "usage": {"unixTimeMs": 16, "totalDistanceM": 1000.5, "autoDistanceM": 1000,
               "manualDistanceM": 0.5, "uptimeTotalS": 5, "driveTimeTotalS": 4,
@@ -191,9 +191,9 @@ TEST(Json, RowsOfQuarantineHoldBytesAsBase64) {
                        .payload = std::string("\xff\x00", 2),
                        .payload_bytes = 2});
   page.next_token = "t";
-  ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "rcan://a",
+  ExpectSameJson(*ToJson(page), R"({"quarantined": [{"ruri": "rcan://a",
     "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "out_of_range",
-    "field": "pose.latDeg", "detail": "too far", "receivedAtMs": "5", "payload": "/wA=",
+    "field": "pose.latDeg", "detail": "too far", "receivedAt": "1970-01-01T00:00:00.005Z", "payload": "/wA=",
     "payloadBytes": "2", "source": "uplink", "topic": ""}], "nextPageToken": "t",
     "droppedByReason": {}})");
 }
@@ -209,9 +209,9 @@ TEST(Json, QuarantineOfNoRobotNamesItsTopic) {
                        .payload_bytes = 2,
                        .source = model::MessageSource::kCyberwave,
                        .topic = "localcyberwave/twin/x/event"});
-  ExpectSameJson(*ToJson(page), R"({"items": [{"ruri": "",
+  ExpectSameJson(*ToJson(page), R"({"quarantined": [{"ruri": "",
     "sessionId": "00000000000000000000000000000000", "seq": "7", "reason": "malformed",
-    "field": "", "detail": "", "receivedAtMs": "5", "payload": "", "payloadBytes": "2",
+    "field": "", "detail": "", "receivedAt": "1970-01-01T00:00:00.005Z", "payload": "", "payloadBytes": "2",
     "source": "cyberwave", "topic": "localcyberwave/twin/x/event"}], "nextPageToken": "",
     "droppedByReason": {}})");
 }
@@ -220,7 +220,7 @@ TEST(Json, QuarantineOfARobotSaysHowManyRowsWentForWhichReason) {
   const QuarantineView quarantine{
       .page = {},
       .dropped = {{model::RejectReason::kMalformed, 3}, {model::RejectReason::kOutOfRange, 10}}};
-  ExpectSameJson(*ToJson(quarantine), R"({"items": [], "nextPageToken": "",
+  ExpectSameJson(*ToJson(quarantine), R"({"quarantined": [], "nextPageToken": "",
     "droppedByReason": {"malformed": "3", "out_of_range": "10"}})");
 }
 
@@ -238,9 +238,11 @@ TEST(Json, FaultsShowWhenTheyWereRaisedOnlyInTheActiveSet) {
   page.rows.back().raised_at.reset();
   const std::string start = R"({"ruri": "rcan://a", "faultId": "E1", "source": "arm",
     "severity": "major", "active": true, "category": "", "description": "",
-    "suggestedAction": "", "sampledAtMs": "1", "receivedAtMs": "2", "raisedAtMs": )";
-  ExpectSameJson(*ToJson(page), "{\"faults\": [" + start + "\"3\"}, " + start +
-                                    "\"0\"}], \"nextPageToken\": \"\"}");
+    "suggestedAction": "", "sampledAt": "1970-01-01T00:00:00.001Z",
+    "receivedAt": "1970-01-01T00:00:00.002Z")";
+  ExpectSameJson(*ToJson(page), "{\"faults\": [" + start +
+                                    R"(, "raisedAt": "1970-01-01T00:00:00.003Z"}, )" + start +
+                                    "}], \"nextPageToken\": \"\"}");
 }
 
 TEST(Json, EmptyListsArePrinted) {
@@ -300,14 +302,14 @@ TEST(Json, StatusShowsWhatIsDoneAtABroker) {
   ASSERT_TRUE(google::protobuf::util::MessageToJsonString(mqtt, &text).ok());
   ExpectSameJson(text, R"({
     "url": "mqtts://broker:8883", "holdsLease": true, "heldBy": "a:1", "prefixes": ["", "local"],
-    "twins": "3", "subscribedSinceMs": "7",
+    "twins": "3", "subscribedSince": "1970-01-01T00:00:00.007Z",
     "connections": [
-      {"name": "durable", "clientId": "uplinkd", "state": "subscribed", "connectedSinceMs": "6",
+      {"name": "durable", "clientId": "uplinkd", "state": "subscribed", "connectedSince": "1970-01-01T00:00:00.006Z",
        "sessionPresent": true, "unacked": "5", "filtersRefused": "1", "filtersLower": "2",
-       "lastError": "keepalive", "lastErrorAtMs": "4"},
-      {"name": "live", "clientId": "", "state": "", "connectedSinceMs": "0",
+       "lastError": "keepalive", "lastErrorAt": "1970-01-01T00:00:00.004Z"},
+      {"name": "live", "clientId": "", "state": "",
        "sessionPresent": false, "unacked": "0", "filtersRefused": "0", "filtersLower": "0",
-       "lastError": "", "lastErrorAtMs": "0"}]})");
+       "lastError": ""}]})");
 }
 
 TEST(Json, ErrorsAreJsonWhateverBytesTheyRepeat) {

@@ -6,6 +6,7 @@
 #include "server/robot/live_bytes.h"
 #include "server/view/messages.h"
 #include "server/view/parts.h"
+#include "server/view/timestamps.h"
 #include "tests/support/server_world.h"
 
 namespace uplink::view {
@@ -84,9 +85,9 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   EXPECT_EQ(one->state.clock_skew_ms, 3);
   const v1::Robot shown = ToMessage(*one);
   EXPECT_EQ(shown.held_by(), "b:2");
-  EXPECT_EQ(shown.held_by_at_ms(), 8);
-  EXPECT_EQ(shown.presence(), v1::PRESENCE_ONLINE);
-  EXPECT_EQ(shown.presence_since_ms(), 6);
+  EXPECT_EQ(view::UnixMs(shown.held_by_at()), 8);
+  EXPECT_EQ(shown.presence(), "online");
+  EXPECT_EQ(view::UnixMs(shown.presence_since()), 6);
 
   RobotsQuery query;
   query.parts = PartSet::All();

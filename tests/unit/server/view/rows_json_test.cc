@@ -9,6 +9,7 @@
 #include "server/view/json.h"
 #include "server/view/messages.h"
 #include "server/view/page_token.h"
+#include "server/view/timestamps.h"
 #include "tests/support/exact_json.h"
 
 // Rows of the store as JSON, every member.
@@ -39,15 +40,14 @@ TEST(RowsJson, Events) {
   row.sampled_at_ms = 1;
   row.received_at = FromUnixMs(2);
   ExpectJson("events", row, R"({"ruri": "rcan://a", "kind": "modeChanged",
-    "detail": {"from": "manual", "to": "auto"}, "sampledAtMs": "1", "receivedAtMs": "2"})");
+    "detail": {"from": "manual", "to": "auto"}, "sampledAt": "1970-01-01T00:00:00.001Z", "receivedAt": "1970-01-01T00:00:00.002Z"})");
 }
 
 TEST(RowsJson, AnEventThatHoldsNothingHasAnEmptyDetail) {
   storage::EventRow row;
   row.kind = "estopReleased";
   row.detail_json = "{}";
-  ExpectJson("events", row, R"({"ruri": "rcan://a", "kind": "estopReleased", "detail": {},
-    "sampledAtMs": "0", "receivedAtMs": "0"})");
+  ExpectJson("events", row, R"({"ruri": "rcan://a", "kind": "estopReleased", "detail": {}})");
 }
 
 TEST(RowsJson, Messages) {
@@ -55,18 +55,18 @@ TEST(RowsJson, Messages) {
   row.message = {.unix_time_ms = 1, .level = model::MessageLevel::kError, .message = "a \"b\" ä\n"};
   row.received_at = FromUnixMs(2);
   ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "error",
-    "message": "a \"b\" ä\n", "sampledAtMs": "1", "receivedAtMs": "2"})");
+    "message": "a \"b\" ä\n", "sampledAt": "1970-01-01T00:00:00.001Z", "receivedAt": "1970-01-01T00:00:00.002Z"})");
 }
 
 TEST(RowsJson, AMessageShowsTheDetailThatItsSenderGave) {
   storage::MessageRow row;
   row.message = {.message = "gripper is warm", .detail_json = R"({"source":"arm","axis":3})"};
   ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "info",
-    "message": "gripper is warm", "sampledAtMs": "0", "receivedAtMs": "0",
+    "message": "gripper is warm",
     "detail": {"source": "arm", "axis": 3}})");
   row.message.detail_json = "{}";
   ExpectJson("messages", row, R"({"ruri": "rcan://a", "level": "info",
-    "message": "gripper is warm", "sampledAtMs": "0", "receivedAtMs": "0", "detail": {}})");
+    "message": "gripper is warm", "detail": {}})");
 }
 
 TEST(RowsJson, ScopeUpdates) {
@@ -77,20 +77,21 @@ TEST(RowsJson, ScopeUpdates) {
                 .detail_json = R"({"status":"running","step":2})",
                 .unix_time_ms = 1};
   row.received_at = FromUnixMs(2);
-  ExpectJson("updates", row, R"({"scope": "workflow_run",
+  ExpectJson("scopeUpdates", row, R"({"scope": "workflow_run",
     "id": "eeeeeeee-eeee-4eee-8eee-eeeeeeeeeeee", "type": "running",
-    "detail": {"status": "running", "step": 2}, "sampledAtMs": "1", "receivedAtMs": "2"})");
+    "detail": {"status": "running", "step": 2}, "sampledAt": "1970-01-01T00:00:00.001Z", "receivedAt": "1970-01-01T00:00:00.002Z"})");
 }
 
 TEST(RowsJson, PresenceChanges) {
-  for (const auto& [presence, name] : {std::pair{model::Presence::kUnknown, "PRESENCE_UNKNOWN"},
-                                       std::pair{model::Presence::kOnline, "PRESENCE_ONLINE"},
-                                       std::pair{model::Presence::kOffline, "PRESENCE_OFFLINE"}}) {
+  for (const auto& [presence, name] : {std::pair{model::Presence::kUnknown, "unknown"},
+                                       std::pair{model::Presence::kOnline, "online"},
+                                       std::pair{model::Presence::kOffline, "offline"}}) {
     storage::PresenceRow row;
     row.presence = presence;
     row.at = FromUnixMs(3);
-    ExpectJson("changes", row,
-               R"({"ruri": "rcan://a", "presence": ")" + std::string(name) + R"(", "atMs": "3"})");
+    ExpectJson("presenceChanges", row,
+               R"({"ruri": "rcan://a", "presence": ")" + std::string(name) +
+                   R"(", "at": "1970-01-01T00:00:00.003Z"})");
   }
 }
 
@@ -104,10 +105,9 @@ TEST(RowsJson, MissionRuns) {
   row.first_received_at = FromUnixMs(6);
   row.last_received_at = FromUnixMs(7);
   row.updates = 3;
-  ExpectJson("missionRuns", row, R"({"ruri": "rcan://a", "missionId": "m", "runId": "r",
+  ExpectJson("missions", row, R"({"ruri": "rcan://a", "missionId": "m", "runId": "r",
     "name": "north field", "status": "blocked", "latest": {"unixTimeMs": 5, "runId": "r"},
-    "firstReceivedAtMs": "6", "lastReceivedAtMs": "7", "updates": "3", "closedWhy": "",
-    "closedAtMs": "0"})");
+    "firstReceivedAt": "1970-01-01T00:00:00.006Z", "lastReceivedAt": "1970-01-01T00:00:00.007Z", "updates": "3", "closedWhy": ""})");
 }
 
 TEST(RowsJson, AMissionRunThatTheServerClosedSaysWhyAndWhen) {
@@ -121,7 +121,7 @@ TEST(RowsJson, AMissionRunThatTheServerClosedSaysWhyAndWhen) {
     row.closed = closed;
     const v1::MissionRun message = ToMessage(row);
     EXPECT_EQ(message.closed_why(), why);
-    EXPECT_EQ(message.closed_at_ms(), 9);
+    EXPECT_EQ(view::UnixMs(message.closed_at()), 9);
     EXPECT_EQ(message.status(), "running") << "as the robot reported it";
   }
 }
@@ -139,8 +139,8 @@ TEST(RowsJson, Shapes) {
   row.received_at = FromUnixMs(6);
   ExpectJson("shapes", row, R"({"ruri": "rcan://a", "id": "s", "name": "n", "areaType": "hazard",
     "scope": "unrecognized_9", "rev": 4294967295, "hash": "h",
-    "geometry": {"type": "Point", "coordinates": [8.5, 47]}, "expiresAtMs": "5", "minZM": -1.5,
-    "maxZM": 2.5, "levelId": -3, "receivedAtMs": "6"})");
+    "geometry": {"type": "Point", "coordinates": [8.5, 47]}, "expiresAt": "1970-01-01T00:00:00.005Z", "minZM": -1.5,
+    "maxZM": 2.5, "levelId": -3, "receivedAt": "1970-01-01T00:00:00.006Z"})");
 }
 
 TEST(RowsJson, Objects) {
@@ -157,7 +157,7 @@ TEST(RowsJson, Objects) {
   row.received_at = FromUnixMs(6);
   const std::string start = R"({"ruri": "rcan://a", "id": "o", "name": "n", "objectType": "animal",
     "scope": "world", "location": {"latDeg": 47, "lonDeg": 8}, "radiusM": 0.5,
-    "sampledAtMs": "4", "expiresAtMs": "5", "receivedAtMs": "6")";
+    "sampledAt": "1970-01-01T00:00:00.004Z", "expiresAt": "1970-01-01T00:00:00.005Z", "receivedAt": "1970-01-01T00:00:00.006Z")";
   ExpectJson("objects", row,
              start + R"(, "trajectory": {"speedMps": 1, "courseDeg": 2, "verticalRateMps": 3}})");
   row.trajectory_json.clear();
@@ -200,7 +200,7 @@ TEST(RowsJson, WhatTheStoreKeepsStandsInTheAnswerAsItIs) {
   storage::Page<storage::EventRow> page;
   for (int i = 0; i < 2; ++i) page.rows.emplace_back().detail_json = text;
   const std::string list = *ToJson(page);
-  const std::string item = R"({"ruri":"","kind":"","sampledAtMs":"0","receivedAtMs":"0","detail":)";
+  const std::string item = R"({"ruri":"","kind":"","detail":)";
   EXPECT_EQ(list,
             "{\"events\":[" + item + text + "}," + item + text + "}],\"nextPageToken\":\"\"}");
 }

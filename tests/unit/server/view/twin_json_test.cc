@@ -21,7 +21,7 @@ std::string Part(const test::AppliedTwin& twin, std::string_view name) {
   const js::value* part = all.if_contains(js::string_view(name.data(), name.size()));
   if (part == nullptr) return "";
   std::string text = js::serialize(*part);
-  const std::string arrived = ",\"receivedAtMs\":1763683200000";
+  const std::string arrived = ",\"receivedAt\":\"2025-11-21T00:00:00Z\"";
   for (std::size_t at = text.find(arrived); at != std::string::npos; at = text.find(arrived)) {
     text.erase(at, arrived.size());
   }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/view/timestamps.h"
 #include "tests/unit/tools/fleet/compare/mirror.h"
 #include "tools/uplink-fleet/compare/compare_live.h"
 #include "tools/uplink-fleet/compare/compare_rows.h"
@@ -39,12 +40,12 @@ std::vector<Thing> Differing(const RobotOutcome& robot, const StoredRobot& store
 
 TEST(Compare, ARobotThatIsAwayForAMomentIsNotThereYet) {
   v1::Robot here;
-  here.set_presence(v1::PRESENCE_ONLINE);
+  here.set_presence("online");
   here.set_connected(true);
   v1::Robot between_connections = here;
   between_connections.set_connected(false);
   v1::Robot not_heard = here;
-  not_heard.set_presence(v1::PRESENCE_UNKNOWN);
+  not_heard.set_presence("unknown");
   EXPECT_TRUE(AllThere({{"a", here}, {"b", here}}, 2));
   EXPECT_FALSE(AllThere({{"a", here}, {"b", between_connections}}, 2));
   EXPECT_FALSE(AllThere({{"a", here}, {"b", not_heard}}, 2));
@@ -98,7 +99,9 @@ std::vector<RowCase> RowCases() {
                               (*row.mutable_detail()->mutable_fields())["x"].set_bool_value(true);
                             }),
           CaseOf<v1::RobotMessage>("messages", Thing::kMessages, &StoredRobot::messages,
-                                   [](v1::RobotMessage& row) { row.set_sampled_at_ms(1); }),
+                                   [](v1::RobotMessage& row) {
+                                     view::SetTimeMs(row, &v1::RobotMessage::mutable_sampled_at, 1);
+                                   }),
           CaseOf<v1::MissionRun>("runs", Thing::kMissionRuns, &StoredRobot::runs,
                                  [](v1::MissionRun& row) { row.set_name("other"); }),
           CaseOf<v1::Shape>("shapes", Thing::kShapes, &StoredRobot::shapes,
@@ -204,7 +207,7 @@ TEST(Compare, AnUnackedMessageMayBeStoredOnceAndNotTwice) {
   row.set_ruri(kRuri);
   row.set_level("info");
   row.set_message("late");
-  row.set_sampled_at_ms(kStartMs);
+  view::SetTimeMs(row, &v1::RobotMessage::mutable_sampled_at, kStartMs);
   stored.messages.push_back(row);
   EXPECT_THAT(Differing(robot, stored, &TheMirror().live), IsEmpty());
   stored.messages.push_back(row);
@@ -227,7 +230,7 @@ TEST(Compare, ARunWithAnotherNumberOfReportsIsFound) {
 TEST(Compare, AnActiveFaultWhoseFirstRaiseIsNotKeptIsFound) {
   StoredRobot stored = TheMirror().stored;
   v1::Fault& row = stored.active_faults.back();
-  row.set_raised_at_ms(row.raised_at_ms() + 1);
+  view::SetTimeMs(row, &v1::Fault::mutable_raised_at, view::UnixMs(row.raised_at()) + 1);
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
               ElementsAre(Thing::kActiveFaults));
 }
@@ -238,7 +241,7 @@ TEST(Compare, APresenceHistoryThatIsEmptyIsFound) {
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live),
               ElementsAre(Thing::kPresenceHistory));
   stored = TheMirror().stored;
-  stored.presence.front().set_at_ms(kStartMs - 1);
+  view::SetTimeMs(stored.presence.front(), &v1::PresenceChange::mutable_at, kStartMs - 1);
   EXPECT_THAT(Differing(TheMirror().robot, stored, &TheMirror().live), IsEmpty())
       << "it was online before the run began";
 }
@@ -249,7 +252,7 @@ TEST(Compare, WhatHasExpiredMustBeGoneAndNotSooner) {
   Thing thing = Thing::kObjects;
   const auto look = [&](const auto& rows, Thing of) {
     for (const auto& row : rows) {
-      const std::int64_t expires_ms = row.expires_at_ms();
+      const std::int64_t expires_ms = view::UnixMs(row.expires_at());
       if (expires_ms == 0 || (next_ms != 0 && expires_ms >= next_ms)) continue;
       next_ms = expires_ms;
       thing = of;
@@ -301,7 +304,7 @@ TEST(Compare, GapsAndMissingNumbers) {
 
 TEST(Compare, ARobotThatIsNotOnlineOrNotListed) {
   v1::Robot live = TheMirror().live;
-  live.set_presence(v1::PRESENCE_UNKNOWN);
+  live.set_presence("unknown");
   EXPECT_THAT(Differing(TheMirror().robot, TheMirror().stored, &live), ElementsAre(Thing::kOnline));
   EXPECT_THAT(Differing(TheMirror().robot, TheMirror().stored, nullptr),
               ElementsAre(Thing::kOnline));
@@ -310,22 +313,22 @@ TEST(Compare, ARobotThatIsNotOnlineOrNotListed) {
 TEST(Compare, APresenceHistoryThatClaimsOffline) {
   RobotOutcome robot = TheMirror().robot;
   StoredRobot stored = TheMirror().stored;
-  const auto put = [&](v1::Presence presence, std::int64_t at_ms) {
+  const auto put = [&](const char* presence, std::int64_t at_ms) {
     v1::PresenceChange change;
     change.set_presence(presence);
-    change.set_at_ms(at_ms);
+    view::SetTimeMs(change, &v1::PresenceChange::mutable_at, at_ms);
     stored.presence.insert(stored.presence.begin(), change);
   };
-  put(v1::PRESENCE_OFFLINE, kStartMs - 1000);
-  put(v1::PRESENCE_ONLINE, kStartMs - 500);
-  put(v1::PRESENCE_OFFLINE, kStartMs + 1000);
-  put(v1::PRESENCE_ONLINE, kStartMs + 2000);
-  put(v1::PRESENCE_OFFLINE, TheMirror().now_ms + 1);
+  put("offline", kStartMs - 1000);
+  put("online", kStartMs - 500);
+  put("offline", kStartMs + 1000);
+  put("online", kStartMs + 2000);
+  put("offline", TheMirror().now_ms + 1);
   EXPECT_THAT(Differing(robot, stored, &TheMirror().live), ElementsAre(Thing::kPresenceHistory));
   robot.silences = 1;
   EXPECT_THAT(Differing(robot, stored, &TheMirror().live), IsEmpty())
       << "it was silent once, and what came after the run does not count";
-  put(v1::PRESENCE_UNKNOWN, TheMirror().now_ms);
+  put("unknown", TheMirror().now_ms);
   EXPECT_THAT(Differing(robot, stored, &TheMirror().live), ElementsAre(Thing::kPresenceHistory));
 }
 

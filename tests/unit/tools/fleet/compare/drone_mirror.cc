@@ -13,6 +13,7 @@
 #include "schema/uncrew/records.h"
 #include "server/uncrew/sample_digest.h"
 #include "server/view/drone_json.h"
+#include "server/view/timestamps.h"
 #include "tests/support/proto_struct.h"
 
 namespace uplink::synthetic {
@@ -33,14 +34,14 @@ struct DroneMirror::Applier {
     v1::Event row;
     row.set_kind(named.kind);
     *row.mutable_detail() = test::ParseStruct(named.detail_json);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::Event::mutable_sampled_at, record.unix_time_ms);
     stored.robot.events.push_back(std::move(row));
   }
   void operator()(const model::Message& record) {
     v1::RobotMessage row;
     row.set_level(model::EnumText(record.level));
     row.set_message(record.message);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::RobotMessage::mutable_sampled_at, record.unix_time_ms);
     row.set_source_level(record.source_level);
     stored.robot.messages.push_back(std::move(row));
   }
@@ -52,7 +53,7 @@ struct DroneMirror::Applier {
     row.set_active(record.active);
     row.set_category(record.category);
     row.set_description(record.description);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::Fault::mutable_sampled_at, record.unix_time_ms);
     stored.robot.faults.push_back(row);
     std::erase_if(stored.robot.active_faults,
                   [&row](const v1::Fault& each) { return each.fault_id() == row.fault_id(); });
@@ -63,14 +64,14 @@ struct DroneMirror::Applier {
       const auto row =
           std::ranges::find(stored.requests, record.request_id, &v1::OperatorRequest::request_id);
       UPLINK_CHECK(row != stored.requests.end(), "what was never opened is not closed");
-      return row->set_closed_at_ms(at_ms);
+      return view::SetTimeMs(*row, &v1::OperatorRequest::mutable_closed_at, at_ms);
     }
     v1::OperatorRequest row;
     row.set_request_id(record.request_id);
     row.set_kind(std::string(ToText(record.kind)));
     row.set_text(record.text);
-    row.set_requested_at_ms(record.requested_at_ms);
-    row.set_opened_at_ms(at_ms);
+    view::SetTimeMs(row, &v1::OperatorRequest::mutable_requested_at, record.requested_at_ms);
+    view::SetTimeMs(row, &v1::OperatorRequest::mutable_opened_at, at_ms);
     stored.requests.push_back(std::move(row));
   }
   template <typename Other>
@@ -148,11 +149,11 @@ void DroneMirror::Reject(const AvatarCall& call, const model::Rejection& rejecti
 
 void DroneMirror::Show() {
   v1::PresenceChange online;
-  online.set_presence(v1::PRESENCE_ONLINE);
-  online.set_at_ms(kDroneStartUs / 1000);
+  online.set_presence("online");
+  view::SetTimeMs(online, &v1::PresenceChange::mutable_at, kDroneStartUs / 1000);
   stored.robot.presence.push_back(std::move(online));
   look =
-      boost::json::serialize(boost::json::object{{"presence", "PRESENCE_ONLINE"},
+      boost::json::serialize(boost::json::object{{"presence", "online"},
                                                  {"source", "uncrew"},
                                                  {"operatorRequestsOpen", live_.requests().size()},
                                                  {"uncrew", view::DroneJson(live_)}});

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/view/timestamps.h"
 #include "tests/unit/tools/fleet/compare/drone_mirror.h"
 #include "tools/uplink-fleet/compare/compare_drones.h"
 
@@ -104,7 +105,8 @@ TEST_F(Drones, AWrongRowIsFound) {
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("events")));
   stored.robot.faults.back().set_severity("minor");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("alerts raised and cleared")));
-  stored.requests.front().set_closed_at_ms(stored.requests.front().closed_at_ms() == 0 ? 1 : 0);
+  view::SetTimeMs(stored.requests.front(), &v1::OperatorRequest::mutable_closed_at,
+                  view::UnixMs(stored.requests.front().closed_at()) == 0 ? 1 : 0);
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("operator requests, open or closed")));
   stored.robot.quarantine.back().set_field("other");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("nothing like it"), HasSubstr("no such row")));
@@ -120,15 +122,15 @@ TEST_F(Drones, AnotherLiveValueIsFound) {
 }
 
 TEST_F(Drones, ADroneThatIsNotThereIsFound) {
-  Say("PRESENCE_ONLINE", "PRESENCE_OFFLINE");
+  Say("online", "offline");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("drones online")));
   Say("\"source\":\"uncrew\"", "\"source\":\"uplink\"");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("source uplink")));
   Say("\"operatorRequestsOpen\":", "\"operatorRequestsOpen\":9");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("counts of open requests")));
   v1::PresenceChange offline;
-  offline.set_presence(v1::PRESENCE_OFFLINE);
-  offline.set_at_ms(kRun.from_ms + 1);
+  offline.set_presence("offline");
+  view::SetTimeMs(offline, &v1::PresenceChange::mutable_at, kRun.from_ms + 1);
   stored.robot.presence.push_back(offline);
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("offline 1 times")));
 }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/compare/compare_forwards.h"
 #include "tools/uplink-fleet/robot/forward_table.h"
 #include "tools/uplink-fleet/robot/rows.h"
@@ -43,7 +44,7 @@ template <typename Item>
 auto Stored(const Item& item, const char* ruri) {
   auto row = RowOf(item);
   row.set_ruri(ruri);
-  row.set_received_at_ms(5);
+  view::SetTimeMs(row, &decltype(row)::mutable_received_at, 5);
   return row;
 }
 

@@ -4,6 +4,7 @@
 
 #include "schema/base/check.h"
 #include "schema/model/enum_text.h"
+#include "server/view/timestamps.h"
 #include "tools/uplink-fleet/robot/rows.h"
 
 namespace uplink::synthetic {
@@ -12,7 +13,7 @@ namespace {
 template <typename Row>
 Row Arrived(Row row, std::int64_t at_ms) {
   row.set_ruri(kRuri);
-  row.set_received_at_ms(at_ms);
+  view::SetTimeMs(row, &Row::mutable_received_at, at_ms);
   return row;
 }
 
@@ -40,11 +41,11 @@ Mirror::Mirror(double malformed_share, int ticks) {
   robot.last_seq = robot.sent = seq_;
   robot.all_settled = robot.ended_ok = true;
   live.set_ruri(kRuri);
-  live.set_presence(v1::PRESENCE_ONLINE);
+  live.set_presence("online");
   live.set_connected(true);
   v1::PresenceChange& online = stored.presence.emplace_back();
-  online.set_presence(v1::PRESENCE_ONLINE);
-  online.set_at_ms(kStartMs);
+  online.set_presence("online");
+  view::SetTimeMs(online, &v1::PresenceChange::mutable_at, kStartMs);
   for (const auto& [key, row] : active_) stored.active_faults.push_back(row);
   for (const auto& [key, row] : runs_) stored.runs.push_back(row);
   for (const auto& [id, row] : shapes_) stored.shapes.push_back(row);
@@ -86,9 +87,10 @@ void Mirror::ShowRow(const model::Body& body) {
     if (!fault->active) {
       active_.erase(key);
     } else {
-      const std::int64_t raised_ms = active_.contains(key) ? active_[key].raised_at_ms() : now_ms;
+      const std::int64_t raised_ms =
+          active_.contains(key) ? view::UnixMs(active_[key].raised_at()) : now_ms;
       active_[key] = row;
-      active_[key].set_raised_at_ms(raised_ms);
+      view::SetTimeMs(active_[key], &v1::Fault::mutable_raised_at, raised_ms);
     }
   } else if (const auto* event = std::get_if<model::EventTelemetry>(&body)) {
     stored.events.insert(stored.events.begin(), Arrived(RowOf(*event), now_ms));
@@ -102,8 +104,9 @@ void Mirror::ShowRow(const model::Body& body) {
     if (report->name) run.set_name(*report->name);
     run.set_status(model::EnumText(report->status));
     *run.mutable_latest() = PartOf(*report);
-    if (run.first_received_at_ms() == 0) run.set_first_received_at_ms(now_ms);
-    run.set_last_received_at_ms(now_ms);
+    if (view::UnixMs(run.first_received_at()) == 0)
+      view::SetTimeMs(run, &v1::MissionRun::mutable_first_received_at, now_ms);
+    view::SetTimeMs(run, &v1::MissionRun::mutable_last_received_at, now_ms);
     run.set_updates(run.updates() + 1);
   }
 }
@@ -117,7 +120,8 @@ void Mirror::ShowLatest(const model::Body& body) {
     if (object->upsert() == nullptr) return;
     v1::TrackedObject& row = objects_[object->id()];
     row = Arrived(RowOf(*object->upsert()), now_ms);
-    if (row.expires_at_ms() == 0) row.set_expires_at_ms(now_ms + 86'400'000);
+    if (view::UnixMs(row.expires_at()) == 0)
+      view::SetTimeMs(row, &v1::TrackedObject::mutable_expires_at, now_ms + 86'400'000);
   } else if (const auto* info = std::get_if<model::AgentInfo>(&body)) {
     *live.mutable_agent_info() = PartOf(*info);
   } else if (const auto* settings = std::get_if<model::CurrentSettings>(&body)) {
@@ -152,7 +156,8 @@ void Mirror::ShowLive(const model::Body& body) {
 
 void Mirror::Expire() {
   const auto expired = [this](const auto& row) {
-    return row.second.expires_at_ms() != 0 && row.second.expires_at_ms() <= now_ms;
+    return view::UnixMs(row.second.expires_at()) != 0 &&
+           view::UnixMs(row.second.expires_at()) <= now_ms;
   };
   std::erase_if(shapes_, expired);
   std::erase_if(objects_, expired);

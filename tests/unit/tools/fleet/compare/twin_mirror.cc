@@ -11,6 +11,7 @@
 #include "schema/json/render.h"
 #include "schema/model/enum_text.h"
 #include "server/cyberwave/whose.h"
+#include "server/view/timestamps.h"
 #include "server/view/twin_json.h"
 #include "tests/support/proto_struct.h"
 
@@ -39,14 +40,14 @@ struct TwinMirror::Applier {
     v1::Event row;
     row.set_kind(named.kind);
     *row.mutable_detail() = test::ParseStruct(named.detail_json);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::Event::mutable_sampled_at, record.unix_time_ms);
     robot.events.push_back(std::move(row));
   }
   void operator()(const model::Message& record) {
     v1::RobotMessage row;
     row.set_level(model::EnumText(record.level));
     row.set_message(record.message);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::RobotMessage::mutable_sampled_at, record.unix_time_ms);
     *row.mutable_detail() = test::ParseStruct(record.detail_json);
     robot.messages.push_back(std::move(row));
   }
@@ -78,7 +79,7 @@ struct TwinMirror::Applier {
     row.set_id(record.id);
     row.set_type(record.type);
     *row.mutable_detail() = test::ParseStruct(record.detail_json);
-    row.set_sampled_at_ms(record.unix_time_ms);
+    view::SetTimeMs(row, &v1::ScopeUpdate::mutable_sampled_at, record.unix_time_ms);
     mirror.stored.scopes.push_back(std::move(row));
   }
 };
@@ -138,12 +139,12 @@ void TwinMirror::Reject(const Publication& publication, const cw::Judgement& jud
 
 void TwinMirror::Show(Side side) {
   v1::PresenceChange online;
-  online.set_presence(v1::PRESENCE_ONLINE);
-  online.set_at_ms(kTwinStartUs / 1000);
+  online.set_presence("online");
+  view::SetTimeMs(online, &v1::PresenceChange::mutable_at, kTwinStartUs / 1000);
   Of(side).presence.push_back(std::move(online));
   const auto& state = *states_.at(static_cast<std::size_t>(side));
   look.at(static_cast<std::size_t>(side)) =
-      boost::json::serialize(boost::json::object{{"presence", "PRESENCE_ONLINE"},
+      boost::json::serialize(boost::json::object{{"presence", "online"},
                                                  {"source", "cyberwave"},
                                                  {"cyberwave", view::TwinJson(state.parts())}});
 }

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/view/timestamps.h"
 #include "tests/unit/tools/fleet/compare/twin_mirror.h"
 #include "tools/uplink-fleet/compare/compare_twin_live.h"
 #include "tools/uplink-fleet/compare/compare_twin_rows.h"
@@ -127,7 +128,7 @@ TEST_F(Twins, ADoubledRowIsFound) {
 }
 
 TEST_F(Twins, AWrongRowIsFound) {
-  Real().events.front().set_sampled_at_ms(1);
+  view::SetTimeMs(Real().events.front(), &v1::Event::mutable_sampled_at, 1);
   EXPECT_THAT(Found(), ElementsAre(AllOf(HasSubstr("events"), HasSubstr("number "))));
   stored = Good().stored;
   (*Real().events.front().mutable_detail()->mutable_fields())["more"].set_bool_value(true);
@@ -231,7 +232,7 @@ TEST_F(Twins, AWrongSessionIsFound) {
 }
 
 TEST_F(Twins, ARobotThatIsNotThereIsFound) {
-  Say("PRESENCE_ONLINE", "PRESENCE_OFFLINE");
+  Say("online", "offline");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("robots online")));
   look = Good().look;
   Say("\"source\":\"cyberwave\"", "\"source\":\"uplink\"");
@@ -242,12 +243,12 @@ TEST_F(Twins, ARobotThatIsNotThereIsFound) {
 
 TEST_F(Twins, PresenceThatWentAwayIsFound) {
   v1::PresenceChange offline;
-  offline.set_presence(v1::PRESENCE_OFFLINE);
-  offline.set_at_ms(kRun.from_ms + 1);
+  offline.set_presence("offline");
+  view::SetTimeMs(offline, &v1::PresenceChange::mutable_at, kRun.from_ms + 1);
   Real().presence.push_back(offline);
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("offline 1 times")));
   Real().presence = {offline};
-  EXPECT_THAT(Found(), ElementsAre(HasSubstr("PRESENCE_OFFLINE at last")));
+  EXPECT_THAT(Found(), ElementsAre(HasSubstr("offline at last")));
 }
 
 TEST(Delivery, SaysHowOftenSomethingMayBeThere) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/view/timestamps.h"
 #include "tests/unit/tools/fleet/compare/mismatches.h"
 #include "tools/uplink-fleet/report/json_report.h"
 #include "tools/uplink-fleet/report/text_report.h"
@@ -30,8 +31,8 @@ Evidence Good() {
                     .settled_robots = 1,
                     .ended_ok = 1};
   evidence.robots_read = 1;
-  evidence.before.set_started_at_ms(5);
-  evidence.after.set_started_at_ms(5);
+  view::SetTimeMs(evidence.before, &v1::ServerStatus::mutable_started_at, 5);
+  view::SetTimeMs(evidence.after, &v1::ServerStatus::mutable_started_at, 5);
   auto& uplinks = *evidence.after.mutable_uplinks();
   uplinks["received"] = 6;
   uplinks["stored"] = 2;
@@ -125,7 +126,7 @@ TEST(Verify, RepeatsCountOnlyWhenNothingDisturbedTheStreams) {
 
 TEST(Verify, AfterARestartOnlyRowsAndAcksCount) {
   Evidence evidence = Good();
-  evidence.after.set_started_at_ms(6);
+  view::SetTimeMs(evidence.after, &v1::ServerStatus::mutable_started_at, 6);
   evidence.after.clear_uplinks();
   EXPECT_THAT(Mismatches(evidence), IsEmpty());
   evidence.findings.Differ(Thing::kEvents, "rcan://a", "one", "none");
