@@ -18,11 +18,11 @@
 /// migration of each store, and a route of the HTTP API.
 #define UPLINK_LISTS(LIST)                                                          \
   /* Faults that are active now, one row per fault. */                              \
-  LIST(FaultsActive, 1, FaultRow, HistoryQuery, kWhilePresent)                      \
+  LIST(FaultsActive, 1, FaultRow, FaultsQuery, kWhilePresent)                       \
   /* Every report of a fault. */                                                    \
-  LIST(FaultHistory, 2, FaultRow, HistoryQuery, kAsHistory)                         \
-  LIST(Events, 5, EventRow, HistoryQuery, kAsHistory)                               \
-  LIST(Messages, 6, MessageRow, HistoryQuery, kAsHistory)                           \
+  LIST(FaultHistory, 2, FaultRow, FaultsQuery, kAsHistory)                          \
+  LIST(Events, 5, EventRow, EventsQuery, kAsHistory)                                \
+  LIST(Messages, 6, MessageRow, MessagesQuery, kAsHistory)                          \
   LIST(ScopeUpdates, 12, ScopeUpdateRow, ScopeUpdatesQuery, kAsHistory)             \
   /* Every report of the runs that match. */                                        \
   LIST(MissionReports, 8, MissionReportRow, MissionsQuery, kAsHistory)              \

@@ -9,10 +9,11 @@ namespace uplink::storage {
 namespace {
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
-constexpr std::size_t kKindBytes = 1;
+/// List and order.
+constexpr std::size_t kListBytes = 2;
 constexpr std::size_t kNumberBytes = 8;
 constexpr std::size_t kSumBytes = 4;
-constexpr std::size_t kSummedBytes = kKindBytes + 2 * kNumberBytes;
+constexpr std::size_t kSummedBytes = kListBytes + 2 * kNumberBytes;
 constexpr std::size_t kTokenBytes = kSummedBytes + kSumBytes;
 
 using TokenBytes = std::array<std::uint8_t, kTokenBytes>;
@@ -49,11 +50,12 @@ std::optional<TokenBytes> FromHex(std::string_view token) {
 
 }  // namespace
 
-std::string EncodePageToken(PageKind kind, const PagePosition& position) {
+std::string EncodePageToken(PageKind kind, ListOrder order, const PagePosition& position) {
   TokenBytes bytes{};
   bytes[0] = static_cast<std::uint8_t>(kind);
-  Put(bytes, kKindBytes, kNumberBytes, static_cast<std::uint64_t>(UnixMs(position.at)));
-  Put(bytes, kKindBytes + kNumberBytes, kNumberBytes, position.entry);
+  bytes[1] = static_cast<std::uint8_t>(order);
+  Put(bytes, kListBytes, kNumberBytes, static_cast<std::uint64_t>(UnixMs(position.at)));
+  Put(bytes, kListBytes + kNumberBytes, kNumberBytes, position.entry);
   Put(bytes, kSummedBytes, kSumBytes, Sum(bytes));
   std::string token;
   token.reserve(2 * kTokenBytes);
@@ -64,7 +66,8 @@ std::string EncodePageToken(PageKind kind, const PagePosition& position) {
   return token;
 }
 
-absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, std::string_view token) {
+absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, ListOrder order,
+                                             std::string_view token) {
   const std::optional<TokenBytes> bytes = FromHex(token);
   if (!bytes || Get(*bytes, kSummedBytes, kSumBytes) != Sum(*bytes)) {
     return absl::InvalidArgumentError("pageToken is not one that this server gave");
@@ -72,9 +75,12 @@ absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, std::string_view tok
   if ((*bytes)[0] != static_cast<std::uint8_t>(kind)) {
     return absl::InvalidArgumentError("pageToken belongs to another list");
   }
+  if ((*bytes)[1] != static_cast<std::uint8_t>(order)) {
+    return absl::InvalidArgumentError("pageToken belongs to the list in another order");
+  }
   PagePosition position;
-  position.at = FromUnixMs(static_cast<std::int64_t>(Get(*bytes, kKindBytes, kNumberBytes)));
-  position.entry = Get(*bytes, kKindBytes + kNumberBytes, kNumberBytes);
+  position.at = FromUnixMs(static_cast<std::int64_t>(Get(*bytes, kListBytes, kNumberBytes)));
+  position.entry = Get(*bytes, kListBytes + kNumberBytes, kNumberBytes);
   return position;
 }
 
@@ -83,8 +89,11 @@ absl::StatusOr<std::optional<PagePosition>> PageStart(PageKind kind, const Histo
     return absl::InvalidArgumentError("pageSize " + std::to_string(query.page_size) +
                                       " is outside 1 to " + std::to_string(kPageSizeMax));
   }
+  if (query.ruris.size() > kRurisMax) {
+    return absl::InvalidArgumentError("ruri: more than " + std::to_string(kRurisMax) + " robots");
+  }
   if (query.page_token.empty()) return std::optional<PagePosition>();
-  absl::StatusOr<PagePosition> position = DecodePageToken(kind, query.page_token);
+  absl::StatusOr<PagePosition> position = DecodePageToken(kind, query.order, query.page_token);
   if (!position.ok()) return position.status();
   return std::optional<PagePosition>(*position);
 }

@@ -13,8 +13,9 @@
 
 namespace uplink::storage {
 
-/// Where a page ended: the next one begins with the newest row below it. `entry` is the number that
-/// the store gave the row when it wrote it, so no two rows have one position.
+/// Where a page ended: the next one begins with the row that follows it in the order of the walk.
+/// `entry` is the number that the store gave the row when it wrote it, so no two rows have one
+/// position.
 struct PagePosition {
   SystemTime at;
   std::uint64_t entry = 0;
@@ -22,16 +23,19 @@ struct PagePosition {
   friend auto operator<=>(const PagePosition&, const PagePosition&) = default;
 };
 
-/// The position as an opaque text of lower-case hex digits with a check sum.
-[[nodiscard]] std::string EncodePageToken(PageKind kind, const PagePosition& position);
+/// The position in a list in one order, as an opaque text of lower-case hex digits with a check
+/// sum.
+[[nodiscard]] std::string EncodePageToken(PageKind kind, ListOrder order,
+                                          const PagePosition& position);
 
 /// Errors: kInvalidArgument, beginning with `pageToken`, for a text that EncodePageToken did not
-///         make for this list.
-[[nodiscard]] absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, std::string_view token);
+///         make for this list in this order.
+[[nodiscard]] absl::StatusOr<PagePosition> DecodePageToken(PageKind kind, ListOrder order,
+                                                           std::string_view token);
 
-/// What every list checks of its query: where to begin (nothing: at the newest row).
+/// What every list checks of its query: where to begin (nothing: at the first row of its order).
 ///
-/// Errors: kInvalidArgument, beginning with `pageToken` or `pageSize`.
+/// Errors: kInvalidArgument, beginning with `pageToken`, `pageSize` or `ruri`.
 [[nodiscard]] absl::StatusOr<std::optional<PagePosition>> PageStart(PageKind kind,
                                                                     const HistoryQuery& query);
 

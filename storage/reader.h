@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +14,9 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "schema/model/mission.h"
 #include "schema/model/presence.h"
+#include "schema/model/rejection.h"
 #include "schema/model/reports.h"
 #include "storage/identity.h"
 #include "storage/latest_kind.h"
@@ -30,24 +33,62 @@ inline constexpr std::uint32_t kPageSizeMax = 1'000;
 /// as many quarter megabytes.
 inline constexpr std::size_t kPageBytesMax = 16U * 1024 * 1024;
 
-/// Which rows, and which part of them. Empty texts match everything.
+/// Robots that one query names at most: each is a search of its own in an index.
+inline constexpr std::size_t kRurisMax = 100;
+
+enum class ListOrder : std::uint8_t { kNewestFirst, kOldestFirst };
+
+/// Which rows, and which part of them. Empty texts and lists match everything.
 struct HistoryQuery {
-  std::string ruri;
+  /// At most kRurisMax; rows of any of them.
+  std::vector<std::string> ruris;
   std::string fleet;
   /// Arrival times, both inclusive.
   std::optional<SystemTime> from;
   std::optional<SystemTime> to;
+  ListOrder order = ListOrder::kNewestFirst;
   /// 1 to kPageSizeMax.
   std::uint32_t page_size = kPageSizeDefault;
-  /// next_token of the page before; empty for the first.
+  /// next_token of the page before, which had the same order; empty for the first.
   std::string page_token;
+};
+
+/// The robots of a query, each once, ascending.
+[[nodiscard]] inline std::vector<std::string_view> DistinctRuris(const HistoryQuery& query) {
+  std::vector<std::string_view> ruris(query.ruris.begin(), query.ruris.end());
+  std::ranges::sort(ruris);
+  ruris.erase(std::unique(ruris.begin(), ruris.end()), ruris.end());
+  return ruris;
+}
+
+/// Which faults. Empty texts match everything.
+struct FaultsQuery {
+  HistoryQuery rows;
+  std::optional<model::FaultSeverity> severity{};
+  std::string fault_id{};
+  /// The robot's own word.
+  std::string source{};
+};
+
+/// Which events.
+struct EventsQuery {
+  HistoryQuery rows;
+  /// As EventRow.kind; empty: every kind.
+  std::string kind{};
+};
+
+/// Which messages.
+struct MessagesQuery {
+  HistoryQuery rows;
+  std::optional<model::MessageLevel> level{};
 };
 
 /// Which mission runs. Empty texts match everything.
 struct MissionsQuery {
   HistoryQuery rows;
-  std::string mission_id;
-  std::string run_id;
+  std::string mission_id{};
+  std::string run_id{};
+  std::optional<model::MissionStatus> status{};
   /// Only runs whose latest status is not terminal and that the server did not close; no meaning
   /// for their reports.
   bool open = false;
@@ -74,6 +115,8 @@ struct QuarantineQuery {
   HistoryQuery rows;
   /// Nothing: whatever way they came.
   std::optional<model::MessageSource> source{};
+  /// Nothing: for whatever reason.
+  std::optional<model::RejectReason> reason{};
 };
 
 /// Which updates of what is no robot. Empty texts match everything.
@@ -86,18 +129,13 @@ struct ScopeUpdatesQuery {
 
 // Which rows, of any query.
 [[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
-[[nodiscard]] inline const HistoryQuery& RowsOf(const MissionsQuery& query) { return query.rows; }
-[[nodiscard]] inline const HistoryQuery& RowsOf(const PresentQuery& query) { return query.rows; }
-[[nodiscard]] inline const HistoryQuery& RowsOf(const ScopeUpdatesQuery& query) {
+template <typename Query>
+[[nodiscard]] const HistoryQuery& RowsOf(const Query& query) {
   return query.rows;
 }
-[[nodiscard]] inline const HistoryQuery& RowsOf(const OperatorRequestsQuery& query) {
-  return query.rows;
-}
-[[nodiscard]] inline const HistoryQuery& RowsOf(const QuarantineQuery& query) { return query.rows; }
 
-/// Newest first by arrival. A token stays valid while rows are added: a walk sees every row that
-/// was there when it began exactly once.
+/// By arrival, newest or oldest first. A token stays valid while rows are added: a walk sees every
+/// row that was there when it began exactly once.
 ///
 /// What changes in place keeps its place: an active fault that of its raise, a run that of its
 /// first report, a shape or object that of the upsert that made its id present. A row shows the
@@ -219,8 +257,8 @@ class Reader {
   [[nodiscard]] virtual absl::StatusOr<LiveRows> LiveOf(std::span<const std::string> ruris) = 0;
 };
 
-/// A list of Reader that takes a HistoryQuery: `&Reader::Events`.
-template <typename Row>
-using HistoryList = absl::StatusOr<Page<Row>> (Reader::*)(const HistoryQuery& query);
+/// A list of Reader: `&Reader::Events`.
+template <typename Row, typename Query>
+using ListOfReader = absl::StatusOr<Page<Row>> (Reader::*)(const Query& query);
 
 }  // namespace uplink::storage

@@ -65,8 +65,11 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
 }
 
 Response GetRobot(const Sources& sources, const RoutedRequest& request) {
-  if (const auto problem = Parameters(request.query).Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(request.segment);
+  Parameters parameters(request.query);
+  const std::string ruri = request.segment.empty() ? parameters.Text("ruri") : request.segment;
+  if (ruri.empty()) parameters.Reject("ruri", "is missing: name the robot");
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(ruri);
   return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }

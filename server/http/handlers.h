@@ -54,14 +54,19 @@ struct RoutedRequest {
 /// Whether the list wants parts that only the store has.
 [[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+/// By the path, or by the parameter `ruri`: proxies may decode a slash in a path.
 [[nodiscard]] Response GetRobot(const Sources& sources, const RoutedRequest& request);
 
-// lists.cc: rows of the store. The histories of one robot are made by GetHistory (rows.h).
+// lists.cc: rows of the store, over the whole fleet.
+[[nodiscard]] Response GetEvents(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetMessages(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetPresence(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetGaps(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetQuarantine(const Sources& sources, const RoutedRequest& request);
-[[nodiscard]] Response GetAllQuarantine(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFaults(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetMissions(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetMissionReports(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetShapes(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetObjects(const Sources& sources, const RoutedRequest& request);

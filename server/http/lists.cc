@@ -6,6 +6,7 @@
 
 #include "schema/model/cyberwave/uuid.h"
 #include "schema/model/message_source.h"
+#include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
@@ -15,13 +16,7 @@
 namespace uplink::http {
 namespace {
 
-using storage::HistoryQuery;
-using storage::Page;
-
-void ReadRobots(Parameters& parameters, HistoryQuery& query) {
-  query.ruri = parameters.Text("ruri");
-  query.fleet = parameters.Text("fleet");
-}
+using storage::Reader;
 
 /// Nothing: every source.
 std::optional<model::MessageSource> ReadSource(Parameters& parameters) {
@@ -30,6 +25,15 @@ std::optional<model::MessageSource> ReadSource(Parameters& parameters) {
   const std::optional<model::MessageSource> source = model::MessageSourceFromText(text);
   if (!source) parameters.Reject("source", "must be uplink, cyberwave or uncrew");
   return source;
+}
+
+/// Nothing: every reason.
+std::optional<model::RejectReason> ReadReason(Parameters& parameters) {
+  const std::string text = parameters.Text("reason");
+  if (text.empty()) return std::nullopt;
+  const std::optional<model::RejectReason> reason = model::RejectReasonFromText(text);
+  if (!reason) parameters.Reject("reason", "is none of the reject reasons, such as out_of_range");
+  return reason;
 }
 
 /// Nothing: every scope.
@@ -51,90 +55,110 @@ std::string ReadUuid(Parameters& parameters, std::string_view name) {
   return {};
 }
 
-Response QuarantineResponse(const absl::StatusOr<view::QuarantineView>& quarantine) {
-  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
-                         : ErrorResponse(quarantine.status());
+/// Of runs and of their reports.
+storage::MissionsQuery ReadMissions(Parameters& parameters) {
+  storage::MissionsQuery query;
+  query.rows = ReadRows(parameters);
+  query.mission_id = parameters.Text("missionId");
+  query.run_id = parameters.Text("runId");
+  query.status = ReadEnum<model::MissionStatus>(parameters, "status");
+  return query;
 }
 
 /// Shapes or objects.
 template <typename Row>
-Response PresentOnes(const std::string& query_text, view::Queries& queries,
-                     absl::StatusOr<Page<Row>> (view::Queries::*ask)(storage::PresentQuery)) {
+Response PresentOnes(
+    const std::string& query_text, view::Queries& queries,
+    absl::StatusOr<storage::Page<Row>> (view::Queries::*ask)(storage::PresentQuery)) {
   Parameters parameters(query_text);
   storage::PresentQuery query;
-  query.rows = ReadPage(parameters);
   ReadRobots(parameters, query.rows);
   query.include_expired = parameters.Flag("includeExpired");
+  ReadPage(parameters, query.rows);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   return RowsResponse((queries.*ask)(query));
 }
 
 }  // namespace
 
-Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
+Response GetEvents(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  HistoryQuery query = ReadPage(parameters);
-  ReadTimes(parameters, query);
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  query.ruri = request.segment;
-  return QuarantineResponse(sources.queries.Quarantine(query));
+  storage::EventsQuery query{.rows = ReadRows(parameters)};
+  query.kind = parameters.Text("kind");
+  return ListResponse(sources, parameters, &Reader::Events, query);
 }
 
-Response GetAllQuarantine(const Sources& sources, const RoutedRequest& request) {
+Response GetMessages(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::QuarantineQuery query;
-  query.rows = ReadPage(parameters);
-  ReadTimes(parameters, query.rows);
-  ReadRobots(parameters, query.rows);
+  storage::MessagesQuery query{.rows = ReadRows(parameters)};
+  query.level = ReadEnum<model::MessageLevel>(parameters, "level");
+  return ListResponse(sources, parameters, &Reader::Messages, query);
+}
+
+Response GetPresence(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  const storage::HistoryQuery query = ReadRows(parameters);
+  return ListResponse(sources, parameters, &Reader::PresenceChanges, query);
+}
+
+Response GetGaps(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  const storage::HistoryQuery query = ReadRows(parameters);
+  return ListResponse(sources, parameters, &Reader::Gaps, query);
+}
+
+Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::QuarantineQuery query{.rows = ReadRows(parameters)};
   query.source = ReadSource(parameters);
+  query.reason = ReadReason(parameters);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return QuarantineResponse(sources.queries.AllQuarantine(query));
+  const absl::StatusOr<view::QuarantineView> quarantine = sources.queries.Quarantine(query);
+  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
+                         : ErrorResponse(quarantine.status());
 }
 
 Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::ScopeUpdatesQuery query;
-  query.rows = ReadPage(parameters);
-  ReadTimes(parameters, query.rows);
+  // They belong to no robot.
   query.rows.fleet = parameters.Text("fleet");
+  ReadTimes(parameters, query.rows);
+  ReadPage(parameters, query.rows);
   query.scope = ReadScope(parameters);
   query.id = ReadUuid(parameters, "id");
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(sources.queries.ScopeUpdates(query));
+  return ListResponse(sources, parameters, &Reader::ScopeUpdates, query);
 }
 
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  HistoryQuery query = ReadPage(parameters);
-  ReadTimes(parameters, query);
-  ReadRobots(parameters, query);
+  storage::FaultsQuery query{.rows = ReadRows(parameters)};
+  query.severity = ReadEnum<model::FaultSeverity>(parameters, "severity");
+  query.fault_id = parameters.Text("faultId");
+  query.source = parameters.Text("source");
   const bool active = parameters.Flag("active");
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(active ? sources.queries.FaultsActive(query)
-                             : sources.queries.FaultHistory(query));
+  return ListResponse(sources, parameters, active ? &Reader::FaultsActive : &Reader::FaultHistory,
+                      query);
 }
 
 Response GetMissions(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::MissionsQuery query;
-  query.rows = ReadPage(parameters);
-  ReadRobots(parameters, query.rows);
-  query.mission_id = parameters.Text("missionId");
-  query.run_id = parameters.Text("runId");
+  storage::MissionsQuery query = ReadMissions(parameters);
   query.open = parameters.Flag("open");
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(sources.queries.MissionRuns(query));
+  return ListResponse(sources, parameters, &Reader::MissionRuns, query);
+}
+
+Response GetMissionReports(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  const storage::MissionsQuery query = ReadMissions(parameters);
+  return ListResponse(sources, parameters, &Reader::MissionReports, query);
 }
 
 Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::OperatorRequestsQuery query;
-  query.rows = ReadPage(parameters);
-  ReadTimes(parameters, query.rows);
-  ReadRobots(parameters, query.rows);
+  storage::OperatorRequestsQuery query{.rows = ReadRows(parameters)};
   query.open = parameters.Flag("open");
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(sources.queries.OperatorRequests(query));
+  return ListResponse(sources, parameters, &Reader::OperatorRequests, query);
 }
 
 Response GetShapes(const Sources& sources, const RoutedRequest& request) {

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "schema/base/rfc3339.h"
 #include "server/http/target.h"
-#include "storage/reader.h"
 
 namespace uplink::http {
 namespace {
@@ -40,11 +41,12 @@ void Parameters::AddItem(std::string_view item) {
     Reject(item.substr(0, equals), "a % must be followed by two hex digits other than 00");
     return;
   }
-  const bool twice =
-      std::any_of(items_.begin(), items_.end(), [&](const Item& i) { return i.name == *name; });
-  if (twice) {
-    Reject(*name, "is given twice");
-  } else if (items_.size() == kParametersMax) {
+  const auto repeats = static_cast<std::size_t>(
+      std::ranges::count_if(items_, [&](const Item& each) { return each.name == *name; }));
+  if (repeats == 0) ++names_;
+  if (repeats == kRepeatsMax) {
+    Reject(*name, fmt::format("is given more than {} times", kRepeatsMax));
+  } else if (names_ > kParametersMax) {
     Reject(*name, fmt::format("is one parameter too many: at most {}", kParametersMax));
   } else {
     items_.push_back({std::move(*name), std::move(*value)});
@@ -52,18 +54,22 @@ void Parameters::AddItem(std::string_view item) {
 }
 
 const std::string* Parameters::Find(std::string_view name) {
+  taken_.emplace_back(name);
+  const std::string* found = nullptr;
   for (Item& item : items_) {
     if (item.name != name) continue;
+    if (item.read) continue;
     item.read = true;
-    return &item.value;
+    if (found != nullptr) Reject(name, "is given twice");
+    found = &item.value;
   }
-  return nullptr;
+  return found;
 }
 
 const std::string* Parameters::FindSome(std::string_view name) {
   const std::string* value = Find(name);
   if (value == nullptr || !value->empty()) return value;
-  Reject(name, "is empty: give it a value, or leave it out");
+  RejectUse(name, "is empty: give it a value, or leave it out");
   return nullptr;
 }
 
@@ -101,6 +107,18 @@ std::optional<SystemTime> Parameters::Time(std::string_view name) {
   return time;
 }
 
+std::vector<std::string> Parameters::Texts(std::string_view name) {
+  taken_.emplace_back(name);
+  std::vector<std::string> texts;
+  for (Item& item : items_) {
+    if (item.name != name) continue;
+    item.read = true;
+    if (item.value.empty()) RejectUse(name, "is empty: give it a value, or leave it out");
+    texts.push_back(item.value);
+  }
+  return texts;
+}
+
 std::vector<std::string> Parameters::Words(std::string_view name) {
   std::vector<std::string> words;
   const std::string* value = FindSome(name);
@@ -117,9 +135,20 @@ void Parameters::Reject(std::string_view name, std::string message) {
   if (!problem_) problem_ = BadParameter{std::string(name), std::move(message)};
 }
 
+void Parameters::RejectUse(std::string_view name, std::string message) {
+  if (problem_) return;
+  Reject(name, std::move(message));
+  lists_taken_ = true;
+}
+
 std::optional<BadParameter> Parameters::Problem() {
   for (const Item& item : items_) {
-    if (!item.read) Reject(item.name, "is not a parameter of this path");
+    if (!item.read) RejectUse(item.name, "is not a parameter of this path");
+  }
+  if (std::exchange(lists_taken_, false)) {
+    problem_->message += taken_.empty()
+                             ? std::string(", which takes none")
+                             : fmt::format("; this path takes {}", fmt::join(taken_, ", "));
   }
   return problem_;
 }

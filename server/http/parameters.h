@@ -8,11 +8,14 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "storage/reader.h"
 
 namespace uplink::http {
 
-/// Parameters of one request; more are an error.
+/// Parameters of one request that differ in name; more are an error. One that may stand there
+/// several times may do so kRepeatsMax times.
 inline constexpr std::size_t kParametersMax = 16;
+inline constexpr std::size_t kRepeatsMax = storage::kRurisMax;
 
 /// What is wrong with a query: `field` is the parameter's name. A value.
 struct BadParameter {
@@ -22,7 +25,8 @@ struct BadParameter {
 
 /// The query of a request, read parameter by parameter. It remembers the first mistake, which
 /// Problem tells; readers get the default for a wrong value. An empty value is wrong: an
-/// empty filter would show everything to a client that meant one fleet. Confined to one thread.
+/// empty filter would show everything to a client that meant one fleet. What is read is what the
+/// path takes: an answer to an unknown or empty parameter lists it. Confined to one thread.
 class Parameters final {
  public:
   explicit Parameters(std::string_view query);
@@ -38,6 +42,8 @@ class Parameters final {
                                      std::uint32_t max);
   /// As RFC 3339 writes it.
   [[nodiscard]] std::optional<SystemTime> Time(std::string_view name);
+  /// All values of a parameter that may stand there several times; none if absent.
+  [[nodiscard]] std::vector<std::string> Texts(std::string_view name);
   /// Words between commas, without empty ones; none if absent.
   [[nodiscard]] std::vector<std::string> Words(std::string_view name);
 
@@ -54,13 +60,21 @@ class Parameters final {
     bool read = false;
   };
   void AddItem(std::string_view item);
-  /// Null if absent.
+  /// Null if absent; standing there twice is a problem.
   [[nodiscard]] const std::string* Find(std::string_view name);
+  /// An unknown or empty parameter.
+  void RejectUse(std::string_view name, std::string message);
   /// Null if absent or empty, which is a problem.
   [[nodiscard]] const std::string* FindSome(std::string_view name);
 
   std::vector<Item> items_;
+  /// How many different ones.
+  std::size_t names_ = 0;
+  /// What the path takes: the names that were read.
+  std::vector<std::string> taken_;
   std::optional<BadParameter> problem_;
+  /// The problem's message is to go on with what the path takes.
+  bool lists_taken_ = false;
 };
 
 /// `pageSize` of every list.

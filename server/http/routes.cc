@@ -5,13 +5,10 @@
 #include <utility>
 
 #include "server/http/handlers.h"
-#include "server/http/rows.h"
 #include "server/http/target.h"
 
 namespace uplink::http {
 namespace {
-
-using storage::Reader;
 
 constexpr auto kRoutes = std::to_array<Route>({
     {"/livez", "livez", Lane::kIo, GetLivez},
@@ -21,15 +18,16 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/status", "status", Lane::kMemory, GetStatus},
     {"/api/v1/robots", "robots", Lane::kMemory, GetRobots, RobotsReadStore},
     {"/api/v1/robots/{}", "robot", Lane::kRead, GetRobot},
-    {"/api/v1/robots/{}/events", "events", Lane::kRead, GetHistory<&Reader::Events>},
-    {"/api/v1/robots/{}/messages", "messages", Lane::kRead, GetHistory<&Reader::Messages>},
-    {"/api/v1/robots/{}/presence", "presence", Lane::kRead, GetHistory<&Reader::PresenceChanges>},
-    {"/api/v1/robots/{}/quarantine", "quarantine", Lane::kRead, GetQuarantine},
-    {"/api/v1/robots/{}/gaps", "gaps", Lane::kRead, GetHistory<&Reader::Gaps>},
-    {"/api/v1/quarantine", "all_quarantine", Lane::kRead, GetAllQuarantine},
+    {"/api/v1/robot", "robot_by_ruri", Lane::kRead, GetRobot},
+    {"/api/v1/events", "events", Lane::kRead, GetEvents},
+    {"/api/v1/messages", "messages", Lane::kRead, GetMessages},
+    {"/api/v1/presence", "presence", Lane::kRead, GetPresence},
+    {"/api/v1/quarantine", "quarantine", Lane::kRead, GetQuarantine},
+    {"/api/v1/gaps", "gaps", Lane::kRead, GetGaps},
     {"/api/v1/scope-updates", "scope_updates", Lane::kRead, GetScopeUpdates},
     {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
     {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
+    {"/api/v1/mission-reports", "mission_reports", Lane::kRead, GetMissionReports},
     {"/api/v1/operator-requests", "operator_requests", Lane::kRead, GetOperatorRequests},
     {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},
     {"/api/v1/objects", "objects", Lane::kRead, GetObjects},

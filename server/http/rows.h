@@ -1,7 +1,13 @@
 #pragma once
 
-#include <absl/status/statusor.h>
+#include <optional>
+#include <string>
+#include <string_view>
 
+#include <absl/status/statusor.h>
+#include <fmt/format.h>
+
+#include "schema/model/enum_text.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/parameters.h"
@@ -16,29 +22,56 @@ template <typename Row>
   return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
 }
 
-/// Which part of a list.
-[[nodiscard]] inline storage::HistoryQuery ReadPage(Parameters& parameters) {
-  storage::HistoryQuery query;
-  query.page_size = ReadPageSize(parameters);
-  query.page_token = parameters.TextOrEmpty("pageToken");
-  return query;
+/// The answer of a list of storage::Reader, such as `&storage::Reader::Events`, once all parameters
+/// are read.
+template <typename Row, typename Query>
+[[nodiscard]] Response ListResponse(const Sources& sources, Parameters& parameters,
+                                    storage::ListOfReader<Row, Query> list, const Query& query) {
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return RowsResponse(sources.queries.List(list, query));
 }
 
+/// Which part of a list.
+inline void ReadPage(Parameters& parameters, storage::HistoryQuery& query) {
+  query.page_size = ReadPageSize(parameters);
+  query.page_token = parameters.TextOrEmpty("pageToken");
+}
+
+inline void ReadRobots(Parameters& parameters, storage::HistoryQuery& query) {
+  query.fleet = parameters.Text("fleet");
+  query.ruris = parameters.Texts("ruri");
+}
+
+/// Of lists by arrival.
 inline void ReadTimes(Parameters& parameters, storage::HistoryQuery& query) {
   query.from = parameters.Time("from");
   query.to = parameters.Time("to");
+  const std::string order = parameters.Text("orderBy");
+  if (order == "oldest") query.order = storage::ListOrder::kOldestFirst;
+  if (order.empty() || order == "oldest" || order == "newest") return;
+  parameters.Reject("orderBy", "must be oldest or newest");
 }
 
-/// The handler of a history of the one robot that the path names; `kList` is a list of
-/// storage::Reader, such as `&storage::Reader::Events`.
-template <auto kList>
-[[nodiscard]] Response GetHistory(const Sources& sources, const RoutedRequest& request) {
-  Parameters parameters(request.query);
-  storage::HistoryQuery query = ReadPage(parameters);
+/// What every history over the whole fleet takes.
+[[nodiscard]] inline storage::HistoryQuery ReadRows(Parameters& parameters) {
+  storage::HistoryQuery query;
+  ReadRobots(parameters, query);
   ReadTimes(parameters, query);
-  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  query.ruri = request.segment;
-  return RowsResponse(sources.queries.History(kList, query));
+  ReadPage(parameters, query);
+  return query;
+}
+
+/// A member of an enumeration by the specification's name; nothing: of any.
+template <typename Enum>
+[[nodiscard]] std::optional<Enum> ReadEnum(Parameters& parameters, std::string_view name) {
+  const std::string text = parameters.Text(name);
+  if (text.empty()) return std::nullopt;
+  const std::optional<Enum> member = model::EnumFromText<Enum>(text);
+  if (!member) {
+    parameters.Reject(name,
+                      fmt::format("must be one of {}", fmt::join(model::kEnumNames<Enum>, ", ")));
+  }
+  return member;
 }
 
 }  // namespace uplink::http

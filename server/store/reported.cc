@@ -33,7 +33,7 @@ void AddRun(const storage::MissionRunRow& row, robot::Reported& reported) {
 absl::Status AddRuns(const std::string& ruri, storage::Reader& reader, Reports& reports) {
   storage::MissionsQuery query;
   query.open = true;
-  query.rows.ruri = ruri;
+  query.rows.ruris = {ruri};
   query.rows.page_size = kRunsPerRobot;
   auto runs = reader.MissionRuns(query);
   if (!runs.ok()) return runs.status();

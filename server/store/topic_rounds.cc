@@ -122,18 +122,16 @@ absl::Status TopicRounds::Take(const std::vector<storage::TopicLease>& leases, S
 absl::StatusOr<broker::FaultsByRobot> TopicRounds::ReadFaults() {
   broker::FaultsByRobot faults;
   // Of any fleet: the twins' fleet may have been another one.
-  storage::HistoryQuery query;
-  query.page_size = storage::kPageSizeMax;
+  storage::FaultsQuery query{.rows = {}, .source = std::string(cyberwave::kMetricFaultSource)};
+  query.rows.page_size = storage::kPageSizeMax;
   while (true) {
     const auto page = context_.reader.FaultsActive(query);
     if (!page.ok()) return page.status();
     for (const storage::FaultRow& row : page->rows) {
-      if (row.fault.source == cyberwave::kMetricFaultSource) {
-        faults[row.robot.ruri].push_back(row.fault.fault_id);
-      }
+      faults[row.robot.ruri].push_back(row.fault.fault_id);
     }
     if (page->next_token.empty()) return faults;
-    query.page_token = page->next_token;
+    query.rows.page_token = page->next_token;
   }
 }
 

@@ -95,6 +95,22 @@ TextMembers TextsOf(const storage::ScopeUpdateRow& row) {
   return texts;
 }
 
+v1::MissionReport ToMessage(const storage::MissionReportRow& row) {
+  v1::MissionReport report;
+  report.set_ruri(row.robot.ruri);
+  report.set_mission_id(row.mission_id);
+  report.set_run_id(row.run_id);
+  report.set_status(model::EnumText(row.status));
+  SetTime(report, &v1::MissionReport::mutable_received_at, row.received_at);
+  return report;
+}
+
+TextMembers TextsOf(const storage::MissionReportRow& row) {
+  TextMembers texts;
+  texts.AddStored("report", row.report_json);
+  return texts;
+}
+
 v1::Gap ToMessage(const storage::GapRow& row) {
   v1::Gap gap;
   gap.set_ruri(row.robot.ruri);

@@ -27,6 +27,7 @@ namespace uplink::view {
 [[nodiscard]] v1::Gap ToMessage(const storage::GapRow& row);
 [[nodiscard]] v1::ScopeUpdate ToMessage(const storage::ScopeUpdateRow& row);
 [[nodiscard]] v1::MissionRun ToMessage(const storage::MissionRunRow& row);
+[[nodiscard]] v1::MissionReport ToMessage(const storage::MissionReportRow& row);
 [[nodiscard]] v1::OperatorRequest ToMessage(const storage::OperatorRequestRow& row);
 [[nodiscard]] v1::Shape ToMessage(const storage::ShapeRow& row);
 [[nodiscard]] v1::TrackedObject ToMessage(const storage::ObjectRow& row);
@@ -40,6 +41,7 @@ template <typename Row>
 [[nodiscard]] TextMembers TextsOf(const storage::MessageRow& row);
 [[nodiscard]] TextMembers TextsOf(const storage::ScopeUpdateRow& row);
 [[nodiscard]] TextMembers TextsOf(const storage::MissionRunRow& row);
+[[nodiscard]] TextMembers TextsOf(const storage::MissionReportRow& row);
 [[nodiscard]] TextMembers TextsOf(const storage::ShapeRow& row);
 [[nodiscard]] TextMembers TextsOf(const storage::ObjectRow& row);
 

@@ -154,39 +154,13 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   return std::move(one.front());
 }
 
-absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultsActive(
-    const storage::HistoryQuery& query) {
-  return sources_.reader.FaultsActive(query);
-}
-
-absl::StatusOr<storage::Page<storage::FaultRow>> Queries::FaultHistory(
-    const storage::HistoryQuery& query) {
-  return sources_.reader.FaultHistory(query);
-}
-
-absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::HistoryQuery& query) {
-  auto page = OfRobot(sources_.reader.Quarantine({.rows = query}), query.ruri);
-  if (!page.ok()) return page.status();
-  return WithDropped(*std::move(page), query.ruri);
-}
-
-absl::StatusOr<QuarantineView> Queries::AllQuarantine(const storage::QuarantineQuery& query) {
+absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::QuarantineQuery& query) {
   auto page = sources_.reader.Quarantine(query);
   if (!page.ok()) return page.status();
-  if (query.rows.ruri.empty()) return QuarantineView{*std::move(page), {}};
-  return WithDropped(*std::move(page), query.rows.ruri);
-}
-
-absl::StatusOr<QuarantineView> Queries::WithDropped(storage::Page<storage::QuarantineRow> page,
-                                                    const std::string& ruri) {
-  auto dropped = sources_.reader.QuarantineDropped(ruri);
+  if (query.rows.ruris.size() != 1) return QuarantineView{*std::move(page), {}};
+  auto dropped = sources_.reader.QuarantineDropped(query.rows.ruris.front());
   if (!dropped.ok()) return dropped.status();
-  return QuarantineView{std::move(page), *std::move(dropped)};
-}
-
-absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> Queries::ScopeUpdates(
-    const storage::ScopeUpdatesQuery& query) {
-  return sources_.reader.ScopeUpdates(query);
+  return QuarantineView{*std::move(page), *std::move(dropped)};
 }
 
 absl::StatusOr<storage::Page<storage::ShapeRow>> Queries::Shapes(storage::PresentQuery query) {

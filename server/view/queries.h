@@ -144,32 +144,15 @@ class Queries final {
   [[nodiscard]] absl::StatusOr<RobotsPage> Robots(const RobotsQuery& query);
   /// With all parts.
   [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultsActive(
-      const storage::HistoryQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::FaultRow>> FaultHistory(
-      const storage::HistoryQuery& query);
-  /// A list of storage::Reader for one robot, which query.ruri names. The errors of Robot if the
-  /// list is empty and the robot is not in memory.
-  template <typename Row>
-  [[nodiscard]] absl::StatusOr<storage::Page<Row>> History(storage::HistoryList<Row> list,
-                                                           const storage::HistoryQuery& query) {
-    return OfRobot((sources_.reader.*list)(query), query.ruri);
+  /// A list of storage::Reader, such as `&storage::Reader::Events`: of all robots or of those that
+  /// match, also of ones that are not in memory.
+  template <typename Row, typename Query>
+  [[nodiscard]] absl::StatusOr<storage::Page<Row>> List(storage::ListOfReader<Row, Query> list,
+                                                        const Query& query) {
+    return (sources_.reader.*list)(query);
   }
-  /// The quarantine of one robot as a history, with counts of the rows that were deleted.
-  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::HistoryQuery& query);
-  /// The quarantine of all robots and of messages of no robot, or of those that match; also of
-  /// robots that are not in memory.
-  [[nodiscard]] absl::StatusOr<QuarantineView> AllQuarantine(const storage::QuarantineQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::ScopeUpdateRow>> ScopeUpdates(
-      const storage::ScopeUpdatesQuery& query);
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::MissionRunRow>> MissionRuns(
-      const storage::MissionsQuery& query) {
-    return sources_.reader.MissionRuns(query);
-  }
-  [[nodiscard]] absl::StatusOr<storage::Page<storage::OperatorRequestRow>> OperatorRequests(
-      const storage::OperatorRequestsQuery& query) {
-    return sources_.reader.OperatorRequests(query);
-  }
+  /// The same of quarantine, messages of no robot included.
+  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::QuarantineQuery& query);
   // What is present now, by our clock; query.now is ignored.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);
@@ -179,18 +162,6 @@ class Queries final {
   [[nodiscard]] StatusView Status() const;
 
  private:
-  /// The page of a robot's rows, or an error if neither rows nor memory know the robot.
-  template <typename Row>
-  [[nodiscard]] absl::StatusOr<storage::Page<Row>> OfRobot(absl::StatusOr<storage::Page<Row>> page,
-                                                           const std::string& ruri) {
-    const bool empty = page.ok() && page->rows.empty();
-    const bool unknown =
-        storage::IsNoRobot(ruri) || (empty && sources_.fleet.Find(ruri) == nullptr);
-    if (page.ok() && unknown) return Unknown(ruri);
-    return page;
-  }
-  [[nodiscard]] absl::StatusOr<QuarantineView> WithDropped(
-      storage::Page<storage::QuarantineRow> page, const std::string& ruri);
   struct Lookup;
 
   /// The error for a robot that is not in memory.

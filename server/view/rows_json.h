@@ -35,7 +35,11 @@ namespace uplink::view {
     const storage::ScopeUpdateRow* /*row*/) {
   return {};
 }
-[[nodiscard]] inline v1::ListMissionRunsResponse ResponseOf(const storage::MissionRunRow* /*row*/) {
+[[nodiscard]] inline v1::ListMissionsResponse ResponseOf(const storage::MissionRunRow* /*row*/) {
+  return {};
+}
+[[nodiscard]] inline v1::ListMissionReportsResponse ResponseOf(
+    const storage::MissionReportRow* /*row*/) {
   return {};
 }
 [[nodiscard]] inline v1::ListOperatorRequestsResponse ResponseOf(

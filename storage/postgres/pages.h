@@ -35,7 +35,8 @@ struct OwnedStoreCall {
   Parameters parameters;
 };
 
-/// The statement for at most `rows_max` rows of a list, from `start` on.
+/// The statement for at most `rows_max` rows of a list, from `start` on. Of several robots it
+/// merges at most so many rows of each.
 [[nodiscard]] OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query,
                                       const ListFilter& filter,
                                       const std::optional<PagePosition>& start,
@@ -63,7 +64,7 @@ absl::StatusOr<Page<Row>> ReadPage(Connection& connection, const ListShape& shap
     if (!rows.ok()) return rows.status();
     for (const ResultRow& row : *rows) {
       if (page.rows.size() == query.page_size || bytes >= kPageBytesMax) {
-        page.next_token = EncodePageToken(shape.kind, *last);
+        page.next_token = EncodePageToken(shape.kind, query.order, *last);
         return page;
       }
       bytes += row.TextBytes();

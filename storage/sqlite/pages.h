@@ -14,7 +14,8 @@
 
 namespace uplink::storage::sqlite {
 
-/// The statement for a page: one of a few texts, by what the query restricts.
+/// The statement for a page: a text by what the query restricts. Of several robots it merges their
+/// rows, each read in the order of an index, until the page is full.
 [[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query,
                                   const ListFilter& filter = {});
 
@@ -43,7 +44,7 @@ absl::StatusOr<Page<Row>> ReadPage(Database& database, const ListShape& shape,
     if (!found.ok()) return found.status();
     if (!*found) return page;
     if (page.rows.size() == query.page_size || bytes >= kPageBytesMax) {
-      page.next_token = EncodePageToken(shape.kind, last);
+      page.next_token = EncodePageToken(shape.kind, query.order, last);
       return page;
     }
     bytes += rows.TextBytes();

@@ -100,10 +100,15 @@ struct ListFilter {
     bool by_other_index = false;
   };
   std::vector<Condition> conditions;
+  /// The index of one of their columns is better than the fleet's.
+  bool leads = false;
 };
 
 // What a query asks beyond which rows. `open_column` is the table's (Listed).
 [[nodiscard]] ListFilter FilterOf(const HistoryQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const FaultsQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const EventsQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const MessagesQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const MissionsQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const PresentQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view open_column);

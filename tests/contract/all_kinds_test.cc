@@ -220,7 +220,7 @@ TEST_P(AllKindsContract, KeepTheLongestAndOddestTexts) {
   Commit(batch);
 
   storage::MissionsQuery query;
-  query.rows.ruri = robot_->ruri;
+  query.rows.ruris = {robot_->ruri};
   query.rows.fleet = name;
   query.mission_id = id;
   query.run_id = id;

@@ -60,7 +60,7 @@ List EventList() {
             return model::EventTelemetry{item, model::EstopEngagedEvent{}};
           },
           [](storage::Reader& reader, const HistoryQuery& query) {
-            return SeenOf(reader.Events(query),
+            return SeenOf(reader.Events({.rows = query}),
                           [](const auto& row) { return static_cast<int>(row.sampled_at_ms); });
           }};
 }
@@ -71,21 +71,21 @@ List MessageList() {
             return model::Message{0, model::MessageLevel::kInfo, std::to_string(item)};
           },
           [](storage::Reader& reader, const HistoryQuery& query) {
-            return SeenOf(reader.Messages(query),
+            return SeenOf(reader.Messages({.rows = query}),
                           [](const auto& row) { return std::stoi(row.message.message); });
           }};
 }
 
 List RunList() {
   return {PageKind::kMissionRuns, Report, [](storage::Reader& reader, const HistoryQuery& query) {
-            return SeenOf(reader.MissionRuns({query, "", "", false}), kRunItem);
+            return SeenOf(reader.MissionRuns({.rows = query}), kRunItem);
           }};
 }
 
 List ReportList() {
   return {PageKind::kMissionReports, Report,
           [](storage::Reader& reader, const HistoryQuery& query) {
-            return SeenOf(reader.MissionReports({query, "", "", false}), kRunItem);
+            return SeenOf(reader.MissionReports({.rows = query}), kRunItem);
           }};
 }
 
@@ -133,10 +133,11 @@ class ListContract : public StoreContract {
             }};
   }
 
-  static List FaultList(PageKind kind, storage::HistoryList<storage::FaultRow> read) {
+  static List FaultList(PageKind kind,
+                        storage::ListOfReader<storage::FaultRow, storage::FaultsQuery> read) {
     return {kind, [](int item) { return Fault(std::to_string(item)); },
             [read](storage::Reader& reader, const HistoryQuery& query) {
-              return SeenOf((reader.*read)(query),
+              return SeenOf((reader.*read)({.rows = query}),
                             [](const auto& row) { return std::stoi(row.fault.fault_id); });
             }};
   }
@@ -246,7 +247,7 @@ TEST_P(ListContract, GivesRowsOfOneRobotFleetAndTime) {
     const auto items = [&](const std::string& ruri, const std::string& fleet,
                            std::optional<std::int64_t> from, std::optional<std::int64_t> to) {
       HistoryQuery query;
-      query.ruri = ruri;
+      if (!ruri.empty()) query.ruris = {ruri};
       query.fleet = fleet;
       if (from) query.from = Time(*from);
       if (to) query.to = Time(*to);
@@ -299,7 +300,11 @@ TEST_P(ListContract, PagesWhatAFilterLeaves) {
     }
     for (const bool by_fleet : {false, true}) {
       HistoryQuery query;
-      (by_fleet ? query.fleet : query.ruri) = by_fleet ? "f1" : "rcan://robots/a";
+      if (by_fleet) {
+        query.fleet = "f1";
+      } else {
+        query.ruris = {"rcan://robots/a"};
+      }
       query.from = Time(1);
       query.page_size = 2;
       EXPECT_THAT(ItemsOf(list, query), ElementsAre(10, 8));
@@ -307,6 +312,63 @@ TEST_P(ListContract, PagesWhatAFilterLeaves) {
       EXPECT_THAT(ItemsOf(list, query), ElementsAre(6, 4)) << "item 4 is the last from Time(1) on";
       EXPECT_EQ(list.read(store_->reader(), query)->next_token, "");
     }
+  });
+}
+
+TEST_P(ListContract, RunsFromTheOldestArrivalIfThatIsAsked) {
+  ForEachList([this](const List& list) {
+    for (const int item : {3, 9, 0, 5, 4, 6}) Put(list, item);
+    HistoryQuery query;
+    query.order = storage::ListOrder::kOldestFirst;
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(0, 3, 5, 4, 6, 9));
+    query.from = Time(1);
+    query.to = Time(2);
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(3, 5, 4, 6));
+  });
+}
+
+TEST_P(ListContract, IsWalkedFromTheOldestOnAndSeesWhatIsAdded) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < 12; ++item) Put(list, item, Robot(item % 2 == 0 ? "a" : "b"));
+    std::vector<int> seen;
+    HistoryQuery query;
+    query.order = storage::ListOrder::kOldestFirst;
+    query.page_size = 5;
+    do {
+      const auto page = list.read(store_->reader(), query);
+      ASSERT_TRUE(page.ok()) << page.status();
+      if (seen.empty()) Put(list, 12, Robot("c"));
+      for (const Seen& row : page->rows) seen.push_back(row.item);
+      query.page_token = page->next_token;
+    } while (!query.page_token.empty() && seen.size() <= 13);
+    EXPECT_THAT(seen, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
+  });
+}
+
+TEST_P(ListContract, MergesTheRowsOfSeveralRobots) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < 12; ++item) {
+      Put(list, item, Robot(std::string(1, "abc"[item % 3]), item % 3 == 0 ? "f1" : "f2"));
+    }
+    HistoryQuery query;
+    // Named twice, and one that has nothing.
+    query.ruris = {"rcan://robots/c", "rcan://robots/a", "rcan://robots/c", "rcan://robots/x"};
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(11, 9, 8, 6, 5, 3, 2, 0));
+    query.page_size = 3;
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(11, 9, 8));
+    query.page_token = list.read(store_->reader(), query)->next_token;
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(6, 5, 3));
+    query.page_token.clear();
+    query.fleet = "f1";
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(9, 6, 3));
+    query.order = storage::ListOrder::kOldestFirst;
+    query.from = Time(1);
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(3, 6, 9));
+    query.ruris.assign(storage::kRurisMax, "rcan://robots/a");
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(3, 6, 9));
+    query.ruris.emplace_back("rcan://robots/a");
+    EXPECT_EQ(list.read(store_->reader(), query).status().code(),
+              absl::StatusCode::kInvalidArgument);
   });
 }
 
@@ -340,7 +402,9 @@ TEST_P(ListContract, RefusesOtherTokensAndSizes) {
     const PageKind other = list.kind == PageKind::kGaps ? PageKind::kQuarantine : PageKind::kGaps;
     for (const std::string& token :
          {std::string("x"), std::string(good.size(), 'z'), good + "0", good.substr(1), changed,
-          std::string(1, '\0'), std::string(100'000, '0'), EncodePageToken(other, {Time(), 7})}) {
+          std::string(1, '\0'), std::string(100'000, '0'),
+          EncodePageToken(other, query.order, {Time(), 7}),
+          EncodePageToken(list.kind, storage::ListOrder::kOldestFirst, {Time(), 7})}) {
       query.page_token = token;
       EXPECT_THAT(refused(query), StartsWith("pageToken")) << token.substr(0, 100);
     }

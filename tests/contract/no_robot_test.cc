@@ -91,8 +91,8 @@ TEST_P(NoRobotContract, TheOtherFiltersHoldToo) {
   EXPECT_THAT(Topics(From(cyberwave, {.fleet = "f2"})), ElementsAre("b"));
   EXPECT_THAT(Topics(From(cyberwave, {.from = Time(2)})), ElementsAre("c", "b"));
   EXPECT_THAT(Topics(From(cyberwave, {.to = Time(2)})), ElementsAre("b", "a"));
-  EXPECT_THAT(Topics(From(cyberwave, {.ruri = Robot("twin")->ruri})), ElementsAre("c"));
-  EXPECT_THAT(From(MessageSource::kUplink, {.ruri = Robot("twin")->ruri}), IsEmpty());
+  EXPECT_THAT(Topics(From(cyberwave, {.ruris = {Robot("twin")->ruri}})), ElementsAre("c"));
+  EXPECT_THAT(From(MessageSource::kUplink, {.ruris = {Robot("twin")->ruri}}), IsEmpty());
 }
 
 TEST_P(NoRobotContract, WhatTheDatabaseRefusesSaysWhereItCameFrom) {
@@ -156,7 +156,7 @@ TEST_P(NoRobotContract, ItHasBoundsOfItsOwnThatNoHelloHoldsUp) {
   }
   records.push_back(On("kept", Of(Nobody("other"), Bad(1))));
   Commit(std::move(records));
-  const storage::HistoryQuery all{.ruri = Nobody()->ruri, .page_size = storage::kPageSizeMax};
+  const storage::HistoryQuery all{.ruris = {Nobody()->ruri}, .page_size = storage::kPageSizeMax};
   std::size_t payloads = 0;
   for (const storage::QuarantineRow& row : From(MessageSource::kCyberwave, all)) {
     if (!row.payload.empty()) ++payloads;
@@ -168,7 +168,7 @@ TEST_P(NoRobotContract, ItHasBoundsOfItsOwnThatNoHelloHoldsUp) {
   ASSERT_TRUE(trimmed.ok()) << trimmed.status();
   EXPECT_EQ(trimmed->dropped[static_cast<std::size_t>(BadReason().reason)], 3U)
       << "of a session that is kept, and that no Hello confirmed";
-  EXPECT_THAT(Topics(From(MessageSource::kCyberwave, {.ruri = both[1]})), ElementsAre("kept"));
+  EXPECT_THAT(Topics(From(MessageSource::kCyberwave, {.ruris = {both[1]}})), ElementsAre("kept"));
   const auto dropped = store_->reader().QuarantineDropped(Nobody()->ruri);
   ASSERT_TRUE(dropped.ok()) << dropped.status();
   EXPECT_THAT(*dropped, ElementsAre(storage::DroppedRow{BadReason().reason, 3}));

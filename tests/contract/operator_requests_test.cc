@@ -82,8 +82,8 @@ TEST_P(RequestsContract, AreOpenUntilTheyAreClosed) {
 TEST_P(RequestsContract, AreFoundByRobotFleetAndTime) {
   Change(1, {Opened("r")});
   Change(2, {Opened("s")});
-  EXPECT_THAT(IdsOf({.rows = {.ruri = robot_->ruri}}), ElementsAre("s", "r"));
-  EXPECT_THAT(IdsOf({.rows = {.ruri = Robot("b")->ruri}}), IsEmpty());
+  EXPECT_THAT(IdsOf({.rows = {.ruris = {robot_->ruri}}}), ElementsAre("s", "r"));
+  EXPECT_THAT(IdsOf({.rows = {.ruris = {Robot("b")->ruri}}}), IsEmpty());
   EXPECT_THAT(IdsOf({.rows = {.fleet = "f1"}, .open = true}), ElementsAre("s", "r"));
   EXPECT_THAT(IdsOf({.rows = {.fleet = "f2"}}), IsEmpty());
   storage::OperatorRequestsQuery query = OnlyOpen();

@@ -103,7 +103,7 @@ TEST_P(PageBytesContract, LeaveAThousandOfTheLongestMessagesInOnePage) {
   Commit(std::move(records));
   storage::HistoryQuery query;
   query.page_size = storage::kPageSizeMax;
-  const auto page = store_->reader().Messages(query);
+  const auto page = store_->reader().Messages({.rows = query});
   ASSERT_TRUE(page.ok()) << page.status();
   EXPECT_EQ(page->rows.size(), storage::kPageSizeMax);
   EXPECT_EQ(page->next_token, "");

@@ -52,7 +52,7 @@ class QuarantineBoundContract : public StoreContract {
   /// All numbers of the robot's rows, ascending.
   std::vector<model::Seq> Numbers() {
     storage::HistoryQuery query;
-    query.ruri = robot_->ruri;
+    query.ruris = {robot_->ruri};
     query.page_size = storage::kPageSizeMax;
     std::vector<model::Seq> numbers;
     do {

@@ -197,7 +197,7 @@ TEST_P(ReportContract, TellsRunsApartByRobotMissionAndRun) {
   EXPECT_THAT(Reports(Of("", "r1")), SizeIs(5));
   EXPECT_THAT(Reports(Of("m1", "r2")), SizeIs(1));
   MissionsQuery query = Of("m1", "r1");
-  query.rows.ruri = robot_->ruri;
+  query.rows.ruris = {robot_->ruri};
   EXPECT_THAT(Runs(query), SizeIs(1));
   EXPECT_THAT(Reports(query), SizeIs(2));
   query.rows.to = Time(4);

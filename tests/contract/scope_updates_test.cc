@@ -134,7 +134,8 @@ TEST_P(ScopeUpdateContract, AWalkSeesEachOnceWhileOthersCome) {
     Commit({At(1, Update(nobody_, seq + 1, UpdateOf("later")))});
   } while (!query.rows.page_token.empty() && seen.size() < 20);
   EXPECT_THAT(seen, ElementsAre("6", "5", "4", "3", "2", "1", "0"));
-  query.rows.page_token = storage::EncodePageToken(storage::PageKind::kEvents, {Time(), 1});
+  query.rows.page_token = storage::EncodePageToken(storage::PageKind::kEvents,
+                                                   storage::ListOrder::kNewestFirst, {Time(), 1});
   EXPECT_EQ(store_->reader().ScopeUpdates(query).status().code(),
             absl::StatusCode::kInvalidArgument);
 }

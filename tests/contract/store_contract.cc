@@ -168,11 +168,11 @@ storage::GapItem StoreContract::Gap(model::Seq first, model::Seq last) const {
 }
 
 std::vector<storage::FaultRow> StoreContract::History(const storage::HistoryQuery& query) {
-  return RowsOf(store_->reader().FaultHistory(query));
+  return RowsOf(store_->reader().FaultHistory({.rows = query}));
 }
 
 std::vector<storage::FaultRow> StoreContract::Active(const storage::HistoryQuery& query) {
-  return RowsOf(store_->reader().FaultsActive(query));
+  return RowsOf(store_->reader().FaultsActive({.rows = query}));
 }
 
 std::vector<storage::QuarantineRow> StoreContract::Quarantine(const storage::HistoryQuery& query) {
@@ -184,11 +184,11 @@ std::vector<storage::GapRow> StoreContract::Gaps(const storage::HistoryQuery& qu
 }
 
 std::vector<storage::EventRow> StoreContract::Events(const storage::HistoryQuery& query) {
-  return RowsOf(store_->reader().Events(query));
+  return RowsOf(store_->reader().Events({.rows = query}));
 }
 
 std::vector<storage::MessageRow> StoreContract::Messages(const storage::HistoryQuery& query) {
-  return RowsOf(store_->reader().Messages(query));
+  return RowsOf(store_->reader().Messages({.rows = query}));
 }
 
 std::vector<storage::MissionRunRow> StoreContract::Runs(const storage::MissionsQuery& query) {

@@ -119,7 +119,7 @@ class BrokerCampaign(Rounds):
     def is_shown(self, key):
         """Whether a server shows this telemetry in what is stored."""
         twin, _, number = key
-        path = f"/api/v1/robots/{urllib.parse.quote(ruri_of(twin), safe='')}/events?pageSize=50"
+        path = f"/api/v1/events?ruri={urllib.parse.quote(ruri_of(twin), safe='')}&pageSize=50"
         shown = [event for server in self.servers for event in (server.get(path) or {}).get("events", [])]
         return any(event["detail"]["n"] == number for event in shown)
 

@@ -132,7 +132,7 @@ class MessageTest(EndToEnd):
         return self.robot(server, ruri)["presence"]
 
     def history(self, server, ruri, what):
-        found = rows(server, f"/api/v1/robots/{quoted(ruri)}/{what}")
+        found = rows(server, f"/api/v1/{what}?ruri={quoted(ruri)}")
         self.assertIsNotNone(found, f"no {what} of {ruri}")
         return found
 

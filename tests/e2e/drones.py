@@ -149,7 +149,7 @@ class DroneTest(EndToEnd):
 
     def history(self, server, what, uav="d1"):
         """The rows of one of its own lists, the first to come first."""
-        found = rows(server, f"/api/v1/robots/{quoted(ROOT + uav)}/{what}")
+        found = rows(server, f"/api/v1/{what}?ruri={quoted(ROOT + uav)}")
         self.assertIsNotNone(found, f"no {what} of {uav}")
         return found
 

@@ -79,7 +79,7 @@ class Document:
 
     def parameters(self, operation, where):
         found = [self.look_up(item) for item in operation.get("parameters", [])]
-        return {item["name"]: item["schema"] for item in found if item["in"] == where}
+        return {item["name"]: self.look_up(item["schema"]) for item in found if item["in"] == where}
 
     def response(self, operation, status):
         return self.look_up(operation["responses"][str(status)])
@@ -127,6 +127,14 @@ def schemas_within(where, schema):
             yield from schemas_within(f"{where}/{keyword}", value)
 
 
+def names_one(path):
+    """Whether the answer is about one robot."""
+    return "{ruri}" in path or path == "/api/v1/robot"
+
+
 def target(path, ruri, parameters=None):
-    query = urllib.parse.urlencode(parameters or {})
+    parameters = dict(parameters or {})
+    if path == "/api/v1/robot":
+        parameters.setdefault("ruri", ruri)
+    query = urllib.parse.urlencode(parameters)
     return path.replace("{ruri}", urllib.parse.quote(ruri, safe="")) + ("?" + query if query else "")

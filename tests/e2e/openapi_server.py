@@ -9,12 +9,10 @@ WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
     "robots": "robots", "events": "events", "messages": "messages", "presence": "presenceChanges",
-    "quarantine": "quarantined", "all_quarantine": "quarantined", "gaps": "gaps",
+    "quarantine": "quarantined", "gaps": "gaps", "mission_reports": "missionReports",
     "scope_updates": "scopeUpdates", "faults": "faults", "missions": "missions",
     "shapes": "shapes", "objects": "objects",
 }  # fmt: skip
-# Paths that show the same rows, and so take each other's tokens.
-SAME_ROWS = {"quarantine", "all_quarantine"}
 
 
 class Served(EndToEnd):

@@ -22,7 +22,7 @@ def stored_histories(cluster):
 
 def shown_history(server, ruri):
     """What a server shows of a robot's changes, the earliest first."""
-    answer = server.get(f"/api/v1/robots/{urllib.parse.quote(ruri, safe='')}/presence?pageSize=1000") or {}
+    answer = server.get(f"/api/v1/presence?ruri={urllib.parse.quote(ruri, safe='')}&pageSize=1000") or {}
     return [change["presence"] for change in reversed(answer.get("presenceChanges", []))]
 
 

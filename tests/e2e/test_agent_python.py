@@ -247,7 +247,7 @@ class AgentPython(EndToEnd):
     def stored(self):
         """What it said, as the server has it, oldest first."""
         ruri = urllib.parse.quote(RURI, safe="")
-        rows = reversed(self.running.get(f"/api/v1/robots/{ruri}/messages?pageSize=1000")["messages"])
+        rows = reversed(self.running.get(f"/api/v1/messages?ruri={ruri}&pageSize=1000")["messages"])
         return [int(row["message"].removeprefix("step ")) for row in rows]
 
     def assert_stored(self, done):

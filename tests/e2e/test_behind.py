@@ -58,7 +58,7 @@ class Behind(EndToEnd):
         self.wait_for_word(server, False, "relay_caught_up")
         for robot in self.robots(server):
             name = urllib.parse.quote(robot["ruri"], safe="")
-            changes = server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"]
+            changes = server.get(f"/api/v1/presence?ruri={name}")["presenceChanges"]
             self.assertNotIn("offline", [change["presence"] for change in changes])
         self.assert_agrees(fleet)
 

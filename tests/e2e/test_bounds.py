@@ -13,7 +13,7 @@ class Bounds(EndToEnd):
     def dropped(self, server, ruri):
         """How many rows of its quarantine went, by reason."""
         name = urllib.parse.quote(ruri, safe="")
-        page = server.get(f"/api/v1/robots/{name}/quarantine?pageSize=1") or {}
+        page = server.get(f"/api/v1/quarantine?ruri={name}&pageSize=1") or {}
         return {reason: int(rows) for reason, rows in page.get("droppedByReason", {}).items()}
 
     def test_ten_thousand_rejects_end_a_stream_and_the_next_one_goes_on(self):

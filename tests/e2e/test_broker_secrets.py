@@ -31,7 +31,7 @@ class Secrets(MessageTest):
              "/api/v1/robots?parts=motion,status,extras,health,usage,consumables,directives,agentInfo,settings,"
              "uiCapabilities,rcanState,cyberwave", "/api/v1/quarantine", "/api/v1/scope-updates",
              "/api/v1/faults", "/api/v1/missions", "/api/v1/shapes", "/api/v1/objects")  # fmt: skip
-    OF_ROBOT = ("", "/events", "/messages", "/presence", "/quarantine", "/gaps")
+    OF_ROBOT = ("events", "messages", "presence", "quarantine", "gaps")
 
     def read_ones(self):
         """Topics that uplinkd reads, with payloads good and not, and a secret in each."""
@@ -73,10 +73,11 @@ class Secrets(MessageTest):
             yield path.name, path.read_bytes()
         paths = list(self.PATHS)
         for ruri in self.ruris(server):
-            paths += [f"/api/v1/robots/{quoted(ruri)}{tail}" for tail in self.OF_ROBOT]
+            paths.append(f"/api/v1/robots/{quoted(ruri)}")
+            paths += [f"/api/v1/{name}?ruri={quoted(ruri)}" for name in self.OF_ROBOT]
         for path in paths:
             mark = "&" if "?" in path else "?"
-            more = f"{mark}pageSize=1000" if path.endswith(("events", "messages", "quarantine", "faults")) else ""
+            more = f"{mark}pageSize=1000" if path.partition("?")[0].endswith(("events", "messages", "quarantine", "faults")) else ""
             with urllib.request.urlopen(f"http://{server.http}{path}{more}", timeout=ANSWER_SECONDS) as answer:
                 yield path, answer.read()
 
@@ -109,7 +110,7 @@ class Secrets(MessageTest):
         # The plain one is found where it belongs, in an event and in the payload of a rejected line.
         seen = self.found(server, self.PLAIN)
         self.assertTrue(any(where.startswith("uplinkd.db") for where in seen), seen)
-        self.assertIn(f"/api/v1/robots/{quoted(twin(A))}/events", seen)
+        self.assertIn(f"/api/v1/events?ruri={quoted(twin(A))}", seen)
         self.assertIn("/api/v1/quarantine", seen)
         self.assertNotIn("the log", seen)
         self.assertEqual(self.found(server, self.SECRET), [])

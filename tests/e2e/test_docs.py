@@ -65,7 +65,7 @@ class Commands(EndToEnd):
         # Streams have lines, so that a grep for a robot finds some.
         self.running = self.server('[log]\nlevel = "debug"').start()
         fleet = self.fleet(self.running, "--robots", 5, "--malformed-share", 0.2)
-        path = f"/api/v1/robots/{urllib.parse.quote(ROBOT, safe='')}/quarantine"
+        path = f"/api/v1/quarantine?ruri={urllib.parse.quote(ROBOT, safe='')}"
         wait_until(
             fleet.process, lambda: (self.running.get(path) or {}).get("quarantined"), WAIT_SECONDS, "a rejected message"
         )

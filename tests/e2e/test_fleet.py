@@ -24,9 +24,9 @@ class FleetRun(EndToEnd):
         lists = {
             f"/api/v1/faults?ruri={name}": "faults",
             f"/api/v1/missions?ruri={name}": "missions",
-            f"/api/v1/robots/{name}/events": "events",
-            f"/api/v1/robots/{name}/presence": "presenceChanges",
-            f"/api/v1/robots/{name}/quarantine": "quarantined",
+            f"/api/v1/events?ruri={name}": "events",
+            f"/api/v1/presence?ruri={name}": "presenceChanges",
+            f"/api/v1/quarantine?ruri={name}": "quarantined",
             f"/api/v1/objects?ruri={name}": "objects",
         }
         for path, rows in lists.items():

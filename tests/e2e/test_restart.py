@@ -99,7 +99,7 @@ startup_grace = "10m"
 
     def history(self, server, ruri):
         name = urllib.parse.quote(ruri, safe="")
-        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"])]
+        return [change["presence"] for change in reversed(server.get(f"/api/v1/presence?ruri={name}")["presenceChanges"])]
 
     def fleet_of(self, server, number):
         return self.fleet(server, "--robots", self.ROBOTS, "--ruri-prefix", f"rcan://restart/{number}", "--rate", 5)

@@ -38,7 +38,7 @@ class Standstill(EndToEnd):
     def changes(self, server, robot):
         """The robot's presence changes, the oldest first."""
         name = urllib.parse.quote(robot["ruri"], safe="")
-        return [change["presence"] for change in reversed(server.get(f"/api/v1/robots/{name}/presence")["presenceChanges"])]
+        return [change["presence"] for change in reversed(server.get(f"/api/v1/presence?ruri={name}")["presenceChanges"])]
 
     def stand_still(self, server, fleet, seconds):
         server.process.send_signal(signal.SIGSTOP)

@@ -201,18 +201,18 @@ std::optional<std::string> DronesBook::CompareOne(const std::string& ruri, const
                                                   storage::Reader& reader) const {
   using Query = storage::HistoryQuery;
   OfDrone found;
-  for (const storage::EventRow& row :
-       AllRows<storage::EventRow>(ruri, [&](const Query& query) { return reader.Events(query); })) {
+  for (const storage::EventRow& row : AllRows<storage::EventRow>(
+           ruri, [&](const Query& query) { return reader.Events({.rows = query}); })) {
     found.events.emplace(row.kind, row.sampled_at_ms);
   }
   if (found.events != drone.events) return "its events are others than were committed";
   for (const storage::MessageRow& row : AllRows<storage::MessageRow>(
-           ruri, [&](const Query& query) { return reader.Messages(query); })) {
+           ruri, [&](const Query& query) { return reader.Messages({.rows = query}); })) {
     found.messages.insert(row.message.message);
   }
   if (found.messages != drone.messages) return "its messages are others than were committed";
   for (const storage::FaultRow& row : AllRows<storage::FaultRow>(
-           ruri, [&](const Query& query) { return reader.FaultsActive(query); })) {
+           ruri, [&](const Query& query) { return reader.FaultsActive({.rows = query}); })) {
     found.active[SampleType::kAlerts].insert(row.fault.fault_id);
   }
   for (const storage::OperatorRequestRow& row :
@@ -228,7 +228,7 @@ std::optional<std::string> DronesBook::CompareOne(const std::string& ruri, const
     }
   }
   const std::size_t reports = AllRows<storage::FaultRow>(ruri, [&](const Query& query) {
-                                return reader.FaultHistory(query);
+                                return reader.FaultHistory({.rows = query});
                               }).size();
   if (reports != drone.fault_reports) {
     return fmt::format("{} fault reports, {} were committed", reports, drone.fault_reports);

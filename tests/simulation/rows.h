@@ -15,7 +15,7 @@ namespace uplink::simulation {
 template <typename Row, typename Read>
 std::vector<Row> AllRows(const std::string& ruri, const Read& read) {
   std::vector<Row> rows;
-  storage::HistoryQuery query{.ruri = ruri, .page_size = storage::kPageSizeMax};
+  storage::HistoryQuery query{.ruris = {ruri}, .page_size = storage::kPageSizeMax};
   do {
     auto page = read(query);
     UPLINK_CHECK(page.ok(), page.status().ToString());

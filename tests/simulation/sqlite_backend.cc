@@ -89,8 +89,9 @@ std::optional<std::string> SqliteBackend::Compare(const Recorder& recorder) {
     }
   }
   for (const auto& [ruri, count] : faults) {
-    const auto rows = AllRows<storage::FaultRow>(
-        ruri, [&](const storage::HistoryQuery& query) { return (*reader)->FaultHistory(query); });
+    const auto rows = AllRows<storage::FaultRow>(ruri, [&](const storage::HistoryQuery& query) {
+      return (*reader)->FaultHistory({.rows = query});
+    });
     if (rows.size() != count) {
       return fmt::format("{} has {} fault reports, the book says {}", ruri, rows.size(), count);
     }

@@ -66,12 +66,14 @@ void TraceRows(storage::Reader& reader, Trace& trace) {
   const auto robots = reader.Robots(kRobotsMax);
   UPLINK_CHECK(robots.ok(), robots.status().ToString());
   for (const storage::RobotRow& row : *robots) trace.Add("row of robots: " + TextOf(row));
-  TraceTable<storage::FaultRow>("active faults", trace,
-                                [&](const Query& query) { return reader.FaultsActive(query); });
-  TraceTable<storage::FaultRow>("fault reports", trace,
-                                [&](const Query& query) { return reader.FaultHistory(query); });
+  TraceTable<storage::FaultRow>("active faults", trace, [&](const Query& query) {
+    return reader.FaultsActive({.rows = query});
+  });
+  TraceTable<storage::FaultRow>("fault reports", trace, [&](const Query& query) {
+    return reader.FaultHistory({.rows = query});
+  });
   TraceTable<storage::EventRow>("events", trace,
-                                [&](const Query& query) { return reader.Events(query); });
+                                [&](const Query& query) { return reader.Events({.rows = query}); });
   TraceTable<storage::QuarantineRow>(
       "quarantine", trace, [&](const Query& query) { return reader.Quarantine({.rows = query}); });
   TraceTable<storage::GapRow>("gaps", trace,

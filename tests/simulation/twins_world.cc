@@ -158,7 +158,7 @@ std::multiset<std::uint64_t> TwinsWorld::Stored() {
   storage::HistoryQuery query;
   query.page_size = storage::kPageSizeMax;
   for (bool more = true; more;) {
-    const auto page = store_->Events(query);
+    const auto page = store_->Events({.rows = query});
     for (const storage::EventRow& row : page->rows) {
       const std::size_t at = row.detail_json.find("\"n\":");
       if (at != std::string::npos) numbers.insert(std::stoull(row.detail_json.substr(at + 4)));

@@ -58,7 +58,7 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
 
 [[nodiscard]] inline bool FakeMatches(const model::RobotId& robot, SystemTime at,
                                       const storage::HistoryQuery& query) {
-  return (query.ruri.empty() || query.ruri == robot.ruri) &&
+  return (query.ruris.empty() || std::ranges::find(query.ruris, robot.ruri) != query.ruris.end()) &&
          (query.fleet.empty() || query.fleet == robot.fleet) &&
          (!query.from || at >= *query.from) && (!query.to || at <= *query.to);
 }
@@ -71,18 +71,24 @@ absl::StatusOr<storage::Page<Row>> FakePageOf(storage::PageKind kind,
   const absl::StatusOr<std::optional<storage::PagePosition>> start =
       storage::PageStart(kind, query);
   if (!start.ok()) return start.status();
+  const bool newest = query.order == storage::ListOrder::kNewestFirst;
+  const auto before = [newest](const storage::PagePosition& a, const storage::PagePosition& b) {
+    return newest ? a > b : a < b;
+  };
   std::erase_if(rows, [&](const FakePlaced<Row>& row) {
     return !FakeMatches(row.second->robot, row.first.at, query) ||
-           (start->has_value() && row.first >= **start);
+           (start->has_value() && !before(**start, row.first));
   });
-  std::ranges::sort(rows, std::ranges::greater{}, &FakePlaced<Row>::first);
+  std::ranges::sort(rows, before, &FakePlaced<Row>::first);
   storage::Page<Row> page;
   std::size_t bytes = 0;
   for (const auto& [place, row] : rows) {
     page.rows.push_back(*row);
     bytes += BytesOf(*row);
     if (page.rows.size() < query.page_size && bytes < storage::kPageBytesMax) continue;
-    if (page.rows.size() < rows.size()) page.next_token = EncodePageToken(kind, place);
+    if (page.rows.size() < rows.size()) {
+      page.next_token = EncodePageToken(kind, query.order, place);
+    }
     break;
   }
   return page;

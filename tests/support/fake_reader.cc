@@ -49,7 +49,14 @@ std::vector<FakePlaced<Row>> PresentOf(const FakePresent<Row>& present, const Pr
 template <typename Row>
 bool OfMission(const Row& row, const MissionsQuery& query) {
   return (query.mission_id.empty() || query.mission_id == row.mission_id) &&
-         (query.run_id.empty() || query.run_id == row.run_id);
+         (query.run_id.empty() || query.run_id == row.run_id) &&
+         (!query.status || *query.status == row.status);
+}
+
+bool OfFault(const storage::FaultRow& row, const storage::FaultsQuery& query) {
+  return (!query.severity || *query.severity == row.fault.severity) &&
+         (query.fault_id.empty() || query.fault_id == row.fault.fault_id) &&
+         (query.source.empty() || query.source == row.fault.source);
 }
 
 }  // namespace
@@ -107,18 +114,24 @@ absl::StatusOr<std::vector<std::string>> FakeReader::FleetsBeyondAscii(std::uint
   return first;
 }
 
-absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(const HistoryQuery& query) {
+absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultsActive(
+    const storage::FaultsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   std::vector<FakePlaced<storage::FaultRow>> rows;
   for (const auto& [ruri, robot] : database_.robots_) {
-    for (const auto& [key, fault] : robot.faults_active) rows.push_back(Placed(fault));
+    for (const auto& [key, fault] : robot.faults_active) {
+      if (OfFault(fault.row, query)) rows.push_back(Placed(fault));
+    }
   }
-  return FakePageOf(PageKind::kFaultsActive, query, std::move(rows));
+  return FakePageOf(PageKind::kFaultsActive, query.rows, std::move(rows));
 }
 
-absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultHistory(const HistoryQuery& query) {
+absl::StatusOr<Page<storage::FaultRow>> FakeReader::FaultHistory(
+    const storage::FaultsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  return FakePageOf(PageKind::kFaultHistory, query, AllOf(database_.faults_history_));
+  std::vector<FakePlaced<storage::FaultRow>> rows = AllOf(database_.faults_history_);
+  std::erase_if(rows, [&query](const auto& row) { return !OfFault(*row.second, query); });
+  return FakePageOf(PageKind::kFaultHistory, query.rows, std::move(rows));
 }
 
 absl::StatusOr<std::vector<storage::ActiveFaults>> FakeReader::ActiveFaultCounts(
@@ -155,7 +168,8 @@ absl::StatusOr<Page<storage::QuarantineRow>> FakeReader::Quarantine(
   const std::lock_guard lock(database_.mutex_);
   std::vector<FakePlaced<storage::QuarantineRow>> rows = AllOf(database_.quarantine_);
   std::erase_if(rows, [&query](const auto& row) {
-    return query.source && row.second->source != *query.source;
+    return (query.source && row.second->source != *query.source) ||
+           (query.reason && row.second->rejection.reason != *query.reason);
   });
   return FakePageOf(PageKind::kQuarantine, query.rows, std::move(rows));
 }
@@ -192,14 +206,23 @@ absl::StatusOr<std::vector<storage::StoredReject>> FakeReader::Rejects(
   return session->second.rejects.Between(query.above, query.through, query.rows_max);
 }
 
-absl::StatusOr<Page<storage::EventRow>> FakeReader::Events(const HistoryQuery& query) {
+absl::StatusOr<Page<storage::EventRow>> FakeReader::Events(const storage::EventsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  return FakePageOf(PageKind::kEvents, query, AllOf(database_.kinds_.events()));
+  std::vector<FakePlaced<storage::EventRow>> rows = AllOf(database_.kinds_.events());
+  std::erase_if(rows, [&query](const auto& row) {
+    return !query.kind.empty() && row.second->kind != query.kind;
+  });
+  return FakePageOf(PageKind::kEvents, query.rows, std::move(rows));
 }
 
-absl::StatusOr<Page<storage::MessageRow>> FakeReader::Messages(const HistoryQuery& query) {
+absl::StatusOr<Page<storage::MessageRow>> FakeReader::Messages(
+    const storage::MessagesQuery& query) {
   const std::lock_guard lock(database_.mutex_);
-  return FakePageOf(PageKind::kMessages, query, AllOf(database_.kinds_.messages()));
+  std::vector<FakePlaced<storage::MessageRow>> rows = AllOf(database_.kinds_.messages());
+  std::erase_if(rows, [&query](const auto& row) {
+    return query.level && row.second->message.level != *query.level;
+  });
+  return FakePageOf(PageKind::kMessages, query.rows, std::move(rows));
 }
 
 absl::StatusOr<Page<storage::ScopeUpdateRow>> FakeReader::ScopeUpdates(

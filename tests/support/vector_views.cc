@@ -131,7 +131,7 @@ void AddFault(const object& body, Views& out) {
 
 void AddEvent(const object& body, Views& out) {
   const auto& [kind, detail] = *body.at("kind").as_object().begin();
-  out.views.push_back({out.RobotTarget() + "/events",
+  out.views.push_back({out.ListTarget("events"),
                        "events",
                        Row(out.ruri, body)
                            .Set("kind", value(kind))
@@ -143,7 +143,7 @@ void AddEvent(const object& body, Views& out) {
 
 void AddMessage(const object& body, Views& out) {
   out.views.push_back(
-      {out.RobotTarget() + "/messages",
+      {out.ListTarget("messages"),
        "messages",
        Row(out.ruri, body).Same({"level", "message"}).Time("sampledAt", "unixTimeMs").Take(),
        {"receivedAt"}});

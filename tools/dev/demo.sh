@@ -218,15 +218,14 @@ printf 'while it runs: http://%s/api/v1/robots, and there\n' "$http"
 printf '  /api/v1/status  /metrics  /metrics/robots  /api/v1/shapes  /api/v1/objects\n'
 printf '  /api/v1/faults?active=true  /api/v1/missions?open=true'
 if [[ -n "$cyberwave" ]]; then
-  printf '  /api/v1/scope-updates\n  /api/v1/quarantine?source=cyberwave\n'
-  printf '  and below a robot'
+  printf '  /api/v1/scope-updates\n  /api/v1/quarantine?source=cyberwave'
 elif [[ -n "$uncrew" ]]; then
   printf '  /api/v1/operator-requests\n'
-  printf '  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Funcrew%%2Fuav%%2Fsynthetic-0001 and below it'
+  printf '  /api/v1/robot?ruri=rcan://local.rcan/uncrew/uav/synthetic-0001'
 else
-  printf '\n  /api/v1/robots/rcan%%3A%%2F%%2Flocal.rcan%%2Fuplink%%2Fsynthetic%%2F1.0%%2Frobot-0001 and below it'
+  printf '\n  /api/v1/robot?ruri=rcan://local.rcan/uplink/synthetic/1.0/robot-0001'
 fi
-printf '\n  /events  /messages  /presence  /quarantine  /gaps\n'
+printf '\n  /api/v1/events  /api/v1/messages  /api/v1/presence  /api/v1/quarantine  /api/v1/gaps\n'
 
 fleet_code=0
 "$bin/uplink-fleet" --target "$relay" --http "$http" --robots "$robots" --for "$duration" \

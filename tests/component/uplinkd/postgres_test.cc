@@ -114,7 +114,7 @@ TEST_F(PostgresServing, AnAckIsARowAndAKillLosesNone) {
   SendNotes(*agent, 15, 25);
   ASSERT_TRUE(agent->ReadThrough(25));
   EXPECT_EQ(Notes(), Numbers(25));
-  EXPECT_THAT(HttpGet(http_, std::string(kRobotPath) + "/messages").body, HasSubstr("note 25"));
+  EXPECT_THAT(HttpGet(http_, "/api/v1/messages").body, HasSubstr("note 25"));
   process_->Signal(SIGTERM);
   EXPECT_EQ(process_->WaitForExit(), 0);
 }

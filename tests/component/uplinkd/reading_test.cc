@@ -58,11 +58,10 @@ TEST_P(Reading, EachClassOfMessageLandsWhereItBelongs) {
   ASSERT_TRUE(Eventually([&] { return server->Settled("stored") >= 3; }));
   ASSERT_TRUE(Eventually([&] { return server->Settled("rejected") >= 1; }));
   EXPECT_EQ(server->PresenceOf(1), "online");
-  const std::string robot =
-      "/api/v1/robots/rcan%3A%2F%2Flocal.rcan%2Fcyberwave%2Ftwin%2F" + TwinId(1);
-  EXPECT_THAT(server->Get(robot + "/events"), HasSubstr("cyberwave/bench"));
-  EXPECT_THAT(server->Get(robot + "/messages"), HasSubstr("warm"));
-  EXPECT_THAT(server->Get(robot + "/quarantine"), HasSubstr("malformed"));
+  const std::string robot = "?ruri=rcan%3A%2F%2Flocal.rcan%2Fcyberwave%2Ftwin%2F" + TwinId(1);
+  EXPECT_THAT(server->Get("/api/v1/events" + robot), HasSubstr("cyberwave/bench"));
+  EXPECT_THAT(server->Get("/api/v1/messages" + robot), HasSubstr("warm"));
+  EXPECT_THAT(server->Get("/api/v1/quarantine" + robot), HasSubstr("malformed"));
   EXPECT_THAT(server->Get("/api/v1/scope-updates?scope=environment&id=" + TwinId(9)),
               HasSubstr("joined"));
   EXPECT_THAT(server->Get("/api/v1/robots"), Not(HasSubstr("cyberwave:")));

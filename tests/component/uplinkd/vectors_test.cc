@@ -167,7 +167,7 @@ TEST_F(VectorsOverTheWire, ASignOfLifeIsAPresenceChange) {
   const std::int64_t from = NowMs();
   Send("rcan://alive", {test::ReadVector("motionTelemetry", ".bin")});
   // The server's own records are not acked.
-  const std::string target = "/api/v1/robots/rcan%3A%2F%2Falive/presence";
+  const std::string target = "/api/v1/presence?ruri=rcan%3A%2F%2Falive";
   std::string body;
   ASSERT_TRUE(Eventually([&] {
     body = Get(target).body;

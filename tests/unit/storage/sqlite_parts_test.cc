@@ -1,6 +1,5 @@
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +10,7 @@
 #include "storage/sqlite/store.h"
 #include "tests/support/sqlite_shell.h"
 #include "tests/support/temp_folder.h"
+#include "tests/unit/storage/filter_cases.h"
 
 namespace uplink::storage::sqlite {
 namespace {
@@ -64,26 +64,13 @@ class SqlitePlans : public ::testing::Test {
     return testing::SqliteShell(path_).Read("EXPLAIN QUERY PLAN " + PageSql(shape, query, filter));
   }
 
-  /// Every restriction to robots that a query may have, on the first page and on a later one.
-  static std::vector<HistoryQuery> Queries() {
-    std::vector<HistoryQuery> queries;
-    for (const char* ruri : {"", "r"}) {
-      for (const char* fleet : {"", "f"}) {
-        for (const char* token : {"", "x"}) {
-          queries.push_back({.ruri = ruri, .fleet = fleet, .page_token = token});
-        }
-      }
-    }
-    return queries;
-  }
-
   void ExpectOrderOfAnIndex(const ListShape& shape, const ListFilter& filter = {}) const {
-    for (const HistoryQuery& query : Queries()) {
+    for (const HistoryQuery& query : RobotQueries()) {
       const std::string plan = Plan(shape, query, filter);
       EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE"))) << shape.table;
       EXPECT_THAT(plan, HasSubstr("USING INDEX")) << shape.table;
       if (!filter.conditions.empty()) continue;
-      if (!query.ruri.empty()) {
+      if (!query.ruris.empty()) {
         EXPECT_THAT(plan, HasSubstr("(ruri=?")) << shape.table;
       } else if (!query.fleet.empty()) {
         EXPECT_THAT(plan, HasSubstr("(fleet=?")) << shape.table;
@@ -127,10 +114,24 @@ TEST_F(SqlitePlans, FindsOpenRunsAndWhatExpiredByIndexesOfTheirOwn) {
   mission.mission_id = "m";
   EXPECT_THAT(Plan(kMissionRuns, {}, FilterOf(mission, kOpenColumn)),
               HasSubstr("mission_runs_by_mission"));
-  mission.rows.ruri = "r";
+  mission.rows.ruris = {"r"};
   EXPECT_THAT(Plan(kMissionRuns, mission.rows, FilterOf(mission, kOpenColumn)),
               HasSubstr("mission_runs_by_robot"))
       << "a mission may be a whole fleet's";
+}
+
+TEST_F(SqlitePlans, AnswerEveryFilterFromItsIndexAloneAndWithAFleet) {
+  for (const FilterCase& one : FilterCases()) {
+    SCOPED_TRACE(one.name);
+    for (const HistoryQuery& query : RobotQueries()) {
+      const bool of_all = query.ruris.empty();
+      const std::string plan = Plan(one.shape, query, of_all ? one.filter : one.of_robots);
+      EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
+      EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
+      const std::string column(of_all ? one.index : "ruri");
+      EXPECT_THAT(plan, HasSubstr("(" + column + "=?"));
+    }
+  }
 }
 
 }  // namespace

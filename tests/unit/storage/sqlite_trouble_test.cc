@@ -186,11 +186,11 @@ TEST_F(SqliteTrouble, StopsAReadAtItsLimit) {
   ASSERT_TRUE(reader.ok()) << reader.status();
   HistoryQuery query;
   query.page_size = kPageSizeMax;
-  const absl::Status status = (*reader)->FaultHistory(query).status();
+  const absl::Status status = (*reader)->FaultHistory({.rows = query}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << status;
   query.page_size = 1;
-  EXPECT_TRUE((*reader)->FaultHistory(query).ok()) << "each call has the whole limit";
-  EXPECT_TRUE((*reader)->FaultHistory(query).ok());
+  EXPECT_TRUE((*reader)->FaultHistory({.rows = query}).ok()) << "each call has the whole limit";
+  EXPECT_TRUE((*reader)->FaultHistory({.rows = query}).ok());
 }
 
 TEST_F(SqliteTrouble, ShowsAReasonThatANewerProgramWroteAsTheStoresOwn) {

@@ -111,7 +111,7 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
   const std::string from = TimeOf(from_ms);
   const auto list = [&](const char* path) { return fmt::format("/api/v1/{}?ruri={}", path, name); };
   const auto history = [&](const char* path) {
-    return fmt::format("/api/v1/robots/{}/{}?from={}", name, path, from);
+    return fmt::format("{}&from={}", list(path), from);
   };
   const auto into = [](auto& rows) {
     return [&rows]<typename Row>(Row&& row) { rows.push_back(std::forward<Row>(row)); };
@@ -127,11 +127,10 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
   stored.read.to_ms = Now().to_ms;
   const auto faults = [](auto& page) { return page.mutable_faults(); };
   const absl::Status rest[] = {
-      FetchPages<v1::ListFaultsResponse>(http_, fmt::format("{}&from={}", list("faults"), from),
-                                         faults, into(stored.faults)),
+      FetchPages<v1::ListFaultsResponse>(http_, history("faults"), faults, into(stored.faults)),
       FetchPages<v1::ListFaultsResponse>(http_, list("faults") + "&active=true", faults,
                                          into(stored.active_faults)),
-      FetchPages<v1::ListMissionRunsResponse>(
+      FetchPages<v1::ListMissionsResponse>(
           http_, list("missions"), [](auto& page) { return page.mutable_missions(); },
           into(stored.runs)),
       FetchPages<v1::ListEventsResponse>(
@@ -141,8 +140,8 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
           http_, history("messages"), [](auto& page) { return page.mutable_messages(); },
           into(stored.messages)),
       FetchPages<v1::ListPresenceChangesResponse>(
-          http_, fmt::format("/api/v1/robots/{}/presence", name),
-          [](auto& page) { return page.mutable_presence_changes(); }, into(stored.presence)),
+          http_, list("presence"), [](auto& page) { return page.mutable_presence_changes(); },
+          into(stored.presence)),
       FetchPages<v1::ListQuarantineResponse>(
           http_, history("quarantine"),
           [&stored](auto& page) {
@@ -156,18 +155,17 @@ absl::StatusOr<StoredRobot> ServerView::Stored(const std::string& ruri, std::int
       FetchPages<v1::ListGapsResponse>(
           http_, history("gaps"), [](auto& page) { return page.mutable_gaps(); },
           into(stored.gaps))};
-  // A robot that the server has never heard of has nothing.
   for (const absl::Status& status : present) {
-    if (!status.ok() && !absl::IsNotFound(status)) return status;
+    if (!status.ok()) return status;
   }
   for (const absl::Status& status : rest) {
-    if (!status.ok() && !absl::IsNotFound(status)) return status;
+    if (!status.ok()) return status;
   }
   return stored;
 }
 
 absl::StatusOr<std::string> ServerView::RobotText(const std::string& ruri) {
-  absl::StatusOr<std::string> text = http_.Get("/api/v1/robots/" + link::PercentEncoded(ruri));
+  absl::StatusOr<std::string> text = http_.Get("/api/v1/robot?ruri=" + link::PercentEncoded(ruri));
   if (absl::IsNotFound(text.status())) return std::string();
   return text;
 }

@@ -78,12 +78,12 @@ TEST_F(EntranceTest, TheSiteAnswersOnceItIsThere) {
 
 TEST_F(EntranceTest, DataAreShownUnderKnownHostsAlone) {
   for (const char* target :
-       {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/", "/nowhere"}) {
+       {"/api/v1/status", "/api/v1/robots", "/api/v1/events", "/", "/nowhere"}) {
     EXPECT_EQ(StatusUnder("rebound.example:7480", target), 421) << target << " while it starts";
   }
   entrance_.Open(world_.site);
   for (const char* target :
-       {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/", "/nowhere"}) {
+       {"/api/v1/status", "/api/v1/robots", "/api/v1/events", "/", "/nowhere"}) {
     EXPECT_EQ(StatusUnder("rebound.example:7480", target), 421) << target;
     EXPECT_NE(StatusUnder("127.0.0.1:7480", target), 421) << target;
     EXPECT_NE(StatusUnder("uplink.example.org", target), 421) << target;
@@ -126,7 +126,7 @@ TEST_F(EntranceTest, OnTheListenerOfMetricsThereAreProbesAndScrapesAlone) {
     return strict.Resolve(request);
   };
   const auto expect_no_data = [&] {
-    for (const char* target : {"/api/v1/status", "/api/v1/robots", "/api/v1/robots/a/events", "/",
+    for (const char* target : {"/api/v1/status", "/api/v1/robots", "/api/v1/events", "/",
                                "/nowhere", "/metrics/", "http://localhost/api/v1/status"}) {
       const Resolved resolved = ask(target);
       EXPECT_EQ(resolved.run().status, 404) << target;

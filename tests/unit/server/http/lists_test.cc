@@ -86,15 +86,78 @@ TEST_F(ListsTest, HistoriesAreNewestFirstAndWithinTheTimesThatAreAsked) {
   SayThings();
   for (const auto& [list, name] :
        {std::pair{"events", "/detail/missionId"}, std::pair{"messages", "/message"}}) {
-    const std::string path = "/api/v1/robots/" + kA + "/" + list;
+    const std::string path = fmt::format("/api/v1/{}?ruri={}", list, kA);
     EXPECT_THAT(Texts(path, name), ElementsAre("two", "one"));
-    EXPECT_THAT(Texts(path + "?from=" + At(2), name), ElementsAre("two"));
-    EXPECT_THAT(Texts(path + "?to=" + At(1), name), ElementsAre("one"));
-    EXPECT_THAT(Texts(path + "?from=" + At(3), name), IsEmpty());
+    EXPECT_THAT(Texts(path + "&from=" + At(2), name), ElementsAre("two"));
+    EXPECT_THAT(Texts(path + "&to=" + At(1), name), ElementsAre("one"));
+    EXPECT_THAT(Texts(path + "&from=" + At(3), name), IsEmpty());
+    EXPECT_THAT(Texts(path + "&orderBy=oldest", name), ElementsAre("one", "two"));
+    EXPECT_THAT(Texts(path + "&orderBy=newest", name), ElementsAre("two", "one"));
+    EXPECT_THAT(Texts(path + "&ruri=rcan%3A%2F%2Fb", name), ElementsAre("three", "two", "one"));
+    EXPECT_THAT(Texts(fmt::format("/api/v1/{}?fleet=south", list), name), ElementsAre("three"));
   }
-  const std::string presence = "/api/v1/robots/" + kA + "/presence";
+  const std::string presence = "/api/v1/presence?ruri=" + kA;
   EXPECT_THAT(Texts(presence, "/at"), ElementsAre(At(2), At(1)));
-  EXPECT_THAT(Texts(presence + "?from=" + At(1) + "&to=" + At(1), "/at"), ElementsAre(At(1)));
+  EXPECT_THAT(Texts(presence + "&from=" + At(1) + "&to=" + At(1), "/at"), ElementsAre(At(1)));
+}
+
+TEST_F(ListsTest, EachListHasFiltersOfItsOwn) {
+  SayThings();
+  world_.CommitBody("rcan://b", model::Message{1, model::MessageLevel::kError, "hot"});
+  world_.CommitBody("rcan://b", model::EventTelemetry{1, model::EstopEngagedEvent{}});
+  world_.CommitFault("rcan://a", {.unix_time_ms = 1,
+                                  .fault_id = "1",
+                                  .source = "arm",
+                                  .severity = model::FaultSeverity::kCritical,
+                                  .active = true});
+  world_.CommitFault("rcan://b", {.unix_time_ms = 1, .fault_id = "2", .source = "bms"});
+  world_.CommitQuarantine("rcan://a", {model::RejectReason::kMalformed, "", ""}, "bytes");
+  world_.CommitQuarantine("rcan://b", {model::RejectReason::kOutOfRange, "x", ""}, "bytes");
+  for (const auto& [query, pointer, found] :
+       {std::tuple{"messages?level=error", "/message", "hot"},
+        std::tuple{"events?kind=estopEngaged", "/ruri", "rcan://b"},
+        std::tuple{"faults?severity=critical", "/faultId", "1"},
+        std::tuple{"faults?severity=critical&active=true", "/faultId", "1"},
+        std::tuple{"faults?faultId=2", "/source", "bms"},
+        std::tuple{"faults?source=arm", "/faultId", "1"},
+        std::tuple{"missions?status=complete", "/runId", "r-one"},
+        std::tuple{"mission-reports?status=complete", "/runId", "r-one"},
+        std::tuple{"mission-reports?missionId=m-two", "/report/runId", "r-two"},
+        std::tuple{"mission-reports?runId=r-three", "/ruri", "rcan://b"},
+        std::tuple{"quarantine?reason=out_of_range", "/ruri", "rcan://b"}}) {
+    EXPECT_THAT(Texts(fmt::format("/api/v1/{}", query), pointer), ElementsAre(found)) << query;
+  }
+  EXPECT_THAT(Texts("/api/v1/messages?level=info&fleet=north", "/message"),
+              ElementsAre("two", "one"));
+}
+
+TEST_F(ListsTest, ARobotIsNamedByParameterAsWell) {
+  SayThings();
+  EXPECT_EQ(Get("/api/v1/robot?ruri=" + kA).body, Get("/api/v1/robots/" + kA).body);
+  EXPECT_EQ(Get("/api/v1/robot?ruri=rcan://a").body, Get("/api/v1/robots/" + kA).body)
+      << "as a proxy leaves it";
+  EXPECT_EQ(Get("/api/v1/robot?ruri=rcan://x").status, 404);
+}
+
+TEST_F(ListsTest, AnUnknownOrEmptyParameterIsToldWhichThereAre) {
+  constexpr const char* kTaken =
+      "this path takes fleet, ruri, from, to, orderBy, pageSize, pageToken, level";
+  EXPECT_THAT(Get("/api/v1/messages?severity=info").body,
+              HasSubstr(std::string("severity is not a parameter of this path; ") + kTaken));
+  EXPECT_THAT(Get("/api/v1/messages?ruri=").body, HasSubstr(kTaken));
+  EXPECT_THAT(Get("/api/v1/messages?level=").body, HasSubstr(kTaken));
+  EXPECT_THAT(Get("/api/v1/status?x=1").body,
+              HasSubstr("x is not a parameter of this path, which takes none"));
+}
+
+TEST_F(ListsTest, SoManyRobotsAreTakenAndNoMore) {
+  SayThings();
+  std::string query = "/api/v1/events?";
+  for (std::size_t i = 0; i < storage::kRurisMax; ++i) query += fmt::format("ruri=r{}&", i);
+  EXPECT_EQ(Get(query).status, 200);
+  const Response answer = Get(query + "ruri=one-more");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_THAT(answer.body, HasSubstr("ruri is given more than 100 times"));
 }
 
 TEST_F(ListsTest, MissionsAreFiltered) {
@@ -152,9 +215,9 @@ TEST_P(WalksTest, SeeEachRowOnceWhileRowsAreAdded) {
 
 INSTANTIATE_TEST_SUITE_P(
     Lists, WalksTest,
-    ::testing::Values(Walk{"/api/v1/robots/rcan%3A%2F%2Fa/events?", "/detail/missionId"},
-                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/messages?", "/message"},
-                      Walk{"/api/v1/robots/rcan%3A%2F%2Fa/presence?", "/at"},
+    ::testing::Values(Walk{"/api/v1/events?ruri=rcan%3A%2F%2Fa&", "/detail/missionId"},
+                      Walk{"/api/v1/messages?ruri=rcan%3A%2F%2Fa&", "/message"},
+                      Walk{"/api/v1/presence?ruri=rcan%3A%2F%2Fa&", "/at"},
                       Walk{"/api/v1/missions?fleet=north&", "/runId"},
                       Walk{"/api/v1/shapes?includeExpired=true&fleet=north&", "/id"},
                       Walk{"/api/v1/objects?includeExpired=true&fleet=north&", "/id"}));
@@ -163,10 +226,12 @@ TEST_F(ListsTest, ATokenOfAnotherListIsRefused) {
   SayThings();
   world_.CommitFault("rcan://a", {.unix_time_ms = 1, .fault_id = "1", .source = "s"});
   world_.CommitFault("rcan://a", {.unix_time_ms = 1, .fault_id = "2", .source = "s"});
-  const std::vector<std::string> lists = {"/api/v1/robots/" + kA + "/events?",
-                                          "/api/v1/robots/" + kA + "/messages?",
-                                          "/api/v1/robots/" + kA + "/presence?",
+  const std::vector<std::string> lists = {"/api/v1/events?",
+                                          "/api/v1/messages?",
+                                          "/api/v1/presence?",
+                                          "/api/v1/events?orderBy=oldest&",
                                           "/api/v1/missions?",
+                                          "/api/v1/mission-reports?",
                                           "/api/v1/shapes?includeExpired=true&",
                                           "/api/v1/objects?includeExpired=true&",
                                           "/api/v1/faults?",
@@ -184,15 +249,11 @@ TEST_F(ListsTest, ATokenOfAnotherListIsRefused) {
   }
 }
 
-TEST_F(ListsTest, ARobotThatWasNeverSeenIsNotFound) {
-  for (const char* list : {"events", "messages", "presence", "quarantine", "gaps"}) {
-    const Response answer = Get("/api/v1/robots/rcan%3A%2F%2Fx/" + std::string(list));
-    EXPECT_EQ(answer.status, 404) << list;
-    EXPECT_THAT(answer.body, HasSubstr(R"("code":"NOT_FOUND")"));
-  }
-  // As a filter it matches nothing.
-  for (const char* list : {"faults", "missions", "shapes", "objects"}) {
-    EXPECT_EQ(Get("/api/v1/" + std::string(list) + "?ruri=rcan%3A%2F%2Fx").status, 200) << list;
+TEST_F(ListsTest, ARobotThatWasNeverSeenHasNoRows) {
+  for (const char* list : {"events", "messages", "presence", "quarantine", "gaps", "faults",
+                           "missions", "mission-reports", "shapes", "objects"}) {
+    EXPECT_THAT(Texts(fmt::format("/api/v1/{}?ruri=rcan%3A%2F%2Fx", list), "/ruri"), IsEmpty())
+        << list;
   }
 }
 
@@ -240,14 +301,14 @@ TEST_F(ScopeUpdatesTest, TheParameterAtFaultIsNamed) {
   }
 }
 
-class AllQuarantineTest : public ListsTest {
+class QuarantineTest : public ListsTest {
  protected:
   void Reject(const std::string& ruri, const std::string& topic) {
     world_.clock.Advance(milliseconds(1));
     world_.CommitQuarantine(ruri, {model::RejectReason::kMalformed, "", ""}, "bytes",
                             storage::OriginOf(model::MessageSource::kCyberwave, topic));
   }
-  AllQuarantineTest() {
+  QuarantineTest() {
     start_ms_ = UnixMs(world_.clock.System());
     world_.AddRobot("rcan://a", "north");
     world_.AddRobot("rcan://b", "south");
@@ -259,14 +320,14 @@ class AllQuarantineTest : public ListsTest {
   const std::string path_ = "/api/v1/quarantine";
 };
 
-TEST_F(AllQuarantineTest, ShowsWhatBelongsToRobotsAndToNone) {
+TEST_F(QuarantineTest, ShowsWhatBelongsToRobotsAndToNone) {
   EXPECT_THAT(Texts(path_, "/topic"),
               ElementsAre("localcyberwave/twin/x/event", "cyberwave/twin/T/event", ""));
   EXPECT_THAT(Texts(path_, "/ruri"), ElementsAre("", "rcan://b", "rcan://a"));
   EXPECT_THAT(Texts(path_, "/source"), ElementsAre("cyberwave", "cyberwave", "uplink"));
 }
 
-TEST_F(AllQuarantineTest, IsFilteredAndWalked) {
+TEST_F(QuarantineTest, IsFilteredAndWalked) {
   EXPECT_THAT(Texts(path_ + "?source=uplink", "/ruri"), ElementsAre("rcan://a"));
   const std::string cyberwave = path_ + "?source=cyberwave";
   EXPECT_THAT(Texts(cyberwave, "/ruri"), ElementsAre("", "rcan://b"));
@@ -278,15 +339,14 @@ TEST_F(AllQuarantineTest, IsFilteredAndWalked) {
   EXPECT_THAT(Texts(page + "&pageToken=" + Token(page), "/ruri"), ElementsAre("rcan://b"));
 }
 
-TEST_F(AllQuarantineTest, RefusesASourceThatDoesNotExist) {
+TEST_F(QuarantineTest, RefusesASourceThatDoesNotExist) {
   const Response answer = Get(path_ + "?source=mqtt");
   EXPECT_EQ(answer.status, 400);
   EXPECT_THAT(answer.body, HasSubstr(R"("field":"source")"));
   EXPECT_THAT(answer.body, HasSubstr("must be uplink, cyberwave or uncrew"));
 }
 
-TEST_F(AllQuarantineTest, WhatStandsForNoRobotIsNone) {
-  EXPECT_EQ(Get("/api/v1/robots/cyberwave%3Alocal/quarantine").status, 404);
+TEST_F(QuarantineTest, WhatStandsForNoRobotIsNone) {
   EXPECT_EQ(Get("/api/v1/robots/cyberwave%3Alocal").status, 404);
 }
 
@@ -315,26 +375,30 @@ std::vector<BadCase> BadCases() {
                                 {"/api/v1/robots?ruri=x", "ruri"},
                                 {"/api/v1/robots?from=1", "from"},
                                 {"/api/v1/robots/" + kA + "?parts=motion", "parts"},
+                                {"/api/v1/robot", "ruri"},
+                                {"/api/v1/robot?ruri=", "ruri"},
+                                {"/api/v1/robot?ruri=a&ruri=b", "ruri"},
                                 {"/api/v1/faults?active=1", "active"},
+                                {"/api/v1/faults?severity=bad", "severity"},
+                                {"/api/v1/messages?level=notice", "level"},
+                                {"/api/v1/missions?status=done", "status"},
+                                {"/api/v1/quarantine?reason=bad", "reason"},
                                 {"/api/v1/missions?open=yes", "open"},
                                 {"/api/v1/missions?missionid=x", "missionid"},
                                 {"/api/v1/missions?includeExpired=true", "includeExpired"},
                                 {"/api/v1/shapes?includeExpired=1", "includeExpired"},
                                 {"/api/v1/objects?includeExpired=TRUE", "includeExpired"}};
-  std::vector<std::string> lists = {"/api/v1/robots",       "/api/v1/faults",  "/api/v1/missions",
-                                    "/api/v1/shapes",       "/api/v1/objects", "/api/v1/quarantine",
-                                    "/api/v1/scope-updates"};
-  const std::vector<std::string> histories = {"events", "messages", "presence", "quarantine",
-                                              "gaps"};
-  for (const std::string& history : histories) {
-    const std::string path = fmt::format("/api/v1/robots/{}/{}", kA, history);
+  std::vector<std::string> lists = {"/api/v1/robots", "/api/v1/shapes", "/api/v1/objects"};
+  for (const char* history :
+       {"events", "messages", "presence", "quarantine", "gaps", "faults", "missions",
+        "mission-reports", "operator-requests", "scope-updates"}) {
+    const std::string path = fmt::format("/api/v1/{}", history);
     lists.push_back(path);
-    cases.push_back({path + "?ruri=x", "ruri"});
-    cases.push_back({path + "?fleet=x", "fleet"});
-    cases.push_back({path + "?from=-1", "from"});
-    cases.push_back({path + "?to=1e3", "to"});
+    cases.push_back({path + "?from=1777636800000", "from"});
+    cases.push_back({path + "?to=today", "to"});
+    cases.push_back({path + "?orderBy=ruri", "orderBy"});
   }
-  for (const char* path : {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects"}) {
+  for (const char* path : {"/api/v1/shapes", "/api/v1/objects"}) {
     cases.push_back({std::string(path) + "?from=1", "from"});
     cases.push_back({std::string(path) + "?to=1", "to"});
   }
@@ -376,8 +440,8 @@ TEST_F(ListsTest, TheParameterAtFaultIsNamed) {
 
 TEST_F(ListsTest, ThePageSizesAtTheBoundsAreTaken) {
   world_.AddRobot("rcan://a");
-  for (const std::string list : {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects",
-                                 "/api/v1/robots/rcan%3A%2F%2Fa/events"}) {
+  for (const std::string list :
+       {"/api/v1/missions", "/api/v1/shapes", "/api/v1/objects", "/api/v1/events"}) {
     EXPECT_EQ(Get(list + "?pageSize=1").status, 200);
     EXPECT_EQ(Get(list + "?pageSize=1000").status, 200);
   }

@@ -75,8 +75,33 @@ TEST(Parameters, RefusesWordsThatAreNoFlag) {
 }
 
 TEST(Parameters, RefusesANameGivenTwiceAndBrokenEncoding) {
-  EXPECT_EQ(Parameters("a=1&a=2").Problem()->message, "is given twice");
+  Parameters twice("a=1&a=2");
+  static_cast<void>(twice.Text("a"));
+  EXPECT_EQ(twice.Problem()->message, "is given twice");
   EXPECT_EQ(Parameters("a=%4").Problem()->field, "a");
+}
+
+TEST(Parameters, TakesOneThatMayBeRepeatedAsOftenAsItsBoundSays) {
+  std::string query;
+  for (std::size_t i = 0; i < kRepeatsMax; ++i) query += "a=" + std::to_string(i) + "&";
+  Parameters most(query + "b=x");
+  const std::vector<std::string> texts = most.Texts("a");
+  ASSERT_EQ(texts.size(), kRepeatsMax);
+  EXPECT_EQ(texts.back(), std::to_string(kRepeatsMax - 1));
+  EXPECT_EQ(most.Text("b"), "x");
+  EXPECT_FALSE(most.Problem());
+  EXPECT_EQ(Parameters(query + "a=more").Problem()->message, "is given more than 100 times");
+  EXPECT_TRUE(Parameters("b=x").Texts("a").empty());
+}
+
+TEST(Parameters, TellsWhatAPathTakes) {
+  Parameters parameters("c=1");
+  static_cast<void>(parameters.Text("a"));
+  static_cast<void>(parameters.Flag("b"));
+  EXPECT_EQ(parameters.Problem()->message, "is not a parameter of this path; this path takes a, b");
+  EXPECT_EQ(parameters.Problem()->message, "is not a parameter of this path; this path takes a, b");
+  EXPECT_EQ(Parameters("c=1").Problem()->message,
+            "is not a parameter of this path, which takes none");
 }
 
 TEST(Parameters, AreNotEmpty) {

@@ -143,21 +143,21 @@ TEST_F(SiteTest, QuarantineAndGapsAreARobotsOwn) {
   world_.AddRobot("rcan://b");
   world_.CommitQuarantine("rcan://a", {model::RejectReason::kOutOfRange, "x", "far"}, "bytes");
   world_.CommitGap("rcan://a", 10, 12);
-  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fa/quarantine").body,
+  EXPECT_THAT(Get("/api/v1/quarantine?ruri=rcan%3A%2F%2Fa").body,
               HasSubstr(R"("reason":"out_of_range")"));
-  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fa/gaps").body, HasSubstr(R"("firstSeq":"10")"));
-  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fb/quarantine").body, HasSubstr(R"("items":[])"));
-  EXPECT_THAT(Get("/api/v1/robots/rcan%3A%2F%2Fb/gaps").body, HasSubstr(R"("gaps":[])"));
-  EXPECT_EQ(Get("/api/v1/robots/rcan%3A%2F%2Fc/gaps").status, 404);
+  EXPECT_THAT(Get("/api/v1/gaps?ruri=rcan%3A%2F%2Fa").body, HasSubstr(R"("firstSeq":"10")"));
+  EXPECT_THAT(Get("/api/v1/quarantine?ruri=rcan%3A%2F%2Fb").body, HasSubstr(R"("quarantined":[])"));
+  EXPECT_THAT(Get("/api/v1/gaps?ruri=rcan%3A%2F%2Fb").body, HasSubstr(R"("gaps":[])"));
+  EXPECT_EQ(Get("/api/v1/robots/rcan%3A%2F%2Fc").status, 404);
 }
 
 TEST_F(SiteTest, AReadWhileTheStoreIsAwayIs503) {
   world_.AddRobot("rcan://a");
   world_.reader.SetAway(true);
   for (const char* target :
-       {"/api/v1/faults", "/api/v1/faults?active=true", "/api/v1/robots/rcan%3A%2F%2Fa/quarantine",
-        "/api/v1/robots/rcan%3A%2F%2Fa/gaps", "/api/v1/robots/rcan%3A%2F%2Fa/events",
-        "/api/v1/robots/rcan%3A%2F%2Fa/messages", "/api/v1/robots/rcan%3A%2F%2Fa/presence",
+       {"/api/v1/faults", "/api/v1/faults?active=true", "/api/v1/quarantine?ruri=rcan%3A%2F%2Fa",
+        "/api/v1/gaps?ruri=rcan%3A%2F%2Fa", "/api/v1/events?ruri=rcan%3A%2F%2Fa",
+        "/api/v1/messages?ruri=rcan%3A%2F%2Fa", "/api/v1/presence?ruri=rcan%3A%2F%2Fa",
         "/api/v1/missions", "/api/v1/shapes", "/api/v1/objects", "/api/v1/scope-updates",
         "/api/v1/quarantine", "/api/v1/robots?parts=motion,settings",
         "/api/v1/robots?parts=agentInfo", "/api/v1/robots?parts=uiCapabilities"}) {
@@ -180,7 +180,7 @@ TEST_F(SiteTest, PathsThatAreNotOursAre404) {
 }
 
 TEST_F(SiteTest, OtherMethodsAre405WithAllow) {
-  for (const char* target : {"/api/v1/robots", "/api/v1/robots/a/events", "/api/v1/shapes"}) {
+  for (const char* target : {"/api/v1/robots", "/api/v1/events?ruri=a", "/api/v1/shapes"}) {
     const Response response = world_.site.Resolve({Method::kOther, target}).run();
     EXPECT_EQ(response.status, 405) << target;
     EXPECT_EQ(response.allow, "GET, HEAD");
@@ -197,7 +197,7 @@ TEST_F(SiteTest, ProbesAndScrapesNeverWaitForTheStore) {
   EXPECT_EQ(Get("/metrics").status, 200);
   EXPECT_EQ(world_.reader.calls(), 0);
   for (const char* target :
-       {"/api/v1/faults", "/api/v1/robots/a", "/api/v1/robots/a/presence", "/api/v1/missions",
+       {"/api/v1/faults", "/api/v1/robots/a", "/api/v1/presence?ruri=a", "/api/v1/missions",
         "/api/v1/objects", "/api/v1/robots?parts=motion,settings"}) {
     EXPECT_EQ(world_.site.Resolve({Method::kGet, target}).lane, Lane::kRead) << target;
   }

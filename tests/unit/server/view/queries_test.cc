@@ -204,37 +204,29 @@ TEST_F(QueriesTest, CountsActiveFaultsAndKeepsTheLastCountWhileTheStoreIsAway) {
 TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
   world_.AddRobot("rcan://a");
   world_.reader.SetAway(true);
-  storage::HistoryQuery query;
-  query.ruri = "rcan://a";
-  EXPECT_EQ(world_.queries.FaultsActive(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.FaultHistory(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
+  using storage::Reader;
+  const auto code = [this](auto list, const auto& query) {
+    return world_.queries.List(list, query).status().code();
+  };
+  EXPECT_EQ(code(&Reader::FaultsActive, storage::FaultsQuery()), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::FaultHistory, storage::FaultsQuery()), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Quarantine({}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::Gaps, storage::HistoryQuery()), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::Events, storage::EventsQuery()), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::Messages, storage::MessagesQuery()), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::PresenceChanges, storage::HistoryQuery()),
             absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
-            absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Messages, query).status().code(),
-            absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::PresenceChanges, query).status().code(),
-            absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.MissionRuns({}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(code(&Reader::MissionRuns, storage::MissionsQuery()), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Shapes({}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(world_.queries.Objects({}).status().code(), absl::StatusCode::kUnavailable);
 }
 
 TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
   EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kNotFound);
-  storage::HistoryQuery query;
-  query.ruri = "rcan://x";
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
-            absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.Quarantine(query).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Events, query).status().code(),
-            absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Messages, query).status().code(),
-            absl::StatusCode::kNotFound);
-  EXPECT_EQ(world_.queries.History(&storage::Reader::PresenceChanges, query).status().code(),
-            absl::StatusCode::kNotFound);
+  const storage::HistoryQuery query{.ruris = {"rcan://x"}};
+  const auto gaps = world_.queries.List(&storage::Reader::Gaps, query);
+  ASSERT_TRUE(gaps.ok());
+  EXPECT_TRUE(gaps->rows.empty()) << "as a filter it matches nothing";
 }
 
 TEST_F(QueriesTest, TheAnswerOnARobotThatIsNotHereGivesNoReason) {
@@ -245,16 +237,11 @@ TEST_F(QueriesTest, TheAnswerOnARobotThatIsNotHereGivesNoReason) {
 TEST_F(QueriesTest, NoRobotIsNotFoundWhileTheStoresRobotsAreUnread) {
   world_.robots_unread = true;
   EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kUnavailable);
-  storage::HistoryQuery query;
-  query.ruri = "rcan://x";
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
-            absl::StatusCode::kUnavailable);
   world_.AddRobot("rcan://x");
   EXPECT_TRUE(world_.queries.Robot("rcan://x").ok());
-  EXPECT_TRUE(world_.queries.History(&storage::Reader::Gaps, query).ok());
 }
 
-TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows) {
+TEST_F(QueriesTest, RowsOfARobotThatLeftMemoryAreThere) {
   const auto gone = std::make_shared<const model::RobotId>(model::RobotId{"rcan://gone", "f"});
   const storage::OpenRequest request{.robot = gone, .at = world_.clock.System()};
   const auto opened = world_.store.OpenStreams({&request, 1});
@@ -263,11 +250,8 @@ TEST_F(QueriesTest, HistoriesOfARobotThatLeftMemoryAreThereAsLongAsTheyHaveRows)
   batch.presence = {
       {gone, model::Presence::kOffline, world_.clock.System(), 1, opened->front().held_since}};
   ASSERT_TRUE(world_.store.Commit(batch).ok());
-  storage::HistoryQuery query;
-  query.ruri = "rcan://gone";
-  EXPECT_TRUE(world_.queries.History(&storage::Reader::PresenceChanges, query).ok());
-  EXPECT_EQ(world_.queries.History(&storage::Reader::Gaps, query).status().code(),
-            absl::StatusCode::kNotFound);
+  const storage::HistoryQuery query{.ruris = {"rcan://gone"}};
+  EXPECT_EQ(world_.queries.List(&storage::Reader::PresenceChanges, query)->rows.size(), 1U);
   EXPECT_EQ(world_.queries.Robot("rcan://gone").status().code(), absl::StatusCode::kNotFound);
 }
 

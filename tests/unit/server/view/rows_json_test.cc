@@ -110,6 +110,18 @@ TEST(RowsJson, MissionRuns) {
     "firstReceivedAt": "1970-01-01T00:00:00.006Z", "lastReceivedAt": "1970-01-01T00:00:00.007Z", "updates": "3", "closedWhy": ""})");
 }
 
+TEST(RowsJson, MissionReports) {
+  storage::MissionReportRow row;
+  row.mission_id = "m";
+  row.run_id = "r";
+  row.status = model::MissionStatus::kPaused;
+  row.report_json = R"({"unixTimeMs":5,"runId":"r"})";
+  row.received_at = FromUnixMs(1'777'636'800'250);
+  ExpectJson("missionReports", row, R"({"ruri": "rcan://a", "missionId": "m", "runId": "r",
+    "status": "paused", "report": {"unixTimeMs": 5, "runId": "r"},
+    "receivedAt": "2026-05-01T12:00:00.250Z"})");
+}
+
 TEST(RowsJson, AMissionRunThatTheServerClosedSaysWhyAndWhen) {
   storage::MissionRunRow row;
   row.robot = kRobot;

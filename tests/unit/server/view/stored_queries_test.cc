@@ -41,7 +41,7 @@ class StoredQueriesTest : public ::testing::Test {
   }
   std::vector<std::string> Runs(const storage::MissionsQuery& query) {
     std::vector<std::string> runs;
-    const auto page = world_.queries.MissionRuns(query);
+    const auto page = world_.queries.List(&storage::Reader::MissionRuns, query);
     for (const storage::MissionRunRow& row : page->rows) runs.push_back(row.run_id);
     return runs;
   }
@@ -140,16 +140,17 @@ TEST_F(StoredQueriesTest, HistoriesAreOfOneRobot) {
     world_.CommitBody(ruri, model::Message{1, model::MessageLevel::kInfo, ruri});
     world_.CommitPresence(ruri, model::Presence::kOnline);
   }
-  storage::HistoryQuery query;
-  query.ruri = "rcan://b";
-  const auto events = world_.queries.History(&storage::Reader::Events, query);
+  const storage::HistoryQuery query{.ruris = {"rcan://b"}};
+  const auto events =
+      world_.queries.List(&storage::Reader::Events, storage::EventsQuery{.rows = query});
   ASSERT_EQ(events->rows.size(), 1U);
   EXPECT_EQ(events->rows.front().robot.ruri, "rcan://b");
   EXPECT_EQ(events->rows.front().kind, "estopEngaged");
-  const auto messages = world_.queries.History(&storage::Reader::Messages, query);
+  const auto messages =
+      world_.queries.List(&storage::Reader::Messages, storage::MessagesQuery{.rows = query});
   ASSERT_EQ(messages->rows.size(), 1U);
   EXPECT_EQ(messages->rows.front().message.message, "rcan://b");
-  const auto changes = world_.queries.History(&storage::Reader::PresenceChanges, query);
+  const auto changes = world_.queries.List(&storage::Reader::PresenceChanges, query);
   ASSERT_EQ(changes->rows.size(), 1U);
   EXPECT_EQ(changes->rows.front().presence, model::Presence::kOnline);
 }
