@@ -201,6 +201,11 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Wakes of streams that the relay's threads answered."},
     {kAckSeconds, "uplinkd_ack_seconds", kHistogram, "seconds",
      "Arrival of a durable message to the Ack that covers it."},
+    {kMessageAgeSeconds, "uplinkd_message_age_seconds", kHistogram, "seconds",
+     "Age of good messages with a time when they arrive: the server's clock less that time, by the "
+     "robot's clock and not corrected by its skew. A clock that is ahead counts as 0, over 30 days "
+     "as 30 days. Telemetry over its rate and duplicates are not counted.",
+     kBySourceKind},
     {kJournalRecords, "uplinkd_journal_records", kGauge, "records",
      "Records that wait for a commit."},
     {kJournalRecordsLimit, "uplinkd_journal_records_limit", kGauge, "records",

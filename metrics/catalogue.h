@@ -103,6 +103,7 @@ enum class MetricId : std::uint8_t {
   kFinishTimeouts,
   kWakes,
   kAckSeconds,
+  kMessageAgeSeconds,
   kJournalRecords,
   kJournalRecordsLimit,
   kJournalBytes,

@@ -10,6 +10,7 @@ inline constexpr std::array<std::string_view, 1> kByOutcome{"outcome"};
 inline constexpr std::array<std::string_view, 1> kByReason{"reason"};
 inline constexpr std::array<std::string_view, 2> kByVariantReason{"variant", "reason"};
 inline constexpr std::array<std::string_view, 1> kByKind{"kind"};
+inline constexpr std::array<std::string_view, 2> kBySourceKind{"source", "kind"};
 inline constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"};
 inline constexpr std::array<std::string_view, 1> kByCode{"code"};
 inline constexpr std::array<std::string_view, 1> kByPresence{"presence"};

@@ -118,6 +118,16 @@ void Exposition::AddLedger(const Ledger::Page& sum) {
   Add(MetricId::kControlCharacters, Number(sum.odd.control_characters));
 }
 
+void Exposition::AddAges(const LedgerBook& book) {
+  for (const model::MessageSource source : model::kAllMessageSources) {
+    const MessageAges ages = book.Sum(source).ages;
+    for (std::size_t kind = 0; kind < ages.size(); ++kind) {
+      AddHistogram(MetricId::kMessageAgeSeconds, kAgeBoundsSeconds, ages[kind].counts,
+                   ages[kind].sum_seconds, {ToText(source), kAgeKinds[kind]});
+    }
+  }
+}
+
 std::string Exposition::Text(Format format) const {
   std::vector<prometheus::MetricFamily> families;
   families.reserve(kMetrics);

@@ -58,6 +58,8 @@ class Exposition final {
 
   /// All samples that come from the ledgers: what belongs together is taken from one sum.
   void AddLedger(const Ledger::Page& sum);
+  /// The ages of the messages of each source.
+  void AddAges(const LedgerBook& book);
 
   [[nodiscard]] std::string Text(Format format = Format::kText) const;
 

@@ -15,11 +15,16 @@ void AddTo(ReasonCounts& sum, const ReasonCounts& counts) {
   }
 }
 
+void AddTo(MessageAges& sum, const MessageAges& ages) {
+  for (std::size_t kind = 0; kind < ages.size(); ++kind) sum[kind] += ages[kind];
+}
+
 void AddPage(Ledger::Page& sum, const Ledger::Page& page) {
   sum.messages += page.messages;
   AddTo(sum.dropped, page.dropped);
   AddTo(sum.rejected_kinds, page.rejected_kinds);
   sum.odd += page.odd;
+  AddTo(sum.ages, page.ages);
 }
 
 }  // namespace
@@ -52,6 +57,12 @@ OddCounts& OddCounts::operator+=(const OddCounts& other) {
 void Ledger::Publish(const MessageCounts& delta) {
   const std::lock_guard lock(mutex_);
   page_.messages += delta;
+}
+
+void Ledger::Publish(const MessageCounts& delta, const MessageAges& ages) {
+  const std::lock_guard lock(mutex_);
+  page_.messages += delta;
+  AddTo(page_.ages, ages);
 }
 
 void Ledger::CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields) {

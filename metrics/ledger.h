@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "metrics/ages.h"
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
 #include "schema/model/variants.h"
@@ -119,6 +120,8 @@ struct OddCounts {
 class Ledger final {
  public:
   void Publish(const MessageCounts& delta);
+  /// The same with the ages of the messages.
+  void Publish(const MessageCounts& delta, const MessageAges& ages);
   /// Fields that live messages went without. `kind`: a variant's number, kRcanKind or kUnknownKind.
   void CountDropped(std::size_t kind, model::RejectReason reason, std::size_t fields = 1);
   /// A message that judgement rejected. `kind`: as above.
@@ -130,6 +133,7 @@ class Ledger final {
     ReasonCounts dropped{};
     ReasonCounts rejected_kinds{};
     OddCounts odd;
+    MessageAges ages;
   };
   [[nodiscard]] Page Read() const;
 

@@ -56,6 +56,9 @@ UPLINK_VARIANTS(UPLINK_VARIANT)
   return static_cast<Variant>(body.index());
 }
 
+/// When a message was sampled by its robot's clock, Unix milliseconds; 0: it does not say.
+[[nodiscard]] std::int64_t SampledUnixMs(const Body& body);
+
 /// A validated message. Only a passing judgement makes one (schema::Judge, and the Records of
 /// cyberwave and uncrew), so a Record need not be checked again. A value.
 class Record {

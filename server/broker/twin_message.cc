@@ -17,6 +17,8 @@ namespace {
 using cyberwave::DurableRecord;
 using cyberwave::TopicKind;
 
+constexpr std::int64_t kUsPerMs = 1000;
+
 /// How many records the message may bring at most; they must have room before it is processed.
 std::size_t RecordsAtMost(const cyberwave::Judgement& judgement, const TwinStream& stream) {
   if (judgement.rejection() != nullptr ||
@@ -106,7 +108,8 @@ TwinMessage::TwinMessage(const TwinSources& sources, const Known& known)
                .payload = known.publish.payload.value_or(std::string_view()),
                .payload_bytes = known.publish.payload_bytes,
                .waits = known.publish.id != 0 ? ingest::Waits::kBroker : ingest::Waits::kNoOne,
-               .is_counted = known.is_counted},
+               .is_counted = known.is_counted,
+               .sampled_unix_ms = known.judgement.head.timestamp_us / kUsPerMs},
       topic_(known.judgement.topic) {}
 
 std::optional<ingest::RecordCost> TwinMessage::Cost() {

@@ -24,6 +24,8 @@ struct Arrival {
   Waits waits = Waits::kStream;
   /// It had to wait, and is counted as in flight already.
   bool is_counted = false;
+  /// When it was sampled by its sender's clock, Unix milliseconds; 0: it does not say.
+  std::int64_t sampled_unix_ms = 0;
 };
 
 /// What a taken message brings.

@@ -22,7 +22,9 @@ Port::Offered Port::Offer(const Line& line, Message& message) {
   if (const model::Rejection* rejection = message.FindRejection()) {
     Reject(line, message, *rejection);
   } else {
-    Store(line, message, message.Take(), std::nullopt);
+    Brought brought = message.Take();
+    CountAge(message.arrival(), brought);
+    Store(line, message, std::move(brought), std::nullopt);
   }
   return {};
 }
@@ -129,6 +131,17 @@ Block Port::FindBlock(const Line& line, Waits waits, const RecordCost& cost) {
        .journal_over_half = waits == Waits::kBroker && context_.journal_over_half()});
 }
 
+void Port::CountAge(const Arrival& arrival, const Brought& brought) {
+  if (arrival.sampled_unix_ms <= 0) return;
+  // A command of a broker, or a message of none of its robots, reports nothing.
+  if (brought.became == metrics::Became::kObserved || brought.became == metrics::Became::kIgnored) {
+    return;
+  }
+  const auto kind = brought.records.empty() ? metrics::AgeKind::kLive : metrics::AgeKind::kDurable;
+  ages_[static_cast<std::size_t>(kind)].Add(
+      milliseconds(UnixMs(arrival.system) - arrival.sampled_unix_ms));
+}
+
 void Port::CountOnce(const Arrival& arrival) {
   if (arrival.is_counted) {
     --counts_.in_flight;
@@ -148,8 +161,9 @@ void Port::CountHeld() {
 }
 
 void Port::Publish() {
-  context_.ledger.Publish(counts_);
+  context_.ledger.Publish(counts_, ages_);
   counts_ = {};
+  ages_ = {};
 }
 
 void Port::FollowReload() {

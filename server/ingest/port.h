@@ -95,6 +95,8 @@ class Port final {
   void Reject(const Line& line, Message& message, const model::Rejection& rejection);
   void Store(const Line& line, Message& message, Brought brought,
              std::optional<model::RejectReason> rejected);
+  /// Counts how old a taken message was when it arrived.
+  void CountAge(const Arrival& arrival, const Brought& brought);
   /// Counts it as received, unless it was counted while it waited: then it is no longer in flight.
   void CountOnce(const Arrival& arrival);
 
@@ -102,6 +104,7 @@ class Port final {
   std::shared_ptr<const Allowance> allowance_;
   std::uint64_t allowance_version_ = 0;
   metrics::MessageCounts counts_;
+  metrics::MessageAges ages_;
 };
 
 }  // namespace uplink::ingest

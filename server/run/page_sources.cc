@@ -19,6 +19,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { parts.broker.AddSamples(page); },
       [parts](auto& page) { parts.uncrew.AddSamples(page); },
       [parts](auto& page) { page.AddLedger(parts.ledgers.Sum(model::MessageSource::kUplink)); },
+      [parts](auto& page) { page.AddAges(parts.ledgers); },
       [parts](auto& page) { session::AddSamples(parts.sessions, page); },
       [parts](auto& page) { fleet::AddSamples(parts.fleet, page); },
       [parts](auto& page) { fleet::AddSamples(parts.live_budget, page); },

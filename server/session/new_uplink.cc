@@ -12,6 +12,19 @@ namespace uplink::session {
 
 using ingest::Numbered;
 
+namespace {
+
+std::int64_t SampledUnixMs(const Judged& judged) {
+  constexpr std::int64_t kUsPerMs = 1000;
+  if (const auto* record = std::get_if<model::Record>(&judged.content)) {
+    return model::SampledUnixMs(record->body());
+  }
+  const auto* state = std::get_if<model::RcanState>(&judged.content);
+  return state == nullptr ? 0 : state->timestamp_us / kUsPerMs;
+}
+
+}  // namespace
+
 NewUplink::NewUplink(const UplinkSources& sources, const UplinkView& uplink, const Arrived& arrived,
                      const robot::Seen& seen, Judged& judged, Processed& processed)
     : sources_(sources),
@@ -20,7 +33,8 @@ NewUplink::NewUplink(const UplinkSources& sources, const UplinkView& uplink, con
                .system = arrived.system,
                .payload = uplink.payload,
                .payload_bytes = uplink.payload.size(),
-               .waits = ingest::Waits::kStream},
+               .waits = ingest::Waits::kStream,
+               .sampled_unix_ms = SampledUnixMs(judged)},
       seen_(seen),
       judged_(judged),
       processed_(processed) {}

@@ -9,13 +9,20 @@
 
 namespace uplink::uncrew {
 
+namespace {
+
+constexpr std::int64_t kUsPerMs = 1000;
+
+}  // namespace
+
 ingest::Arrival Sample::arrival() const {
   return {.steady = arrived,
           .system = arrived_system,
           .payload = request,
           .payload_bytes = judged.payload_bytes,
           .waits = ingest::Waits::kStream,
-          .is_counted = is_counted};
+          .is_counted = is_counted,
+          .sampled_unix_ms = judged.metadata.sampled_at_us / kUsPerMs};
 }
 
 bool Sample::is_ordered() const {

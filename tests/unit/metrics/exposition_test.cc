@@ -84,6 +84,34 @@ TEST(Exposition, ExportsEveryLabelOfClosedSetsAlsoAtZero) {
   EXPECT_THAT(page.Text(), Not(HasSubstr("uplinkd_fields_dropped_total{variant=\"fault\"")));
 }
 
+TEST(Exposition, ShowsTheAgesOfEachSourcesMessages) {
+  LedgerBook book;
+  MessageAges ages;
+  AgeCounts& durable = ages[static_cast<std::size_t>(AgeKind::kDurable)];
+  durable.Add(std::chrono::milliseconds(100));   // at a bound: within it
+  durable.Add(std::chrono::milliseconds(101));   // past it: the next
+  durable.Add(std::chrono::milliseconds(-500));  // of a clock that is ahead
+  durable.Add(kAgeCountedMax);
+  durable.Add(kAgeCountedMax + std::chrono::hours(24 * 365 * 50));  // of a clock of 1970
+  book.NewPage(model::MessageSource::kCyberwave).Publish({}, ages);
+  book.NewPage(model::MessageSource::kCyberwave).Publish({}, ages);
+  Exposition page;
+  page.AddAges(book);
+  const auto samples = Samples(page.Text());
+  const auto at = [&samples](const std::string& end, const std::string& labels) {
+    return samples.at("uplinkd_message_age_seconds_" + end + "{" + labels + "}");
+  };
+  const std::string labels = R"(source="cyberwave",kind="durable")";
+  EXPECT_EQ(at("bucket", labels + R"(,le="0.1")"), 4);
+  EXPECT_EQ(at("bucket", labels + R"(,le="0.25")"), 6);
+  EXPECT_EQ(at("bucket", labels + R"(,le="86400")"), 6);
+  EXPECT_EQ(at("bucket", labels + R"(,le="+Inf")"), 10);
+  EXPECT_DOUBLE_EQ(at("sum", labels), 2 * (0.1 + 0.101 + 2 * 30 * 86'400.0));
+  EXPECT_EQ(at("count", R"(source="cyberwave",kind="live")"), 0);
+  EXPECT_EQ(at("count", R"(source="uplink",kind="durable")"), 0);
+  EXPECT_EQ(at("count", R"(source="uncrew",kind="live")"), 0);
+}
+
 TEST(Exposition, ShowsNumbersOf53BitsExactly) {
   LedgerBook book;
   MessageCounts counts;

@@ -167,6 +167,16 @@ TEST(VariantTest, NineOfSixteenAreDurable) {
             "motionTelemetry");
 }
 
+TEST(SampledUnixMsTest, IsTheMessagesOwnTimeIfItHasOne) {
+  EXPECT_EQ(model::SampledUnixMs(model::MotionTelemetry{.unix_time_ms = 7}), 7);
+  EXPECT_EQ(model::SampledUnixMs(model::TelemetryExtras{.unix_time_ms = 8}), 8);
+  EXPECT_EQ(model::SampledUnixMs(model::Fault{.unix_time_ms = 9}), 9);
+  model::ObjectOp object;
+  object.op = model::Object{.unix_time_ms = 10};
+  EXPECT_EQ(model::SampledUnixMs(object), 10);
+  EXPECT_EQ(model::SampledUnixMs(model::AgentInfo()), 0);
+}
+
 TEST(EnumTextTest, GoesThroughText) {
   using model::GpsFixType;
   EXPECT_EQ(model::EnumText(GpsFixType::kFixedRtk), "fixedRtk");

@@ -1,6 +1,7 @@
 #include "server/ingest/port.h"
 
 #include <memory>
+#include <numeric>
 #include <string>
 #include <string_view>
 
@@ -54,7 +55,7 @@ class SaidMessage final : public Message {
       brought.records.push_back(
           {.content = storage::QuarantineItem{}, .payload = {}, .payload_bytes = 1});
     }
-    if (records == 0) brought.became = Became::kApplied;
+    if (records == 0) brought.became = live_became;
     return brought;
   }
   [[nodiscard]] Numbered Number(std::vector<storage::CommitRecord>& numbered,
@@ -77,6 +78,7 @@ class SaidMessage final : public Message {
   std::optional<std::size_t> rejection_flow;
   std::optional<std::size_t> flow_bytes = 1;
   std::size_t records = 1;
+  Became live_became = Became::kApplied;
   bool is_lost = false;
   storage::SampleRef mark;
   std::vector<std::string> asked;
@@ -283,6 +285,40 @@ TEST_F(PortTest, AMessageThatWaitedIsCountedOnce) {
   EXPECT_EQ(Counts().applied, 1U);
   EXPECT_EQ(Counts().in_flight, 0);
   EXPECT_EQ(message.settled, Became::kApplied);
+}
+
+TEST_F(PortTest, CountsHowOldTakenMessagesAreByTheirSendersClock) {
+  const auto offer = [this](std::int64_t sampled_unix_ms, const auto& change) {
+    Arrival arrival = Arrived(kStream);
+    arrival.sampled_unix_ms = sampled_unix_ms;
+    SaidMessage message(robot_, arrival, seq_);
+    change(message);
+    Offer(message);
+  };
+  const auto durable = [](SaidMessage& /*message*/) {};
+  const auto live = [](SaidMessage& message) { message.records = 0; };
+  const std::int64_t now = UnixMs(clock_.System());
+  offer(now - 2000, live);
+  offer(now - 4'000'000, durable);
+  offer(0, live);   // it does not say
+  offer(-1, live);  // nor is that a time
+  offer(now - 2000, [](SaidMessage& message) {
+    message.rejection = model::Rejection{.reason = model::RejectReason::kMalformed};
+  });
+  offer(now - 2000, [](SaidMessage& message) { message.over_rate = true; });
+  offer(now - 2000, [](SaidMessage& message) {
+    message.records = 0;
+    message.live_became = Became::kObserved;
+  });
+  const metrics::MessageAges ages = ledger_.Read().ages;
+  const auto count = [&ages](metrics::AgeKind kind) {
+    const auto& counts = ages[static_cast<std::size_t>(kind)].counts;
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  };
+  EXPECT_EQ(count(metrics::AgeKind::kLive), 1U);
+  EXPECT_DOUBLE_EQ(ages[static_cast<std::size_t>(metrics::AgeKind::kLive)].sum_seconds, 2);
+  EXPECT_EQ(count(metrics::AgeKind::kDurable), 1U);
+  EXPECT_DOUBLE_EQ(ages[static_cast<std::size_t>(metrics::AgeKind::kDurable)].sum_seconds, 4000);
 }
 
 TEST_F(PortTest, AllRecordsOfAMessageTakeTheFlowTogether) {
