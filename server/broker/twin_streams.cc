@@ -122,7 +122,7 @@ TwinStream* TwinStreams::Open(fleet::RobotPtr robot, cyberwave::TwinPtr twin) {
                          .at = context_.clock.System(),
                          .sessions_held = robot->sessions.Held(),
                          .fleet_word = begun->fleet_word});
-  robot->state.ResetDropped();
+  robot->state.BeginStream();
   // The session was drawn just now, so the store has nothing of it.
   static_cast<void>(robot->sessions.ResumeFrom(stream->session, begun->open_id, 0, 0));
   if (twin != nullptr) {

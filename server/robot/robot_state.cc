@@ -108,16 +108,21 @@ void RobotState::ForgetSigns(SteadyTime unknown_until, SystemTime system_now) {
   presence_.ForgetSigns(unknown_until, system_now);
 }
 
-void RobotState::NoteClockSkew(std::int64_t skew_ms) {
+void RobotState::NoteBatch(const BatchHead& head, SteadyTime now, SystemTime system_now) {
+  const std::optional<Backlog> backlog = BacklogOf(head, system_now);
+  if (head.sent_unix_ms <= 0 && !backlog) return;
   const std::lock_guard lock(mutex_);
   if (foreign_) return;
-  clock_skew_ms_ = skew_ms;
-  signs_changed_ = true;
+  if (backlog) backlog_ = backlog;
+  if (head.sent_unix_ms <= 0) return;
+  if (clock_skew_.Add(head.sent_unix_ms, system_now, now)) signs_changed_ = true;
 }
 
-void RobotState::ResetDropped() {
+void RobotState::BeginStream() {
   const std::lock_guard lock(mutex_);
   fields_dropped_ = 0;
+  backlog_.reset();
+  clock_skew_.BeginWindow();
 }
 
 void RobotState::Claim(SteadyTime now) {
@@ -164,7 +169,8 @@ void RobotState::Forget() {
   reports_ = {};
   status_arrived_ = rcan_arrived_ = SteadyTime();
   signs_changed_ = false;
-  clock_skew_ms_.reset();
+  clock_skew_ = {};
+  backlog_.reset();
   claim_ended_unheld_ = false;
 }
 
@@ -184,11 +190,6 @@ void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& pr
   if (!foreign_) Forget();
   foreign_ = std::move(foreign);
   presence_.Follow(presence);
-}
-
-bool RobotState::foreign() const {
-  const std::lock_guard lock(mutex_);
-  return foreign_.has_value();
 }
 
 storage::Epoch RobotState::held_since() const {
@@ -221,7 +222,7 @@ std::optional<LiveChanges> RobotState::TakeChanges() {
   changes.changed = live_.TakeChanged();
   signs_changed_ = false;
   changes.last_sign_of_life = presence_.last_sign();
-  changes.clock_skew_ms = clock_skew_ms_;
+  changes.clock_skew_ms = clock_skew_.estimate_ms();
   ForEachPart(
       [&changes]<typename Tag>(Tag /*row*/, const auto& from, auto& to) {
         if (changes.changed.test(Tag::kIndex)) to = from;
@@ -242,7 +243,7 @@ void RobotState::Restore(LiveBefore before, storage::Epoch held_since) {
   if (foreign_ || held_since != held_since_) return;
   live_.Restore(std::move(before.parts));
   presence_.Restore(before.last_sign_of_life);
-  if (!clock_skew_ms_) clock_skew_ms_ = before.clock_skew_ms;
+  clock_skew_.Restore(before.clock_skew_ms);
 }
 
 std::optional<Presence> RobotState::Sweep(SteadyTime steady, SystemTime system,
@@ -273,7 +274,8 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
                          .presence = presence_.presence(),
                          .presence_since = presence_.since(),
                          .last_sign_of_life = presence_.last_sign(),
-                         .clock_skew_ms = clock_skew_ms_,
+                         .clock_skew_ms = clock_skew_.estimate_ms(),
+                         .backlog = backlog_,
                          .fields_dropped = fields_dropped_,
                          .keys_evicted = keys_evicted_,
                          .foreign = foreign_};

@@ -11,6 +11,8 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/record.h"
+#include "server/robot/backlog.h"
+#include "server/robot/clock_skew.h"
 #include "server/robot/holding.h"
 #include "server/robot/live_parts.h"
 #include "server/robot/live_total.h"
@@ -29,6 +31,7 @@ struct StateSnapshot {
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
   std::optional<std::int64_t> clock_skew_ms;
+  std::optional<Backlog> backlog{};
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
   /// Set if another process holds the robot. Then parts, last sign and skew are unknown here.
@@ -109,9 +112,10 @@ class RobotState final {
   void NotePeerAnswered(SteadyTime now, const PresenceLimits& limits);
   /// As PresenceTrack's.
   void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
-  void NoteClockSkew(std::int64_t skew_ms);
-  /// Resets the count of dropped fields: a new stream begins.
-  void ResetDropped();
+  /// A batch with this head arrived.
+  void NoteBatch(const BatchHead& head, SteadyTime now, SystemTime system_now);
+  /// A new stream begins: what is counted or said within a stream begins anew.
+  void BeginStream();
   void CountDropped(std::size_t fields);
 
   /// Memory of its live parts.
@@ -148,7 +152,10 @@ class RobotState final {
   /// it.
   void FollowHolder(Foreign foreign, const storage::StoredPresence& presence);
   /// Another process holds it: its live data is not kept here.
-  [[nodiscard]] bool foreign() const;
+  [[nodiscard]] bool foreign() const {
+    const std::lock_guard lock(mutex_);
+    return foreign_.has_value();
+  }
   /// The epoch since which this process holds it; 0 if it does not, or the store has not said so.
   [[nodiscard]] storage::Epoch held_since() const;
   /// The store's state of it must be restored (Restore); nothing is checkpointed before.
@@ -194,12 +201,14 @@ class RobotState final {
   /// since.
   SteadyTime status_arrived_;
   SteadyTime rcan_arrived_;
-  /// The last sign of life or the clock's skew changed.
+  /// The last sign of life or the estimate of the clock's skew changed.
   bool signs_changed_ = false;
   /// Outside the lock, since a stream reads it at each wake.
   std::atomic<bool> ask_peer_{false};
   PresenceTrack presence_;
-  std::optional<std::int64_t> clock_skew_ms_;
+  ClockSkew clock_skew_;
+  /// Empty: the robot's stream has not said it.
+  std::optional<Backlog> backlog_;
   std::int64_t fields_dropped_ = 0;
   std::uint64_t keys_evicted_ = 0;
   /// Set while another process holds it.

@@ -161,7 +161,7 @@ absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
 }
 
 robot::Resume Attachment::Resume() {
-  robot_->state.ResetDropped();
+  robot_->state.BeginStream();
   robot_->rates.BeginStream();
   robot::Resume resume =
       robot_->sessions.ResumeFrom(terms_.session, open_id_, terms_.settled_seq, terms_.judged_seq);

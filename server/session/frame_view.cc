@@ -31,6 +31,8 @@ constexpr std::uint32_t kHelloTag = LengthDelimited(v1::RelayRequest::kHelloFiel
 constexpr std::uint32_t kBatchTag = LengthDelimited(v1::RelayRequest::kBatchFieldNumber);
 constexpr std::uint32_t kUplinksTag = LengthDelimited(v1::UplinkBatch::kUplinksFieldNumber);
 constexpr std::uint32_t kSentTag = Varint(v1::UplinkBatch::kSentUnixMsFieldNumber);
+constexpr std::uint32_t kBacklogTag = Varint(v1::UplinkBatch::kBacklogUplinksFieldNumber);
+constexpr std::uint32_t kOldestTag = Varint(v1::UplinkBatch::kOldestUnsentUnixMsFieldNumber);
 constexpr std::uint32_t kSeqTag = Varint(v1::Uplink::kSeqFieldNumber);
 constexpr std::uint32_t kRoverNexusTag = LengthDelimited(v1::Uplink::kRoverNexusFieldNumber);
 constexpr std::uint32_t kRcanTag = LengthDelimited(v1::Uplink::kRcanRobotStateFieldNumber);
@@ -73,7 +75,7 @@ class Walk {
 
   static void Clear(BatchView& batch) {
     batch.uplinks.clear();
-    batch.sent_unix_ms = 0;
+    batch.head = {};
   }
 
  private:
@@ -86,7 +88,13 @@ class Walk {
         good = Within([&] { return Uplink(uplink); });
       } else if (tag == kSentTag) {
         good = input_.ReadVarint64(&number);
-        batch.sent_unix_ms = static_cast<std::int64_t>(number);
+        batch.head.sent_unix_ms = static_cast<std::int64_t>(number);
+      } else if (tag == kBacklogTag) {
+        good = input_.ReadVarint64(&number);
+        batch.head.backlog_uplinks = number;
+      } else if (tag == kOldestTag) {
+        good = input_.ReadVarint64(&number);
+        batch.head.oldest_unsent_unix_ms = static_cast<std::int64_t>(number);
       } else {
         good = SkipUnknown(tag);
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "schema/model/ids.h"
+#include "server/robot/batch_head.h"
 
 namespace uplink::session {
 
@@ -21,7 +22,7 @@ struct UplinkView {
 /// A batch as it lies in a frame. Reused for the next frame, so that it does not allocate.
 struct BatchView {
   std::vector<UplinkView> uplinks;
-  std::int64_t sent_unix_ms = 0;
+  robot::BatchHead head;
 };
 
 /// Bytes of a frame with a Hello, which holds an address, a session and a version.

@@ -119,13 +119,12 @@ void Session::HandleBatch() {
     context_.probe.protocol_errors_total.Add();
     return Finish(status);
   }
-  const SystemTime now = context_.clock.System();
-  if (batch.sent_unix_ms > 0) {
-    robot_.robot().state.NoteClockSkew(batch.sent_unix_ms - UnixMs(now));
-  }
+  const SteadyTime now = context_.clock.Steady();
+  const SystemTime system_now = context_.clock.System();
+  robot_.robot().state.NoteBatch(batch.head, now, system_now);
   if (!batch.uplinks.empty()) {
     last_seq_ = batch.uplinks.back().seq;
-    intake_->Begin(batch.uplinks, context_.clock.Steady(), now);
+    intake_->Begin(batch.uplinks, now, system_now);
   }
   Advance(News::kNone);
 }

@@ -31,6 +31,18 @@ void SetSession(const robot::SessionView& session, v1::Robot& message) {
   SetTime(message, &v1::Robot::mutable_held_back_since, session.held_back_since);
 }
 
+/// How far behind the robot's agent is, and how far off its clock.
+void SetAgent(const robot::StateSnapshot& state, v1::Robot& message) {
+  if (state.clock_skew_ms) message.set_clock_skew_ms(*state.clock_skew_ms);
+  if (!state.backlog) return;
+  v1::Backlog& backlog = *message.mutable_backlog();
+  backlog.set_uplinks(state.backlog->uplinks);
+  if (state.backlog->oldest_unsent) {
+    SetTime(backlog, &v1::Backlog::mutable_oldest_unsent, *state.backlog->oldest_unsent);
+  }
+  SetTime(backlog, &v1::Backlog::mutable_said_at, state.backlog->said_at);
+}
+
 void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMembers& texts) {
   if (wanted.Has(Part::kAgentInfo) && stored.agent_info) {
     texts.AddStored("agentInfo", *stored.agent_info);
@@ -99,7 +111,7 @@ v1::Robot ToMessage(const RobotView& robot) {
     message.set_connected(false);
     message.clear_connected_since();
   }
-  message.set_clock_skew_ms(robot.state.clock_skew_ms.value_or(0));
+  SetAgent(robot.state, message);
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);

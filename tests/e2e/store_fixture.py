@@ -151,8 +151,14 @@ class Reading:
         return {target: self.answer(target) for target in targets}
 
 
+def without_unknown(answer):
+    """0.1.0 showed 0 for a clock skew that is unknown, which is absent since."""
+    return {name: value for name, value in answer.items() if (name, value) != ("clockSkewMs", "0")}
+
+
 def recorded(release, kind):
-    return json.loads((release / "answers.json").read_text(encoding="utf-8"))[kind]
+    text = (release / "answers.json").read_text(encoding="utf-8")
+    return json.loads(text, object_hook=without_unknown)[kind]
 
 
 def differences(expected, found, where=""):

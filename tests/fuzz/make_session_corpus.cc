@@ -36,6 +36,15 @@ std::string EveryContent() {
   return Bytes({6, 1, kGood, 1, kBad, 1, kRefused, 1, kLive, 1, kRcan, 1, kEmpty});
 }
 
+/// A batch whose agent says how far behind it is.
+std::string BacklogFrame() {
+  v1::RelayRequest frame = BatchFrame({{1, session::Motion()}});
+  frame.mutable_batch()->set_sent_unix_ms(2'000);
+  frame.mutable_batch()->set_backlog_uplinks(12);
+  frame.mutable_batch()->set_oldest_unsent_unix_ms(1'000);
+  return frame.SerializeAsString();
+}
+
 /// Whole frames and pieces of them.
 void AddFrameSeeds(std::map<std::string, std::string>& seeds) {
   const std::string hello = session::HelloFrame(SessionOf(1)).SerializeAsString();
@@ -46,6 +55,7 @@ void AddFrameSeeds(std::map<std::string, std::string>& seeds) {
   seeds["cut_frame"] = Script().Frame(hello).Do(Step::kCommit).Frame(batch.substr(0, 40)).bytes();
   seeds["hello_twice"] = Welcomed().Frame(hello).bytes();
   seeds["batch_first"] = Script().Frame(batch).bytes();
+  seeds["backlog"] = Welcomed().Frame(BacklogFrame()).Do(Step::kBreak).bytes();
   seeds["every_content"] =
       Welcomed().Do(Step::kBatch, EveryContent()).Do(Step::kCommit).Do(Step::kHalfClose).bytes();
   seeds["gaps"] = Welcomed()

@@ -70,6 +70,43 @@ TEST(Streams, LiveMessagesAreAckedByTheTimer) {
   EXPECT_EQ(counts.applied + counts.superseded, 2U);
 }
 
+TEST(Streams, AnAgentTellsHowFarBehindItIsAndItsClock) {
+  RelayWorld world;
+  const auto state = [&world] {
+    return world.fleet.Find(RuriOf(1))->state.Snapshot(robot::RobotState::Parts::kNone);
+  };
+  TestAgent agent(world.Channel(RuriOf(1)));
+  ASSERT_TRUE(agent.Connect(SessionOf(1)));
+  // As an agent that knows nothing of it.
+  agent.Send(BatchFrame(FaultsFrom(1, 1)));
+  ASSERT_TRUE(agent.ReadThrough(1));
+  EXPECT_FALSE(state().backlog);
+  EXPECT_FALSE(state().clock_skew_ms);
+
+  constexpr std::int64_t kHourMs = 3'600'000;
+  v1::RelayRequest frame = BatchFrame(FaultsFrom(2, 1));
+  v1::UplinkBatch& batch = *frame.mutable_batch();
+  batch.set_sent_unix_ms(UnixMs(SystemClock().System()) - kHourMs);
+  batch.set_backlog_uplinks(500);
+  batch.set_oldest_unsent_unix_ms(batch.sent_unix_ms() - 60'000);
+  agent.Send(frame);
+  ASSERT_TRUE(agent.ReadThrough(2));
+  const robot::StateSnapshot behind = state();
+  ASSERT_TRUE(behind.backlog);
+  EXPECT_EQ(behind.backlog->uplinks, 500U);
+  EXPECT_EQ(behind.backlog->oldest_unsent, behind.backlog->said_at - milliseconds(60'000));
+  ASSERT_TRUE(behind.clock_skew_ms);
+  EXPECT_LE(*behind.clock_skew_ms, -kHourMs) << "too low by the way that the batch took";
+  EXPECT_GT(*behind.clock_skew_ms, -2 * kHourMs);
+
+  frame = BatchFrame(FaultsFrom(3, 1));
+  frame.mutable_batch()->set_backlog_uplinks(0);
+  agent.Send(frame);
+  ASSERT_TRUE(agent.ReadThrough(3));
+  EXPECT_EQ(state().backlog->uplinks, 0U);
+  EXPECT_FALSE(state().backlog->oldest_unsent);
+}
+
 TEST(Streams, ARejectComesBeforeTheAckThatCoversIt) {
   RelayWorld world;
   TestAgent agent(world.Channel(RuriOf(1)));

@@ -111,7 +111,8 @@ TEST_F(CheckpointTest, HowFarTheSessionIsSettledIsAChange) {
 TEST_F(CheckpointTest, SignsOfLifeAndTheClockAreChanges) {
   robot::Robot& robot = Admit("rcan://a");
   robot.state.SignOfLife(clock_.Steady(), clock_.System(), {});
-  robot.state.NoteClockSkew(40);
+  robot.state.NoteBatch({.sent_unix_ms = UnixMs(clock_.System()) + 40}, clock_.Steady(),
+                        clock_.System());
   const auto rows = Changed();
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].last_sign_of_life, clock_.System());

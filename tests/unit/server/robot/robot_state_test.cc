@@ -24,6 +24,11 @@ class RobotStateTest : public ::testing::Test {
     for (const model::Body& body : bodies) records.push_back(test::RecordOf(body));
     state_.Apply(records, {});
   }
+  /// A batch arrives whose agent's clock is ahead by so much.
+  void NoteSkew(std::int64_t ahead_ms) {
+    state_.NoteBatch({.sent_unix_ms = UnixMs(clock_.System()) + ahead_ms}, clock_.Steady(),
+                     clock_.System());
+  }
   StateSnapshot All() const { return state_.Snapshot(RobotState::Parts::kAll); }
 
   testing::ManualClock clock_;
@@ -51,6 +56,7 @@ TEST_F(RobotStateTest, BeginsWithNothing) {
   EXPECT_EQ(snapshot.presence_since, clock_.System());
   EXPECT_FALSE(snapshot.last_sign_of_life);
   EXPECT_FALSE(snapshot.clock_skew_ms);
+  EXPECT_FALSE(snapshot.backlog);
 }
 
 TEST_F(RobotStateTest, MotionStatusAndUsageAreReplacedWhole) {
@@ -237,13 +243,31 @@ TEST_F(RobotStateTest, DroppedFieldsCountFromTheStreamsBegin) {
   state_.CountDropped(3);
   state_.CountDropped(1);
   EXPECT_EQ(All().fields_dropped, 4);
-  state_.ResetDropped();
+  state_.BeginStream();
   EXPECT_EQ(All().fields_dropped, 0);
 }
 
-TEST_F(RobotStateTest, KeepsTheLatestClockSkew) {
-  state_.NoteClockSkew(-200);
-  state_.NoteClockSkew(40);
+TEST_F(RobotStateTest, TheBacklogIsWhatTheStreamSaidLast) {
+  state_.NoteBatch({.backlog_uplinks = 40}, clock_.Steady(), clock_.System());
+  const SystemTime said_at = clock_.System();
+  clock_.Advance(milliseconds(5));
+  // It says nothing, and then nothing that can be.
+  state_.NoteBatch({}, clock_.Steady(), clock_.System());
+  state_.NoteBatch({.backlog_uplinks = kBacklogUplinksMax + 1}, clock_.Steady(), clock_.System());
+  EXPECT_EQ(All().backlog, (Backlog{.uplinks = 40, .said_at = said_at}));
+  EXPECT_FALSE(state_.TakeChanges()) << "it is not stored";
+  state_.NoteBatch({.backlog_uplinks = 0}, clock_.Steady(), clock_.System());
+  EXPECT_EQ(All().backlog, (Backlog{.uplinks = 0, .said_at = clock_.System()}));
+  state_.BeginStream();
+  EXPECT_FALSE(All().backlog);
+}
+
+TEST_F(RobotStateTest, AClockThatStaysAsItIsIsNoChange) {
+  NoteSkew(40);
+  EXPECT_TRUE(state_.TakeChanges());
+  NoteSkew(40);
+  NoteSkew(-200);
+  EXPECT_FALSE(state_.TakeChanges());
   EXPECT_EQ(All().clock_skew_ms, 40);
 }
 
@@ -282,7 +306,7 @@ TEST_F(RobotStateTest, TakesOverWhatItWasNotToldItself) {
 
 TEST_F(RobotStateTest, WhatWasHeardIsNotMadeOlder) {
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
-  state_.NoteClockSkew(1);
+  NoteSkew(1);
   LiveBefore before;
   before.last_sign_of_life = clock_.System() - std::chrono::hours(1);
   before.clock_skew_ms = 9;
@@ -320,15 +344,16 @@ TEST_F(RobotStateTest, WhoLosesARobotForgetsIt) {
   state_.BeginHold({.since = 3}, clock_.Steady(), clock_.System());
   Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 2}});
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
-  state_.NoteClockSkew(1);
+  state_.NoteBatch({.sent_unix_ms = 1, .backlog_uplinks = 5}, clock_.Steady(), clock_.System());
   state_.Lose();
   Apply({model::UsageTelemetry{.unix_time_ms = kNow, .reboot_count = 3}});
   state_.SignOfLife(clock_.Steady(), clock_.System(), limits_);
-  state_.NoteClockSkew(2);
+  state_.NoteBatch({.sent_unix_ms = 1, .backlog_uplinks = 6}, clock_.Steady(), clock_.System());
   const StateSnapshot shown = All();
   EXPECT_FALSE(shown.parts.usage) << "nor is it told anything any more";
   EXPECT_FALSE(shown.last_sign_of_life);
   EXPECT_FALSE(shown.clock_skew_ms);
+  EXPECT_FALSE(shown.backlog);
   EXPECT_EQ(shown.presence, Presence::kOnline) << "until the holder is known";
   EXPECT_EQ(state_.held_since(), 0U);
   EXPECT_FALSE(state_.TakeChanges());

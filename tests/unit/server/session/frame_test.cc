@@ -1,4 +1,5 @@
 // Frames that break the protocol: the words, and that nothing of such a frame is processed.
+#include <limits>
 #include <string>
 
 #include "tests/unit/server/session/session_test.h"
@@ -189,6 +190,44 @@ TEST_F(FrameTest, SentTimeTellsTheClocksSkew) {
   stream.Send(frame);
   const auto snapshot = server().robot().state.Snapshot(robot::RobotState::Parts::kNone);
   EXPECT_EQ(snapshot.clock_skew_ms, 1500);
+  EXPECT_FALSE(snapshot.backlog) << "an agent that does not say it";
+}
+
+TEST_F(FrameTest, AnAgentSaysHowFarBehindItIsUntilItsStreamEnds) {
+  BenchStream& stream = Welcomed();
+  v1::RelayRequest frame = BatchFrame({{1, Motion()}});
+  frame.mutable_batch()->set_sent_unix_ms(90'000);
+  frame.mutable_batch()->set_backlog_uplinks(12);
+  frame.mutable_batch()->set_oldest_unsent_unix_ms(80'000);
+  stream.Send(frame);
+  const auto backlog = [this] {
+    return server().robot().state.Snapshot(robot::RobotState::Parts::kNone).backlog;
+  };
+  EXPECT_EQ(backlog(), (robot::Backlog{.uplinks = 12,
+                                       .oldest_unsent = clock_.System() - std::chrono::seconds(10),
+                                       .said_at = clock_.System()}));
+  stream.Break();
+  EXPECT_TRUE(backlog()) << "what it said last";
+  Welcomed();
+  EXPECT_FALSE(backlog()) << "another stream, which has said nothing";
+}
+
+TEST_F(FrameTest, AnAbsurdHeadOfABatchIsNoError) {
+  BenchStream& stream = Welcomed();
+  model::Seq seq = 0;
+  for (const std::int64_t odd : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
+                                 std::numeric_limits<std::int64_t>::max()}) {
+    v1::RelayRequest frame = BatchFrame({{++seq, Motion()}});
+    frame.mutable_batch()->set_sent_unix_ms(odd);
+    frame.mutable_batch()->set_backlog_uplinks(static_cast<std::uint64_t>(odd));
+    frame.mutable_batch()->set_oldest_unsent_unix_ms(odd);
+    stream.Send(frame);
+  }
+  EXPECT_EQ(stream.end(), "");
+  EXPECT_EQ(server().counts().received, 3U);
+  const auto snapshot = server().robot().state.Snapshot(robot::RobotState::Parts::kNone);
+  EXPECT_FALSE(snapshot.clock_skew_ms);
+  EXPECT_FALSE(snapshot.backlog);
 }
 
 }  // namespace

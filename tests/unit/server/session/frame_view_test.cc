@@ -54,7 +54,10 @@ void ExpectAgreement(const std::string& bytes) {
   if (content == FrameContent::kForeign) return;
   ASSERT_EQ(content, parsed);
   if (content != FrameContent::kBatch) return;
-  EXPECT_EQ(batch.sent_unix_ms, frame.batch().sent_unix_ms());
+  EXPECT_EQ(batch.head.sent_unix_ms, frame.batch().sent_unix_ms());
+  EXPECT_EQ(batch.head.backlog_uplinks.has_value(), frame.batch().has_backlog_uplinks());
+  EXPECT_EQ(batch.head.backlog_uplinks.value_or(0), frame.batch().backlog_uplinks());
+  EXPECT_EQ(batch.head.oldest_unsent_unix_ms, frame.batch().oldest_unsent_unix_ms());
   ASSERT_EQ(batch.uplinks.size(), static_cast<std::size_t>(frame.batch().uplinks_size()));
   for (std::size_t i = 0; i < batch.uplinks.size(); ++i) {
     ExpectSame(batch.uplinks[i], frame.batch().uplinks(static_cast<int>(i)));
@@ -64,6 +67,8 @@ void ExpectAgreement(const std::string& bytes) {
 std::string Whole() {
   v1::RelayRequest frame = BatchFrame({{1, "one"}, {2, ""}, {1ULL << 63, std::string(300, 'x')}});
   frame.mutable_batch()->set_sent_unix_ms(-5);
+  frame.mutable_batch()->set_backlog_uplinks(~std::uint64_t{0});
+  frame.mutable_batch()->set_oldest_unsent_unix_ms(-6);
   frame.mutable_batch()->add_uplinks();
   frame.mutable_batch()->add_uplinks()->set_rcan_robot_state("{}");
   return frame.SerializeAsString();
@@ -77,13 +82,35 @@ TEST(FrameViewTest, ABatchIsViewsIntoItsBytes) {
   EXPECT_EQ(batch.uplinks[0].payload, "one");
   EXPECT_GE(batch.uplinks[2].payload.data(), bytes.data());
   EXPECT_LT(batch.uplinks[2].payload.data(), bytes.data() + bytes.size());
-  EXPECT_EQ(batch.sent_unix_ms, -5);
+  EXPECT_EQ(batch.head.sent_unix_ms, -5);
+  EXPECT_EQ(batch.head.backlog_uplinks, ~std::uint64_t{0});
+  EXPECT_EQ(batch.head.oldest_unsent_unix_ms, -6);
   ExpectAgreement(bytes);
   // What was read before is gone.
   ASSERT_EQ(ReadFrame(BatchFrame({{9, "z"}}).SerializeAsString(), batch, kUplinksMax),
             FrameContent::kBatch);
   EXPECT_EQ(batch.uplinks.size(), 1U);
-  EXPECT_EQ(batch.sent_unix_ms, 0);
+  EXPECT_EQ(batch.head.sent_unix_ms, 0);
+  EXPECT_FALSE(batch.head.backlog_uplinks) << "not said is not none";
+  EXPECT_EQ(batch.head.oldest_unsent_unix_ms, 0);
+}
+
+TEST(FrameViewTest, ABacklogOfAnotherTypeIsUnknown) {
+  const std::string head = BatchFrame({{1, "one"}}).SerializeAsString();
+  // Fields 3 and 4 as text and as 8 bytes; and none of the messages, as 0 and as nothing.
+  const std::string bytes("\x1a\x02hi\x21\x01\x02\x03\x04\x05\x06\x07\x08", 13);
+  const auto batch = [](const std::string& body) {
+    return std::string("\x12", 1) + static_cast<char>(body.size()) + body;
+  };
+  ExpectAgreement(head + batch(bytes));
+  BatchView view;
+  ASSERT_EQ(ReadFrame(batch(bytes), view, kUplinksMax), FrameContent::kBatch);
+  EXPECT_FALSE(view.head.backlog_uplinks);
+  ExpectAgreement(batch(std::string("\x18\x00", 2)));
+  ASSERT_EQ(ReadFrame(batch(std::string("\x18\x00", 2)), view, kUplinksMax), FrameContent::kBatch);
+  EXPECT_EQ(view.head.backlog_uplinks, 0U);
+  // A number without end.
+  ExpectAgreement(batch("\x18" + std::string(11, '\xff')));
 }
 
 TEST(FrameViewTest, NothingAndHello) {

@@ -88,10 +88,26 @@ robot::LiveParts EveryPart() {
 TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
   ExpectSameJson(*ToJson(EmptyRobot(), PartSet::All()), R"({
     "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "unknown",
-    "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0", "clockSkewMs": "0",
+    "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0",
     "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
     "heldBy": "", "heldBack": "", "contested": false, "gateway": "",
     "rateLimited": {}})");
+}
+
+TEST(Json, ARobotShowsHowFarBehindItIs) {
+  RobotView robot = EmptyRobot();
+  const auto backlog = [&robot] {
+    const google::protobuf::Struct json = Parse(*ToJson(robot, PartSet::OfLists()));
+    return json.fields().at("backlog");
+  };
+  robot.state.backlog = {
+      .uplinks = 12, .oldest_unsent = FromUnixMs(1600), .said_at = FromUnixMs(1700)};
+  EXPECT_EQ(backlog().struct_value().fields().at("uplinks").string_value(), "12");
+  EXPECT_EQ(backlog().struct_value().fields().at("oldestUnsent").string_value(), "1970-01-01T00:00:01.600Z");
+  EXPECT_EQ(backlog().struct_value().fields().at("saidAt").string_value(), "1970-01-01T00:00:01.700Z");
+  robot.state.backlog = {.uplinks = 0, .said_at = FromUnixMs(1700)};
+  EXPECT_EQ(backlog().struct_value().fields().at("uplinks").string_value(), "0");
+  EXPECT_FALSE(backlog().struct_value().fields().contains("oldestUnsent"));
 }
 
 TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
