@@ -196,8 +196,12 @@ class Stream:
                     self.news.wait(TICK_SECONDS)
                     continue
                 self.sent = batch[-1][0]
+                waiting, oldest = self.spool.backlog(self.sent)
+                waiting += 0 if has_live else len(live)
             uplinks = [relay.Uplink(seq=seq, rover_nexus=payload) for seq, payload in batch]
-            yield relay.RelayRequest(batch=relay.UplinkBatch(uplinks=uplinks, sent_unix_ms=now()))
+            yield relay.RelayRequest(batch=relay.UplinkBatch(
+                uplinks=uplinks, sent_unix_ms=now(), backlog_uplinks=waiting, oldest_unsent_unix_ms=oldest,
+            ))  # fmt: skip
 
     def take(self, response):
         kind = response.WhichOneof("frame")

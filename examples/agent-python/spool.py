@@ -4,6 +4,7 @@ import contextlib
 import os
 import sqlite3
 import threading
+import time
 
 # Messages that wait at most. One more is refused, so that the disk does not fill while a link is away.
 WAITING_MAX = 100_000
@@ -35,6 +36,9 @@ class Spool:
         self.base.execute("PRAGMA journal_mode = WAL")
         self.base.execute("PRAGMA synchronous = FULL")
         self.base.executescript(TABLES)
+        if "kept_ms" not in (row[1] for row in self.base.execute("PRAGMA table_info(message)")):
+            # Files of earlier versions lack it: 0 is unknown.
+            self.base.execute("ALTER TABLE message ADD COLUMN kept_ms INTEGER NOT NULL DEFAULT 0")
         with self.change() as base:
             base.execute("INSERT OR IGNORE INTO session VALUES (1, ?, 0, 0, 0)", (os.urandom(16),))
             # The monotonic clock may have begun anew since: what waits to be repeated is due at once.
@@ -65,6 +69,13 @@ class Spool:
         (count,) = self.one("SELECT count(*) FROM message")
         return count
 
+    def backlog(self, above):
+        """How many messages were not sent up to that number, and since when the oldest of them waits; 0 if none
+        does."""
+        return self.one(
+            "SELECT count(*), coalesce(min(kept_ms), 0) FROM message WHERE seq IS NULL OR seq > ?", above
+        )
+
     def keep(self, key, payload):
         """Keeps a durable message, or says why not. `key` is what a later message of the same thing has too,
         such as a fault's id."""
@@ -77,8 +88,8 @@ class Spool:
             # What waits to be repeated is out of date now.
             base.execute("DELETE FROM message WHERE seq IS NULL AND key = ?", (key,))
             base.execute(
-                "INSERT INTO message (seq, key, due, payload) VALUES (?, ?, 0, ?)",
-                (self.number(base), key, payload),
+                "INSERT INTO message (seq, key, due, payload, kept_ms) VALUES (?, ?, 0, ?, ?)",
+                (self.number(base), key, payload, time.time_ns() // 1_000_000),
             )
         return None
 

@@ -138,6 +138,12 @@ std::optional<v1::RelayRequest> Agent::NextFrame(SteadyTime now, SystemTime syst
   shared_.sent.fetch_add(static_cast<std::uint64_t>(batch->uplinks_size()),
                          std::memory_order_relaxed);
   batch->set_sent_unix_ms(UnixMs(system_now));
+  const Unsent unsent = model_.unsent();
+  batch->set_backlog_uplinks(unsent.messages);
+  if (unsent.since) {
+    const auto waits = std::chrono::duration_cast<milliseconds>(now - *unsent.since);
+    batch->set_oldest_unsent_unix_ms(UnixMs(system_now - waits));
+  }
   v1::RelayRequest frame;
   *frame.mutable_batch() = std::move(*batch);
   return frame;

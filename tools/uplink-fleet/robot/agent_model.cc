@@ -212,6 +212,14 @@ std::optional<v1::UplinkBatch> AgentModel::NextBatch(SteadyTime now, std::size_t
   return batch;
 }
 
+Unsent AgentModel::unsent() const {
+  Unsent unsent = send_queue_.unsent();
+  for (auto it = kept_.lower_bound(resend_from_); it != kept_.end(); ++it) {
+    unsent.Add(1, it->second.message.due);
+  }
+  return unsent;
+}
+
 bool AgentModel::resending() const {
   return phase_ == Phase::kOpen && kept_.lower_bound(resend_from_) != kept_.end();
 }

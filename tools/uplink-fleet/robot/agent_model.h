@@ -78,6 +78,8 @@ class AgentModel final {
   /// Something must still be sent again on this stream.
   [[nodiscard]] bool resending() const;
   [[nodiscard]] std::size_t waiting() const { return send_queue_.waiting(); }
+  /// Messages that were not sent on this stream.
+  [[nodiscard]] Unsent unsent() const;
   /// Messages that have a number and no Ack.
   [[nodiscard]] std::size_t unacked() const { return kept_.size(); }
   /// No durable message waits for a number or for an Ack.

@@ -62,6 +62,14 @@ void SendQueue::DueAt(SteadyTime due) {
   for (Waiting& waiting : durable_) waiting.message.due = due;
 }
 
+Unsent SendQueue::unsent() const {
+  Unsent unsent;
+  if (!live_.empty()) unsent.Add(live_.size(), live_.front().message.due);
+  if (!durable_.empty()) unsent.Add(durable_waiting(), durable_.front().message.due);
+  for (const auto& [when, message] : later_) unsent.Add(1, message.due);
+  return unsent;
+}
+
 std::deque<SendQueue::Waiting>* SendQueue::Longest() {
   if (live_.empty()) return durable_.empty() ? nullptr : &durable_;
   if (durable_.empty()) return &live_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,18 @@ inline constexpr std::size_t kLiveWaitingMax = 256;
 /// Durable messages that wait for a number; past it Offer refuses.
 inline constexpr std::size_t kDurableWaitingMax = 100'000;
 
+/// Messages that were not sent. A value.
+struct Unsent {
+  std::size_t messages = 0;
+  /// When the one that waits longest was to be sent; empty if none waits.
+  std::optional<SteadyTime> since{};
+
+  void Add(std::size_t more, SteadyTime due) {
+    messages += more;
+    since = std::min(since.value_or(due), due);
+  }
+};
+
 /// The messages of an agent that have no number yet, the one that waits longest first; and those
 /// that may be offered anew only later.
 ///
@@ -62,6 +75,8 @@ class SendQueue final {
   [[nodiscard]] std::size_t durable_room() const {
     return kDurableWaitingMax - std::min(durable_waiting(), kDurableWaitingMax);
   }
+  /// All of them, those that may be offered only later included.
+  [[nodiscard]] Unsent unsent() const;
   /// Messages that may be sent now.
   [[nodiscard]] std::size_t waiting() const { return live_.size() + durable_waiting(); }
   [[nodiscard]] bool holds_durable() const { return durable_waiting() > 0 || !later_.empty(); }

@@ -83,6 +83,20 @@ class AgentModelTest : public ::testing::Test {
   AgentModel model_;
 };
 
+TEST_F(AgentModelTest, WhatMustBeSentAgainIsUnsent) {
+  Connect();
+  for (std::uint64_t tag = 1; tag <= 6; ++tag) OfferDurable(tag);
+  EXPECT_EQ(model_.unsent().messages, 6U);
+  static_cast<void>(model_.NextBatch(clock_.Steady(), kAll));
+  EXPECT_EQ(model_.unsent().messages, 2U);
+  SendAll();
+  EXPECT_EQ(model_.unsent().messages, 0U);
+  EXPECT_FALSE(model_.unsent().since);
+  model_.EndStream();
+  Connect(1);
+  EXPECT_EQ(model_.unsent().messages, 5U);
+}
+
 TEST_F(AgentModelTest, SendsNothingBeforeTheWelcome) {
   OfferDurable(1);
   EXPECT_THAT(SendAll(), IsEmpty());

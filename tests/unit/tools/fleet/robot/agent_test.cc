@@ -80,6 +80,24 @@ TEST_F(AgentTest, GathersABatchForASecondAtMost) {
   EXPECT_EQ(Take(agent), 0);
 }
 
+TEST_F(AgentTest, SaysHowFarBehindItIs) {
+  Agent agent = Make();
+  for (int i = 0; i < 300; ++i) Tick(agent);
+  Welcome(agent);
+  const auto first = agent.NextFrame(clock_.Steady(), clock_.System());
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->batch().has_backlog_uplinks());
+  EXPECT_GT(first->batch().backlog_uplinks(), 0U);
+  const std::int64_t waits = first->batch().sent_unix_ms() - first->batch().oldest_unsent_unix_ms();
+  EXPECT_GT(waits, 0);
+  EXPECT_LT(waits, 30'000);
+  auto last = first;
+  while (const auto frame = agent.NextFrame(clock_.Steady(), clock_.System())) last = frame;
+  EXPECT_TRUE(last->batch().has_backlog_uplinks()) << "that nothing waits is said, too";
+  EXPECT_EQ(last->batch().backlog_uplinks(), 0U);
+  EXPECT_EQ(last->batch().oldest_unsent_unix_ms(), 0);
+}
+
 TEST_F(AgentTest, AFullBatchGoesAtOnce) {
   Agent agent = Make(2);
   Welcome(agent);

@@ -112,6 +112,20 @@ TEST(SendQueue, HoldsBackWhatMayBeOfferedOnlyLater) {
   EXPECT_FALSE(queue.holds_durable());
 }
 
+TEST(SendQueue, SaysHowManyWereNotSentAndSinceWhen) {
+  SendQueue queue;
+  EXPECT_EQ(queue.unsent().messages, 0U);
+  EXPECT_FALSE(queue.unsent().since);
+  ASSERT_TRUE(queue.Offer(Message(Keeping::kLive, 1, kStart + seconds(3))));
+  ASSERT_TRUE(queue.Offer(Message(Keeping::kDurable, 2, kStart + seconds(2))));
+  ASSERT_TRUE(queue.Offer(Message(Keeping::kDurable, 3, kStart + seconds(5))));
+  EXPECT_EQ(queue.unsent().messages, 3U);
+  EXPECT_EQ(queue.unsent().since, kStart + seconds(2));
+  queue.OfferLater(Message(Keeping::kDurable, 4, kStart), kStart + seconds(9));
+  EXPECT_EQ(queue.unsent().messages, 4U);
+  EXPECT_EQ(queue.unsent().since, kStart);
+}
+
 TEST(SendQueue, DatesWhatWaitsAnew) {
   SendQueue queue;
   ASSERT_TRUE(queue.Offer(Message(Keeping::kLive, 1)));
