@@ -210,15 +210,16 @@ class Standby(Cluster):
 
 
 class Fleet:
-    """An uplink-fleet that runs until it is told to finish; `target` is what leads to the server's relay."""
+    """An uplink-fleet that runs until it is told to finish; `target` is what leads to the server's relay, and
+    `environment` is added to its own."""
 
-    def __init__(self, server, *flags, target=None):
+    def __init__(self, server, *flags, target=None, environment=None):
         self.folder = server.folder
         self.progress = (self.folder / "fleet.log").open("wb")
         self.process = subprocess.Popen(
             [str(BIN / "uplink-fleet"), "--target", target or server.relay, "--http", server.http,
              "--pki", str(server.pki), "--report", "json", "--for", "1h", *map(str, flags)],
-            stdout=subprocess.PIPE, stderr=self.progress,
+            stdout=subprocess.PIPE, stderr=self.progress, env={**os.environ, **(environment or {})},
         )  # fmt: skip
 
     def log(self):
@@ -278,8 +279,8 @@ class EndToEnd(unittest.TestCase):
         self.open_things.append(server)
         return server
 
-    def fleet(self, server, *flags):
-        fleet = Fleet(server, *flags)
+    def fleet(self, server, *flags, **given):
+        fleet = Fleet(server, *flags, **given)
         self.open_things.append(fleet)
         return fleet
 
