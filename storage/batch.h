@@ -5,6 +5,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
 #include "storage/commit_record.h"
+#include "storage/connection.h"
 #include "storage/deliveries.h"
 #include "storage/epoch.h"
 #include "storage/identity.h"
@@ -35,6 +36,8 @@ struct Batch {
   model::SessionId presence_session;
   /// What is remembered besides, under one lease each.
   std::vector<Deliveries> deliveries{};
+  /// Those of one connection in the order in which they were noted.
+  std::vector<ConnectionItem> connections{};
 };
 
 }  // namespace uplink::storage

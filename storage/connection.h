@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "schema/base/clock.h"
 #include "schema/model/connection.h"
@@ -15,6 +16,8 @@ namespace uplink::storage {
 
 /// Connections of one robot that the store keeps; the oldest go first.
 inline constexpr std::size_t kConnectionsPerRobotMax = 64;
+/// Processes that Store::ProcessesWithOpenConnections names.
+inline constexpr std::size_t kOpenProcessesMax = 64;
 
 /// Names one connection: 16 random bytes, drawn when it begins.
 using ConnectionId = std::array<std::uint8_t, 16>;
@@ -39,6 +42,11 @@ struct ConnectionEnded {
   std::string detail;
 };
 inline constexpr std::size_t kConnectionDetailMax = 512;
+/// Of every other text of a connection.
+inline constexpr std::size_t kConnectionTextMax = 256;
+/// The detail of an end that Store::EndConnections wrote.
+inline constexpr std::string_view kServerEndedDetail =
+    "the server ended before it told the end of the connection";
 
 /// One connection of a robot: a stream of its own on the relay, a twin's client at a broker, or a
 /// drone's calls. Written when it begins and again when it ends; it has no number of its own:
@@ -67,5 +75,15 @@ struct ConnectionItem {
   std::string held_back_why;
   std::optional<ConnectionEnded> ended;
 };
+
+/// True if `newer`, which was noted after `older` of the same connection, takes its place: an end
+/// stays, unless others only presumed it (kServerEnded) and the process itself tells another.
+[[nodiscard]] inline bool Replaces(const ConnectionItem& newer, const ConnectionItem& older) {
+  if (!older.ended) return true;
+  return older.ended->why == model::ConnectionEnd::kServerEnded && newer.ended.has_value();
+}
+
+/// The item as stores take it: its texts are clean UTF-8 of at most their bounds.
+[[nodiscard]] ConnectionItem Bounded(ConnectionItem item);
 
 }  // namespace uplink::storage

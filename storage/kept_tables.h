@@ -16,7 +16,7 @@ struct HistoryTable {
 inline constexpr auto kRobotTables = std::to_array<std::string_view>(
     {"robots", "sessions", "faults_active", "mission_runs", "shapes", "objects", "latest",
      "presence_latest", "gaps", "live", "quarantine_dropped", "kept_rejects", "drone_claims",
-     "samples", "operator_requests"});
+     "samples", "operator_requests", "connections"});
 
 /// Those of what a robot reported: rows with a `ruri` and an `entry`.
 inline constexpr auto kHistoryTables =

@@ -34,7 +34,9 @@
   LIST(OperatorRequests, 13, OperatorRequestRow, OperatorRequestsQuery, kAsHistory) \
   LIST(Shapes, 9, ShapeRow, PresentQuery, kWhilePresent)                            \
   LIST(Objects, 10, ObjectRow, PresentQuery, kWhilePresent)                         \
-  LIST(Gaps, 4, GapRow, HistoryQuery, kAsSetAside)
+  LIST(Gaps, 4, GapRow, HistoryQuery, kAsSetAside)                                  \
+  /* from and to bound the beginning. */                                            \
+  LIST(Connections, 14, ConnectionRow, ConnectionsQuery, kAsConnections)
 
 namespace uplink::storage {
 
@@ -46,6 +48,8 @@ enum class Retained : std::uint8_t {
   kAsHistory,
   /// StoreRules.retain_quarantine.
   kAsSetAside,
+  /// StoreRules.retain_connections.
+  kAsConnections,
 };
 
 /// Names a list. The numbers are part of the tokens.

@@ -35,6 +35,13 @@ model::OperatorRequestKind OperatorRequestKindOf(std::int64_t column) {
                                                                        : kConfirmDeliveryReady;
 }
 
+model::ConnectionEnd ConnectionEndOf(std::int64_t column) {
+  for (const model::ConnectionEnd end : model::kAllConnectionEnds) {
+    if (static_cast<std::int64_t>(end) == column) return end;
+  }
+  return model::ConnectionEnd::kBroken;
+}
+
 model::RejectReason ReasonOf(std::int64_t column) {
   for (const model::RejectReason reason : model::kAllRejectReasons) {
     if (static_cast<std::int64_t>(reason) == column) return reason;

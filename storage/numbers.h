@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "schema/model/connection.h"
 #include "schema/model/enum_text.h"
 #include "schema/model/message_source.h"
 #include "schema/model/operator_request.h"
@@ -45,7 +46,10 @@ template <model::WireEnum E>
 /// kConfirmDeliveryReady for a number that this program does not know.
 [[nodiscard]] model::OperatorRequestKind OperatorRequestKindOf(std::int64_t column);
 
-/// The same by the type: one of the six above.
+/// kBroken for a number that this program does not know.
+[[nodiscard]] model::ConnectionEnd ConnectionEndOf(std::int64_t column);
+
+/// The same by the type: one of the seven above.
 template <typename E>
 [[nodiscard]] E KnownMemberOf(std::int64_t column) {
   if constexpr (std::is_same_v<E, RunClosed>) {
@@ -58,6 +62,8 @@ template <typename E>
     return ScopeKindOf(column);
   } else if constexpr (std::is_same_v<E, model::OperatorRequestKind>) {
     return OperatorRequestKindOf(column);
+  } else if constexpr (std::is_same_v<E, model::ConnectionEnd>) {
+    return ConnectionEndOf(column);
   } else {
     static_assert(std::is_same_v<E, model::MessageSource>, "no column holds such a number");
     return MessageSourceOf(column);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "schema/base/clock.h"
+#include "schema/model/connection.h"
 #include "schema/model/ids.h"
 #include "schema/model/presence.h"
 #include "storage/epoch.h"
@@ -25,6 +28,9 @@ struct PresenceItem {
   model::Seq number = 0;
   /// As CommitRecord's: only who holds the robot judges it.
   Epoch held_since = 0;
+  /// Of a robot that goes offline: why its last connection ended. Nothing if that is unknown, and
+  /// of other presences.
+  std::optional<model::ConnectionEnd> why{};
 };
 
 }  // namespace uplink::storage

@@ -110,6 +110,13 @@ struct OperatorRequestsQuery {
   bool open = false;
 };
 
+/// Which connections.
+struct ConnectionsQuery {
+  HistoryQuery rows;
+  /// Only those that have not ended.
+  bool open = false;
+};
+
 /// Which rows of quarantine.
 struct QuarantineQuery {
   HistoryQuery rows;

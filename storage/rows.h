@@ -5,6 +5,7 @@
 #include <string>
 
 #include "schema/base/clock.h"
+#include "schema/model/connection.h"
 #include "schema/model/ids.h"
 #include "schema/model/message_source.h"
 #include "schema/model/mission.h"
@@ -14,6 +15,8 @@
 #include "schema/model/reports.h"
 #include "schema/model/scope_update.h"
 #include "schema/model/spatial.h"
+#include "storage/connection.h"
+#include "storage/identity.h"
 
 // The rows of the lists that are read in pages (lists.h). Values.
 namespace uplink::storage {
@@ -174,6 +177,33 @@ struct PresenceRow {
   model::RobotId robot;
   model::Presence presence = model::Presence::kUnknown;
   SystemTime at;
+  /// PresenceItem::why.
+  std::optional<model::ConnectionEnd> why{};
+};
+
+/// One connection of a robot, as ConnectionItem has it. Stands in lists by its beginning.
+struct ConnectionRow {
+  model::RobotId robot;
+  ConnectionId id{};
+  model::MessageSource source = model::MessageSource::kUplink;
+  SystemTime began_at;
+  ProcessId process{};
+  std::string server;
+  std::string address;
+  std::string gateway;
+  std::string agent_version;
+  CertificateFacts certificate;
+  std::uint64_t messages = 0;
+  std::uint64_t bytes = 0;
+  std::uint32_t takeovers = 0;
+  std::int64_t held_back_ms = 0;
+  std::string held_back_why;
+  /// Both, or neither: it is open.
+  std::optional<SystemTime> ended_at;
+  std::optional<model::ConnectionEnd> why;
+  // Of an end alone.
+  std::string code;
+  std::string detail;
 };
 
 }  // namespace uplink::storage

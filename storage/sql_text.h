@@ -11,7 +11,7 @@ namespace uplink::storage {
 /// time, and lives as long as a statement needs it. A text that is too long does not compile.
 class SqlText final {
  public:
-  static constexpr std::size_t kBytesMax = 2048;
+  static constexpr std::size_t kBytesMax = 4096;
 
   constexpr SqlText() = default;
   constexpr SqlText(std::initializer_list<std::string_view> parts) { Add(parts); }

@@ -11,6 +11,8 @@
 #include "storage/batch.h"
 #include "storage/claim.h"
 #include "storage/compare.h"
+#include "storage/connection.h"
+#include "storage/identity.h"
 #include "storage/live_row.h"
 #include "storage/open_stream.h"
 #include "storage/outcome.h"
@@ -79,6 +81,11 @@ class Store {
   /// before. Otherwise each is written, or its quarantine row where a bound or the database refuses
   /// it alone, and the sample is remembered.
   ///
+  /// A connection is written once by its robot and id, and again with what it has now; an end that
+  /// its own process told stays (Replaces). It needs no hold: it is the past of the process that
+  /// served it. Those of a robot without a row are dropped, and so are the oldest of a robot over
+  /// kConnectionsPerRobotMax.
+  ///
   /// A fault, an event, a message, a mission report each become a row of history. The latest report
   /// of a run (robot, mission, run), the latest UiCapabilities, CurrentSettings and AgentInfo of a
   /// robot, its active faults and its shapes and objects by id follow commit order, never a robot's
@@ -104,6 +111,15 @@ class Store {
 
   /// How many mission runs Commit closed for kOpenRunsPerRobotMax since the last call.
   [[nodiscard]] virtual std::size_t TakeRunsClosed() = 0;
+
+  /// Other processes that have connections without an end, the first by their ids, at most
+  /// kOpenProcessesMax.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<ProcessId>> ProcessesWithOpenConnections() = 0;
+  /// Ends the open connections of a process that is over: kServerEnded, when its lease was renewed
+  /// last, or at `now` if it has no lease; never before they began. At most kSweepRowsMax; returns
+  /// how many.
+  [[nodiscard]] virtual absl::StatusOr<std::size_t> EndConnections(const ProcessId& process,
+                                                                   SystemTime now) = 0;
 
   /// Trims the quarantine of these robots to kQuarantineRowsPerRobotMax. Only these rows go: first
   /// a robot's oldest of sessions that are not kept, then its oldest at or below what the Hellos of

@@ -88,6 +88,7 @@ struct StoreConfig {
   /// How long histories are kept, and quarantine; zero: for ever.
   milliseconds retain_history = storage::StoreRules().retain_history;
   milliseconds retain_quarantine = storage::StoreRules().retain_quarantine;
+  milliseconds retain_connections = storage::StoreRules().retain_connections;
 };
 
 struct JournalConfig {

@@ -275,6 +275,15 @@ constexpr auto kSettings = std::to_array<Setting>({
      .zero = "for ever",
      .text = "How long quarantined payloads and gaps are kept.",
      UPLINK_BIND(store, StoreConfig, retain_quarantine)},
+    {.section = "store",
+     .key = "retention.connections",
+     .kind = Kind::kDuration,
+     .min = kDay,
+     .max = 10'000 * kDay,
+     .zero = "for ever",
+     .text = "How long a robot's connections are kept after their end; at most the last 64 of a "
+             "robot.",
+     UPLINK_BIND(store, StoreConfig, retain_connections)},
 
     {.section = "journal",
      .key = "bytes_max",

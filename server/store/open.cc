@@ -20,6 +20,7 @@ storage::StoreRules RulesOf(const config::Config& config, const VouchedClock& cl
   rules.object_ttl = config.forward.object_ttl;
   rules.retain_history = config.store.retain_history;
   rules.retain_quarantine = config.store.retain_quarantine;
+  rules.retain_connections = config.store.retain_connections;
   return rules;
 }
 

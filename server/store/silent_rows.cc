@@ -49,17 +49,17 @@ absl::StatusOr<SilentRows::Left> SilentRows::RemoveSome(SystemTime until) {
 }
 
 std::optional<SystemTime> RowsRule::Until(SystemTime now) const {
-  if (forget_after.count() == 0 || retain_history.count() == 0 || retain_quarantine.count() == 0) {
-    return std::nullopt;
-  }
+  const auto kept = {forget_after, retain_history, retain_quarantine, retain_connections};
+  if (std::ranges::find(kept, milliseconds(0)) != kept.end()) return std::nullopt;
   // A day more, since others may have it in memory until then.
-  return now - std::max({forget_after, retain_history, retain_quarantine}) - std::chrono::days(1);
+  return now - std::max(kept) - std::chrono::days(1);
 }
 
 RowsRule RowsRuleOf(const config::Config& config) {
   return {.forget_after = config.fleet.forget_after,
           .retain_history = config.store.retain_history,
-          .retain_quarantine = config.store.retain_quarantine};
+          .retain_quarantine = config.store.retain_quarantine,
+          .retain_connections = config.store.retain_connections};
 }
 
 }  // namespace uplink::store

@@ -27,6 +27,7 @@ struct RowsRule {
   milliseconds forget_after{0};
   milliseconds retain_history{0};
   milliseconds retain_quarantine{0};
+  milliseconds retain_connections{0};
 
   /// Robots that were last heard before this time have no row any more. Empty if they keep it for
   /// ever: if any of these is zero.

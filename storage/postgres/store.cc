@@ -12,6 +12,7 @@
 #include "storage/postgres/write/holds.h"
 #include "storage/postgres/write/open_streams.h"
 #include "storage/postgres/write/retain.h"
+#include "storage/postgres/write/robot_connections.h"
 #include "storage/postgres/write/transaction.h"
 #include "storage/postgres/write/upkeep.h"
 
@@ -150,6 +151,19 @@ absl::StatusOr<std::size_t> PostgresStore::CloseRuns(SystemTime now) {
   if (!Vouches(impl_->options.rules.clock, now)) return 0;
   return With([&](Connection& connection) {
     return CloseOldRuns(connection, now, impl_->options.before_commit);
+  });
+}
+
+absl::StatusOr<std::vector<ProcessId>> PostgresStore::ProcessesWithOpenConnections() {
+  return With([&](Connection& connection) {
+    return postgres::ProcessesWithOpenConnections(connection, impl_->options.process);
+  });
+}
+
+absl::StatusOr<std::size_t> PostgresStore::EndConnections(const ProcessId& process,
+                                                          SystemTime now) {
+  return With([&](Connection& connection) {
+    return postgres::EndConnections(connection, process, now, impl_->options.before_commit);
   });
 }
 

@@ -72,6 +72,9 @@ class PostgresStore final : public Store {
   [[nodiscard]] absl::StatusOr<Swept> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
+  [[nodiscard]] absl::StatusOr<std::vector<ProcessId>> ProcessesWithOpenConnections() override;
+  [[nodiscard]] absl::StatusOr<std::size_t> EndConnections(const ProcessId& process,
+                                                           SystemTime now) override;
   [[nodiscard]] absl::StatusOr<Trimmed> TrimQuarantine(std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<Erased> Retain(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::vector<std::size_t>> Checkpoint(

@@ -31,6 +31,10 @@ absl::StatusOr<std::vector<Outcome>> BatchCommit::Write(const Batch& batch) {
     absl::Status written = WriteGap(gap);
     if (!written.ok()) return written;
   }
+  for (const ConnectionItem& item : batch.connections) {
+    absl::Status written = WriteConnection(item);
+    if (!written.ok()) return written;
+  }
   const absl::StatusOr<DeliveryChanges> remembered = decider_.Remember(batch, outcomes);
   if (!remembered.ok()) return remembered.status();
   absl::Status finished = tables_.deciding.Remember(*remembered);
@@ -123,6 +127,14 @@ absl::Status BatchCommit::WriteGap(const GapItem& gap) {
   return tables_.rows.Write<kGapsTable>({&gap, gap.last, next_entry_++});
 }
 
+absl::Status BatchCommit::WriteConnection(const ConnectionItem& item) {
+  const absl::StatusOr<KnownRobot*> robot = known_.Robot(item.robot->ruri);
+  if (!robot.ok()) return robot.status();
+  if (*robot == nullptr) return absl::OkStatus();
+  known_.robot(item.robot->ruri).connections = true;
+  return tables_.rows.Write<kConnectionsTable>({&item, next_entry_++});
+}
+
 absl::Status BatchCommit::WritePresence(const Batch& batch, std::vector<Outcome>& outcomes) {
   if (batch.presence.empty()) return absl::OkStatus();
   const auto stored = tables_.deciding.FindSession(kServerRuri, batch.presence_session);
@@ -181,6 +193,7 @@ absl::Status BatchCommit::Finish() {
     }
     if (status.ok() && robot.quarantined_payload) status = tables_.set_aside.ThinPayloads(ruri);
     if (status.ok() && robot.gaps) status = tables_.set_aside.TrimGaps(ruri);
+    if (status.ok() && robot.connections) status = tables_.connections.Trim(ruri);
     if (!status.ok()) return status;
     if (!robot.run_reported) continue;
     const auto closed = tables_.retention.CloseOver(ruri, *robot.run_reported);

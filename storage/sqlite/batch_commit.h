@@ -71,6 +71,8 @@ class BatchCommit final {
   absl::StatusOr<Refusal> WriteAlone(const CommitRecord& record);
   absl::Status WriteRejection(const CommitRecord& record, const model::Rejection& rejection);
   absl::Status WriteGap(const GapItem& gap);
+  /// Of a robot that has a row.
+  absl::Status WriteConnection(const ConnectionItem& item);
   /// Writes the changes of presence that are new, and moves the cursor of their session. Adds the
   /// outcome of each.
   absl::Status WritePresence(const Batch& batch, std::vector<Outcome>& outcomes);

@@ -30,9 +30,11 @@ struct BatchRobot {
   std::vector<BatchSession> sessions;
   /// By type: those of the types that the batch has.
   std::map<std::uint32_t, KnownSamples> samples;
-  /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps of it.
+  /// Whether the batch put a payload of it into quarantine, and whether it wrote gaps and
+  /// connections of it.
   bool quarantined_payload = false;
   bool gaps = false;
+  bool connections = false;
   /// The latest arrival of a report that left its run open.
   std::optional<SystemTime> run_reported;
 };

@@ -38,6 +38,7 @@ void BindColumn(Statement& statement, int index, ColumnType type, const ColumnVa
 }
 
 ColumnValue ReadColumn(const Rows& rows, int index, ColumnType type, absl::Status& status) {
+  if (rows.Null(index)) return {};
   switch (type) {
     case ColumnType::kBool:
       return rows.Int(index) != 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "schema/base/check.h"
 #include "storage/bounds.h"
 #include "storage/retention.h"
 #include "storage/rows.h"
@@ -32,8 +33,7 @@ absl::Status RetentionTables::Prepare(Database& database) {
   ForEachList([&]<PageKind kList>() {
     constexpr Retained kRetained = RetainedOf(kList);
     if constexpr (kRetained != Retained::kWhilePresent) {
-      Statements& statements = kRetained == Retained::kAsHistory ? history_ : set_aside_;
-      prepare.Into(statements.emplace_back(), EraseSql(List<kList>::kTable));
+      prepare.Into(StatementsOf(kRetained).emplace_back(), EraseSql(List<kList>::kTable));
     }
   });
   // Those rows of quarantine that go next and that a Hello may still ask for.
@@ -65,6 +65,24 @@ absl::Status RetentionTables::Prepare(Database& database) {
                                "first_at < ?2 AND last_at < ?2 AND is_open"
                                " ORDER BY first_at, entry LIMIT ?3) RETURNING 1");
   return prepare.status();
+}
+
+RetentionTables::Statements& RetentionTables::StatementsOf(Retained retained) {
+  switch (retained) {
+    case Retained::kAsHistory:
+      return history_;
+    case Retained::kAsSetAside:
+      return set_aside_;
+    case Retained::kAsConnections:
+      return connections_;
+    case Retained::kWhilePresent:
+      break;
+  }
+  CheckFailed(__FILE__, __LINE__, "retained", "a list whose rows go for their age");
+}
+
+absl::Status RetentionTables::EraseConnections(SystemTime until, Erased& erased) {
+  return Erase(connections_, until, erased);
 }
 
 absl::Status RetentionTables::EraseHistory(SystemTime until, Erased& erased) {

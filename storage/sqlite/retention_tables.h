@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/lists.h"
 #include "storage/retention.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/statement.h"
@@ -27,6 +28,8 @@ class RetentionTables final {
   [[nodiscard]] absl::Status EraseHistory(SystemTime until, Erased& erased);
   /// Quarantine and gaps. Keeps the Rejects that a Hello may still ask for.
   [[nodiscard]] absl::Status EraseSetAside(SystemTime until, Erased& erased);
+  /// Connections that have ended.
+  [[nodiscard]] absl::Status EraseConnections(SystemTime until, Erased& erased);
   /// Deletes changes of items that triggers noted (shared_items.h) beyond kChangesKept, the oldest
   /// first, at most kChangesSweptMax. Returns how many.
   [[nodiscard]] absl::StatusOr<std::size_t> SweepChanges();
@@ -38,10 +41,12 @@ class RetentionTables final {
 
  private:
   using Statements = std::vector<std::unique_ptr<Statement>>;
+  [[nodiscard]] Statements& StatementsOf(Retained retained);
   static absl::Status Erase(const Statements& statements, SystemTime until, Erased& erased);
 
   Statements history_;
   Statements set_aside_;
+  Statements connections_;
   std::unique_ptr<Statement> keep_rejects_, sweep_changes_, count_runs_, close_over_, close_old_;
 };
 

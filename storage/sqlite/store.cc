@@ -195,6 +195,14 @@ absl::StatusOr<std::size_t> SqliteStore::CloseRuns(SystemTime now) {
   return InTransaction([&] { return impl_->tables.retention.CloseOld(now - kOpenRunAgeMax, now); });
 }
 
+absl::StatusOr<std::vector<ProcessId>> SqliteStore::ProcessesWithOpenConnections() {
+  return InTransaction([&] { return impl_->tables.connections.Processes(impl_->options.process); });
+}
+
+absl::StatusOr<std::size_t> SqliteStore::EndConnections(const ProcessId& process, SystemTime now) {
+  return InTransaction([&] { return impl_->tables.connections.End(process, now); });
+}
+
 std::size_t SqliteStore::TakeRunsClosed() { return std::exchange(impl_->runs_closed, 0); }
 
 absl::StatusOr<Trimmed> SqliteStore::TrimQuarantine(std::span<const std::string> ruris) {
@@ -212,6 +220,9 @@ absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
     }
     if (const auto kept = FirstDayKept(now, rules.retain_quarantine); kept && status.ok()) {
       status = impl_->tables.retention.EraseSetAside(*kept, erased);
+    }
+    if (const auto kept = FirstDayKept(now, rules.retain_connections); kept && status.ok()) {
+      status = impl_->tables.retention.EraseConnections(*kept, erased);
     }
     if (!status.ok()) return status;
     return erased;

@@ -12,6 +12,7 @@
 #include "storage/sqlite/live_table.h"
 #include "storage/sqlite/present_rows.h"
 #include "storage/sqlite/retention_tables.h"
+#include "storage/sqlite/robot_connections.h"
 #include "storage/sqlite/set_aside_tables.h"
 #include "storage/sqlite/table_writers.h"
 
@@ -26,6 +27,7 @@ struct Tables {
   /// By PresentKind.
   std::array<PresentRows, kPresentKinds> present;
   RetentionTables retention;
+  RobotConnections connections;
   LiveTable live;
 
   [[nodiscard]] absl::Status Prepare(Database& database) {
@@ -37,6 +39,7 @@ struct Tables {
       if (status.ok()) status = present[kind].Prepare(database, static_cast<PresentKind>(kind));
     }
     if (status.ok()) status = retention.Prepare(database);
+    if (status.ok()) status = connections.Prepare(database);
     if (status.ok()) status = live.Prepare(database);
     return status;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,6 +52,9 @@ struct Entry {
   std::int64_t number = 0;
 };
 
+/// Sixteen bytes that name something: a process, a connection.
+using IdBytes = std::array<std::uint8_t, model::SessionId::kBytes>;
+
 template <typename T>
 struct IsOptional : std::false_type {};
 template <typename T>
@@ -71,7 +75,7 @@ consteval ColumnType ColumnTypeOf() {
     return ColumnType::kReal;
   } else if constexpr (std::is_same_v<T, SystemTime>) {
     return ColumnType::kTime;
-  } else if constexpr (std::is_same_v<T, model::SessionId>) {
+  } else if constexpr (std::is_same_v<T, model::SessionId> || std::is_same_v<T, IdBytes>) {
     return ColumnType::kSession;
   } else if constexpr (std::is_same_v<T, Entry>) {
     return ColumnType::kEntry;
@@ -94,6 +98,8 @@ template <typename T>
     return value.number;
   } else if constexpr (std::is_same_v<Held, Bytes>) {
     return value.view;
+  } else if constexpr (std::is_same_v<Held, IdBytes>) {
+    return model::SessionId(value);
   } else if constexpr (model::WireEnum<Held>) {
     return std::int64_t{NumberOf(value)};
   } else if constexpr (std::is_enum_v<Held> ||
@@ -106,11 +112,16 @@ template <typename T>
   }
 }
 
-/// NULL reads as the empty text.
+/// NULL leaves a field that is not optional as it was made.
 template <typename T>
 void Take(const ColumnValue& value, T& field) {
-  if constexpr (std::is_same_v<T, std::string>) {
+  if (std::holds_alternative<std::monostate>(value)) return;
+  if constexpr (IsOptional<T>()) {
+    Take(value, field.emplace());
+  } else if constexpr (std::is_same_v<T, std::string>) {
     field = std::get<std::string_view>(value);
+  } else if constexpr (std::is_same_v<T, IdBytes>) {
+    field = std::get<model::SessionId>(value).bytes();
   } else if constexpr (model::WireEnum<T>) {
     field = MemberOf<T>(std::get<std::int64_t>(value));
   } else if constexpr (std::is_enum_v<T>) {

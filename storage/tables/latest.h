@@ -52,16 +52,17 @@ struct PresenceChange {
   Entry entry;
 };
 
-inline constexpr Table<PresenceChange, PresenceRow, 5> kPresenceChangesTable = {
+inline constexpr Table<PresenceChange, PresenceRow, 6> kPresenceChangesTable = {
     "presence_changes",
     Writes::kInserts,
     {"changed_at", [](SystemTime time, PresenceRow& row) { row.at = time; }},
-    std::array<Column<PresenceChange, PresenceRow>, 5>{
+    std::array<Column<PresenceChange, PresenceRow>, 6>{
         kRobotRuri,
         Col("changed_at", [](const auto& row) { return row.item->at; }),
         kRowEntry,
         kRobotFleet,
         Col<&PresenceRow::presence>("presence", [](const auto& row) { return row.item->presence; }),
+        Col<&PresenceRow::why>("why", [](const auto& row) { return row.item->why; }),
     }};
 
 inline constexpr Table<PresenceChange, Unlisted, 3> kLatestPresenceTable = {

@@ -108,6 +108,11 @@ ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_co
   return conditions.Take();
 }
 
+ListFilter FilterOf(const ConnectionsQuery& query, std::string_view open_column) {
+  if (!query.open) return {};
+  return {{{open_column}}};
+}
+
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_column*/) {
   Conditions conditions(query.rows);
   if (query.reason) conditions.Indexed("reason = ?", Number(*query.reason));

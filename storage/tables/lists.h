@@ -10,6 +10,7 @@
 
 #include "storage/lists.h"
 #include "storage/reader.h"
+#include "storage/tables/connections.h"
 #include "storage/tables/latest.h"
 #include "storage/tables/missions.h"
 #include "storage/tables/present.h"
@@ -114,5 +115,6 @@ struct ListFilter {
 [[nodiscard]] ListFilter FilterOf(const ScopeUpdatesQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const QuarantineQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const ConnectionsQuery& query, std::string_view open_column);
 
 }  // namespace uplink::storage

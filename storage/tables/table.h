@@ -46,6 +46,8 @@ struct Table {
   std::array<Column<In, Out>, kColumns> columns;
   /// SQL of the rows among which the key finds one; empty: all.
   std::string_view keyed_rows = {};
+  /// SQL of the rows `t` that an upsert updates; it leaves others as they are. Empty: all.
+  std::string_view updated_rows = {};
 };
 
 /// Columns that several tables begin with, before their own.
@@ -94,9 +96,15 @@ constexpr SqlText ConflictSql(const Table& table) {
     if (column.update.empty()) updates.Add({"excluded.", column.name});
     updates.Add(column.update);
   }
-  return {
-      " ON CONFLICT (", keys.view(),       ")",           table.keyed_rows.empty() ? "" : " WHERE ",
-      table.keyed_rows, " DO UPDATE SET ", updates.view()};
+  return {" ON CONFLICT (",
+          keys.view(),
+          ")",
+          table.keyed_rows.empty() ? "" : " WHERE ",
+          table.keyed_rows,
+          " DO UPDATE SET ",
+          updates.view(),
+          table.updated_rows.empty() ? "" : " WHERE ",
+          table.updated_rows};
 }
 
 }  // namespace uplink::storage

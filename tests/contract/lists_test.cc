@@ -164,6 +164,14 @@ class ListContract : public StoreContract {
             }};
   }
 
+  static List ConnectionList() {
+    return {PageKind::kConnections, nullptr,
+            [](storage::Reader& reader, const HistoryQuery& query) {
+              return SeenOf(reader.Connections({.rows = query}),
+                            [](const auto& row) { return 256 * row.id[0] + row.id[1]; });
+            }};
+  }
+
   void ForEachList(const std::function<void(const List& list)>& test) {
     const std::array lists = {FaultList(PageKind::kFaultHistory, &storage::Reader::FaultHistory),
                               FaultList(PageKind::kFaultsActive, &storage::Reader::FaultsActive),
@@ -176,7 +184,8 @@ class ListContract : public StoreContract {
                               ShapeList(),
                               ObjectList(),
                               PresenceList(),
-                              RequestList()};
+                              RequestList(),
+                              ConnectionList()};
     for (const List& list : lists) {
       SCOPED_TRACE(static_cast<int>(list.kind));
       Fresh();
@@ -200,6 +209,13 @@ class ListContract : public StoreContract {
       batch.gaps = {Gap(first, first)};
       batch.gaps[0].robot = std::move(robot);
       batch.gaps[0].seen_at = Time(after_ms);
+    } else if (list.kind == PageKind::kConnections) {
+      storage::ConnectionItem connection;
+      connection.robot = std::move(robot);
+      connection.id = {static_cast<std::uint8_t>(item / 256),
+                       static_cast<std::uint8_t>(item % 256)};
+      connection.began_at = Time(after_ms);
+      batch.connections = {connection};
     } else {
       batch.presence = {{std::move(robot), static_cast<model::Presence>(item % kItemsAtOneTime),
                          Time(after_ms), ++numbers_, held_since_}};

@@ -82,6 +82,9 @@ class RemovalContract : public StoreContract {
     batch.presence_session = model::SessionId({0xEE});
     batch.presence = {{robot_, model::Presence::kOnline, Time(), ++presence_, held_since_}};
     batch.gaps = {Gap(17, 18)};
+    storage::ConnectionItem connection;
+    connection.robot = robot_;
+    batch.connections = {connection};
     Commit(batch);
     storage::LiveRow live;
     live.ruri = robot_->ruri;

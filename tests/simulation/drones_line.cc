@@ -46,6 +46,15 @@ absl::StatusOr<std::size_t> DronesLine::CloseRuns(SystemTime now) {
   return Pass([&] { return store_.CloseRuns(now); });
 }
 
+absl::StatusOr<std::vector<storage::ProcessId>> DronesLine::ProcessesWithOpenConnections() {
+  return Pass([&] { return store_.ProcessesWithOpenConnections(); });
+}
+
+absl::StatusOr<std::size_t> DronesLine::EndConnections(const storage::ProcessId& process,
+                                                       SystemTime now) {
+  return Pass([&] { return store_.EndConnections(process, now); });
+}
+
 absl::StatusOr<storage::Trimmed> DronesLine::TrimQuarantine(std::span<const std::string> ruris) {
   return Pass([&] { return store_.TrimQuarantine(ruris); });
 }

@@ -95,6 +95,17 @@ absl::StatusOr<std::size_t> HoldersStore::CloseRuns(SystemTime now) {
   return store_.CloseRuns(now);
 }
 
+absl::StatusOr<std::vector<storage::ProcessId>> HoldersStore::ProcessesWithOpenConnections() {
+  if (!Reaches()) return absl::UnavailableError("the line is cut");
+  return store_.ProcessesWithOpenConnections();
+}
+
+absl::StatusOr<std::size_t> HoldersStore::EndConnections(const storage::ProcessId& process,
+                                                         SystemTime now) {
+  if (!Reaches()) return absl::UnavailableError("the line is cut");
+  return store_.EndConnections(process, now);
+}
+
 std::size_t HoldersStore::TakeRunsClosed() { return store_.TakeRunsClosed(); }
 
 absl::StatusOr<storage::Trimmed> HoldersStore::TrimQuarantine(std::span<const std::string> ruris) {

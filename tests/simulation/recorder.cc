@@ -118,6 +118,17 @@ absl::StatusOr<std::size_t> Recorder::CloseRuns(SystemTime now) {
   return store_->CloseRuns(now);
 }
 
+absl::StatusOr<std::vector<storage::ProcessId>> Recorder::ProcessesWithOpenConnections() {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->ProcessesWithOpenConnections();
+}
+
+absl::StatusOr<std::size_t> Recorder::EndConnections(const storage::ProcessId& process,
+                                                     SystemTime now) {
+  if (away_) return absl::UnavailableError("ordered");
+  return store_->EndConnections(process, now);
+}
+
 std::size_t Recorder::TakeRunsClosed() { return store_->TakeRunsClosed(); }
 
 absl::StatusOr<storage::Trimmed> Recorder::TrimQuarantine(std::span<const std::string> ruris) {

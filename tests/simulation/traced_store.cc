@@ -158,6 +158,15 @@ absl::StatusOr<std::size_t> TracedStore::CloseRuns(SystemTime now) {
                 [this](std::size_t rows) { trace_.Add(fmt::format("closed {}", rows)); });
 }
 
+absl::StatusOr<std::vector<storage::ProcessId>> TracedStore::ProcessesWithOpenConnections() {
+  return store_.ProcessesWithOpenConnections();
+}
+
+absl::StatusOr<std::size_t> TracedStore::EndConnections(const storage::ProcessId& process,
+                                                        SystemTime now) {
+  return store_.EndConnections(process, now);
+}
+
 std::size_t TracedStore::TakeRunsClosed() { return store_.TakeRunsClosed(); }
 
 absl::StatusOr<storage::Trimmed> TracedStore::TrimQuarantine(std::span<const std::string> ruris) {

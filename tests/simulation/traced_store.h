@@ -28,6 +28,10 @@ class TracedStore final : public storage::Store {
       const storage::Batch& batch) override;
   [[nodiscard]] absl::StatusOr<storage::Swept> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ProcessId>> ProcessesWithOpenConnections()
+      override;
+  [[nodiscard]] absl::StatusOr<std::size_t> EndConnections(const storage::ProcessId& process,
+                                                           SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
   [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
       std::span<const std::string> ruris) override;

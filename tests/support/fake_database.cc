@@ -60,6 +60,9 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   }
   topics_.Write(batch, process, outcomes);
   for (const GapItem& gap : batch.gaps) WriteGap(process, gap);
+  for (const storage::ConnectionItem& item : batch.connections) {
+    if (FindRobot(item.robot->ruri) != nullptr) connections_.Write(item, ++entries_);
+  }
   const auto is_fenced = [&](const storage::PresenceItem& item) {
     return !rules.presence_without_hold && IsFenced(process, item.robot, item.held_since);
   };
@@ -227,6 +230,7 @@ void FakeDatabase::RemoveRobot(const std::string& ruri) {
     robot->second.samples.clear();
   }
   kinds_.DeletePresent(ruri);
+  connections_.DeleteAll(ruri);
 }
 
 Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitRecord& record) {

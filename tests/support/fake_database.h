@@ -31,6 +31,7 @@
 #include "storage/robot_hold.h"
 #include "storage/samples.h"
 #include "storage/store_rules.h"
+#include "tests/support/fake_connections.h"
 #include "tests/support/fake_kinds.h"
 #include "tests/support/fake_lease_table.h"
 #include "tests/support/fake_presence.h"
@@ -114,6 +115,16 @@ class FakeDatabase final {
   std::size_t CloseRuns(SystemTime now) {
     const std::lock_guard lock(mutex_);
     return kinds_.CloseRuns(now);
+  }
+  [[nodiscard]] std::vector<storage::ProcessId> OpenProcesses(
+      const storage::ProcessId& self) const {
+    const std::lock_guard lock(mutex_);
+    return connections_.Processes(self);
+  }
+  /// No lease of it says when it was renewed.
+  std::size_t EndConnections(const storage::ProcessId& process, SystemTime now) {
+    const std::lock_guard lock(mutex_);
+    return connections_.End(process, now);
   }
   /// Mission runs that commits closed for their bound, since the start.
   [[nodiscard]] std::size_t runs_closed() const {
@@ -329,6 +340,7 @@ class FakeDatabase final {
   std::vector<FakeEntry<storage::QuarantineRow>> quarantine_;
   FakeKinds kinds_;
   FakePresence presence_;
+  FakeConnections connections_;
   std::map<std::string, storage::LiveRow, std::less<>> live_;
   FakeLeaseTable leases_;
   FakeTopics topics_;

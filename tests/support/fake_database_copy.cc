@@ -26,6 +26,7 @@ void FakeDatabase::CopyRowsOf(const FakeDatabase& other) {
   quarantine_ = other.quarantine_;
   kinds_.CopyRowsOf(other.kinds_);
   presence_ = other.presence_;
+  connections_ = other.connections_;
   live_ = other.live_;
   leases_ = other.leases_;
   topics_ = other.topics_;

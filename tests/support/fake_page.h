@@ -55,6 +55,12 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
   return row.id.size() + row.name.size() + row.location_json.size() + row.trajectory_json.size();
 }
 [[nodiscard]] inline std::size_t BytesOf(const storage::PresenceRow& /*row*/) { return 0; }
+[[nodiscard]] inline std::size_t BytesOf(const storage::ConnectionRow& row) {
+  return row.server.size() + row.address.size() + row.gateway.size() + row.agent_version.size() +
+         row.certificate.serial.size() + row.certificate.sha256.size() +
+         row.certificate.key_sha256.size() + row.held_back_why.size() + row.code.size() +
+         row.detail.size();
+}
 
 [[nodiscard]] inline bool FakeMatches(const model::RobotId& robot, SystemTime at,
                                       const storage::HistoryQuery& query) {

@@ -21,7 +21,7 @@ std::vector<storage::Outcome> FakePresence::Write(const storage::Batch& batch,
       continue;
     }
     session.cursor = item.number;
-    changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at}});
+    changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at, item.why}});
     last_[item.robot->ruri] = changes_.back().row;
   }
   session.last_used = entries;

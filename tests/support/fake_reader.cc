@@ -264,6 +264,14 @@ absl::StatusOr<Page<storage::OperatorRequestRow>> FakeReader::OperatorRequests(
   return FakePageOf(PageKind::kOperatorRequests, query.rows, std::move(rows));
 }
 
+absl::StatusOr<Page<storage::ConnectionRow>> FakeReader::Connections(
+    const storage::ConnectionsQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::ConnectionRow>> rows = AllOf(database_.connections_.rows());
+  std::erase_if(rows, [&query](const auto& row) { return query.open && row.second->ended_at; });
+  return FakePageOf(PageKind::kConnections, query.rows, std::move(rows));
+}
+
 absl::StatusOr<Page<storage::ShapeRow>> FakeReader::Shapes(const PresentQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   return FakePageOf(PageKind::kShapes, query.rows, PresentOf(database_.kinds_.shapes(), query));

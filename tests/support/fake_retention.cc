@@ -20,6 +20,9 @@ storage::Erased FakeDatabase::Retain(SystemTime now, const storage::StoreRules& 
     EraseQuarantine(*kept, erased);
     erased.rows += EraseGaps(*kept);
   }
+  if (const auto kept = storage::FirstDayKept(now, rules.retain_connections)) {
+    erased.rows += connections_.EraseHistory(*kept);
+  }
   erased.more = erased.rows >= storage::kRetainRowsMax;
   return erased;
 }

@@ -41,6 +41,17 @@ absl::StatusOr<std::size_t> FakeStore::CloseRuns(SystemTime now) {
   });
 }
 
+absl::StatusOr<std::vector<storage::ProcessId>> FakeStore::ProcessesWithOpenConnections() {
+  return Do({Orders::kSweeps}, Call::kOpenProcesses,
+            [&](const FakeRules& /*rules*/) { return database_.OpenProcesses(process_); });
+}
+
+absl::StatusOr<std::size_t> FakeStore::EndConnections(const storage::ProcessId& process,
+                                                      SystemTime now) {
+  return Do({Orders::kSweeps}, Call::kEndConnections,
+            [&](const FakeRules& /*rules*/) { return database_.EndConnections(process, now); });
+}
+
 std::size_t FakeStore::TakeRunsClosed() {
   const std::size_t closed = database_.runs_closed();
   const std::lock_guard lock(mutex_);

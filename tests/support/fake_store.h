@@ -51,6 +51,10 @@ class FakeStore final : public storage::Store, public FakeReader {
   [[nodiscard]] absl::StatusOr<storage::Swept> Sweep(SystemTime now) override;
   [[nodiscard]] absl::StatusOr<std::size_t> CloseRuns(SystemTime now) override;
   [[nodiscard]] std::size_t TakeRunsClosed() override;
+  [[nodiscard]] absl::StatusOr<std::vector<storage::ProcessId>> ProcessesWithOpenConnections()
+      override;
+  [[nodiscard]] absl::StatusOr<std::size_t> EndConnections(const storage::ProcessId& process,
+                                                           SystemTime now) override;
   [[nodiscard]] absl::StatusOr<storage::Trimmed> TrimQuarantine(
       std::span<const std::string> ruris) override;
   [[nodiscard]] absl::StatusOr<storage::Erased> Retain(SystemTime now) override;
@@ -83,7 +87,7 @@ class FakeStore final : public storage::Store, public FakeReader {
   void FailNextClaims(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kClaims, calls, at, status);
   }
-  /// Sweep and CloseRuns.
+  /// Sweep, CloseRuns, ProcessesWithOpenConnections and EndConnections.
   void FailNextSweeps(std::uint32_t calls, FailAt at, const absl::Status& status = Injected()) {
     Add(Orders::kSweeps, calls, at, status);
   }
@@ -126,6 +130,8 @@ class FakeStore final : public storage::Store, public FakeReader {
     kCommit,
     kSweep,
     kCloseRuns,
+    kOpenProcesses,
+    kEndConnections,
     kTrim,
     kRetain,
     kCheckpoint,

@@ -33,6 +33,7 @@ void AddColumn(Array& array, ColumnType type, const ColumnValue& value) {
 }
 
 ColumnValue ReadColumn(const ResultRow& row, int index, ColumnType type) {
+  if (row.Null(index)) return {};
   switch (type) {
     case ColumnType::kBool:
       return row.Bool(index);

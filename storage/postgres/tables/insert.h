@@ -24,9 +24,10 @@ constexpr SqlText ArraysSql(const Table& table) {
   return arrays;
 }
 
-/// Writes rows.
+/// Writes rows. `with`: what goes before the statement; `where`: which of the rows `u` it writes.
 template <typename Table>
-constexpr SqlText InsertSql(const Table& table) {
+constexpr SqlText InsertSql(const Table& table, std::string_view with = {},
+                            std::string_view where = {}) {
   SqlText values;
   for (const auto& column : table.columns) {
     // Entries are made from the transaction's number, which is read once per statement.
@@ -35,7 +36,8 @@ constexpr SqlText InsertSql(const Table& table) {
                 entry ? "(SELECT currval('uplinkd.batches') << 20) + " : "", column.name});
   }
   const SqlText names = ColumnNames(table);
-  return {"INSERT INTO uplinkd.",
+  return {with,
+          "INSERT INTO uplinkd.",
           table.name,
           " AS t (",
           names.view(),
@@ -46,6 +48,7 @@ constexpr SqlText InsertSql(const Table& table) {
           ") AS u (",
           names.view(),
           ")",
+          where,
           ConflictSql(table).view()};
 }
 

@@ -82,7 +82,9 @@ StoreCall BeginBatchCall(const Premises& premises, const Batch& batch, const Pro
 }  // namespace
 
 absl::StatusOr<std::vector<Outcome>> BatchCommit::Run() {
-  UPLINK_CHECK(batch_.records.size() + batch_.gaps.size() + batch_.presence.size() <= kPlacesMax,
+  UPLINK_CHECK(batch_.records.size() + batch_.gaps.size() + batch_.presence.size() +
+                       batch_.connections.size() <=
+                   kPlacesMax,
                "a batch has more rows than a transaction has places");
   absl::StatusOr<Outcomes> outcomes = absl::OutOfRangeError("a number goes back in the batch");
   if (MayWriteAtOnce()) outcomes = WriteAtOnce();
@@ -139,6 +141,7 @@ absl::StatusOr<BatchCommit::Outcomes> BatchCommit::WriteAtOnce() {
     one_hold = premises.AddHold(item.robot->ruri, item.held_since) && one_hold;
     rows.AddPresence(item, batch_.presence_session, place++);
   }
+  for (const ConnectionItem& item : batch_.connections) rows.AddConnection(item, place++);
   if (!one_hold) return absl::OutOfRangeError("a robot comes under two holds in one batch");
   std::vector<StoreCall> calls = BeginCalls();
   AddHoldCall(batch_, terms_.process, calls);

@@ -200,6 +200,7 @@ std::vector<StoreCall> BatchRows::TakeCalls() && {
   if (!robots_with_gaps_.empty()) {
     calls.push_back(BoundCall(kTrimGaps, robots_with_gaps_, kGapsPerRobotMax));
   }
+  connections_.MoveInto(calls);
   return calls;
 }
 

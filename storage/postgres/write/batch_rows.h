@@ -16,6 +16,7 @@
 #include "storage/postgres/write/delivery_rows.h"
 #include "storage/postgres/write/drone_rows.h"
 #include "storage/postgres/write/present_rows.h"
+#include "storage/postgres/write/robot_connections.h"
 #include "storage/postgres/write/table_rows.h"
 #include "storage/presence.h"
 #include "storage/present.h"
@@ -42,6 +43,9 @@ class BatchRows final {
   /// The row of a range of limited numbers, and their last number.
   void Limit(const CommitRecord& record, const LimitedRange& range, std::int32_t place);
   void AddGap(const GapItem& gap, std::int32_t place);
+  void AddConnection(const ConnectionItem& item, std::int32_t place) {
+    connections_.Add(item, place);
+  }
   /// What is remembered of samples of one type. The arguments must outlive this.
   void Keep(std::string_view ruri, const KnownSamples& samples) { drones_.Keep(ruri, samples); }
   /// What is remembered of messages that a broker delivered.
@@ -80,6 +84,7 @@ class BatchRows final {
   std::map<std::string_view, PresenceChange> latest_presence_;
   std::map<std::tuple<std::string_view, model::SessionId, model::Seq>, Gap> gaps_;
   std::vector<Limited> limited_;
+  ConnectionRows connections_;
   DeliveryChanges deliveries_;
   DroneRows drones_;
   std::map<std::pair<std::string_view, model::SessionId>, Cursor> cursors_;

@@ -150,6 +150,9 @@ class SliceDecision final {
       if (ValueOrDie(decider_.Takes(gap))) rows_.AddGap(gap, static_cast<std::int32_t>(place));
       ++place;
     }
+    for (const ConnectionItem& item : batch.connections) {
+      rows_.AddConnection(item, static_cast<std::int32_t>(place++));
+    }
     rows_.Remember(ValueOrDie(decider_.Remember(batch, of_records)));
     if (batch.presence.empty()) return;
     KnownSession& session = known_.sessions[{std::string(kServerRuri), batch.presence_session}];

@@ -169,6 +169,10 @@ absl::StatusOr<Erased> EraseAll(Connection& connection, SystemTime now, const St
     const absl::Status status = eraser.EraseLists<Retained::kAsSetAside>(*kept);
     if (!status.ok()) return status;
   }
+  if (const auto kept = FirstDayKept(now, rules.retain_connections)) {
+    const absl::Status status = eraser.EraseLists<Retained::kAsConnections>(*kept);
+    if (!status.ok()) return status;
+  }
   return eraser.erased();
 }
 

@@ -23,6 +23,7 @@ TEST(Lists, KeepTheirNumbers) {
   EXPECT_EQ(static_cast<int>(PageKind::kPresenceChanges), 11);
   EXPECT_EQ(static_cast<int>(PageKind::kScopeUpdates), 12);
   EXPECT_EQ(static_cast<int>(PageKind::kOperatorRequests), 13);
+  EXPECT_EQ(static_cast<int>(PageKind::kConnections), 14);
 }
 
 TEST(Lists, AreVisitedInTheOrderOfTheirTable) {
@@ -40,6 +41,7 @@ TEST(Lists, SayHowLongTheirRowsAreKept) {
   EXPECT_EQ(RetainedOf(PageKind::kMissionRuns), Retained::kAsHistory);
   EXPECT_EQ(RetainedOf(PageKind::kQuarantine), Retained::kAsSetAside);
   EXPECT_EQ(RetainedOf(PageKind::kGaps), Retained::kAsSetAside);
+  EXPECT_EQ(RetainedOf(PageKind::kConnections), Retained::kAsConnections);
 }
 
 }  // namespace

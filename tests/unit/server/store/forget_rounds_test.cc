@@ -85,7 +85,8 @@ class ForgetRoundsTest : public ::testing::Test {
                         .process = kSelf,
                         .rows = {.forget_after = std::chrono::hours(24),
                                  .retain_history = std::chrono::hours(72),
-                                 .retain_quarantine = std::chrono::hours(48)},
+                                 .retain_quarantine = std::chrono::hours(48),
+                                 .retain_connections = std::chrono::hours(48)},
                         .trust = trust_}};
 };
 

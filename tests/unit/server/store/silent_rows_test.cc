@@ -49,7 +49,8 @@ class SilentRowsTest : public ::testing::Test {
                     .process = storage::ProcessId{1},
                     .rule = {.forget_after = std::chrono::hours(24),
                              .retain_history = std::chrono::hours(72),
-                             .retain_quarantine = std::chrono::hours(48)},
+                             .retain_quarantine = std::chrono::hours(48),
+                             .retain_connections = std::chrono::hours(48)},
                     .trust = trust_}};
 };
 
@@ -135,11 +136,13 @@ TEST_F(SilentRowsTest, NoneGoesByAClockThatNobodyVouchesFor) {
 TEST(RowsRule, RobotsKeepTheirRowsWhileAnythingIsKeptForEver) {
   const std::chrono::hours day{24};
   const SystemTime now = FromUnixMs(1'763'683'200'000);
-  EXPECT_EQ((RowsRule{day * 30, day * 90, day * 14}.Until(now)), now - day * 91);
-  EXPECT_EQ((RowsRule{day * 300, day * 90, day * 14}.Until(now)), now - day * 301);
-  EXPECT_EQ((RowsRule{milliseconds(0), day, day}.Until(now)), std::nullopt);
-  EXPECT_EQ((RowsRule{day, milliseconds(0), day}.Until(now)), std::nullopt);
-  EXPECT_EQ((RowsRule{day, day, milliseconds(0)}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day * 30, day * 90, day * 14, day * 60}.Until(now)), now - day * 91);
+  EXPECT_EQ((RowsRule{day * 300, day * 90, day * 14, day}.Until(now)), now - day * 301);
+  EXPECT_EQ((RowsRule{day, day, day, day * 90}.Until(now)), now - day * 91);
+  EXPECT_EQ((RowsRule{milliseconds(0), day, day, day}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day, milliseconds(0), day, day}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day, day, milliseconds(0), day}.Until(now)), std::nullopt);
+  EXPECT_EQ((RowsRule{day, day, day, milliseconds(0)}.Until(now)), std::nullopt);
 }
 
 }  // namespace
