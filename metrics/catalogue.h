@@ -38,6 +38,8 @@ enum class MetricId : std::uint8_t {
   kLivePartsDropped,
   kPresenceChanges,
   kPresenceRefused,
+  kConnectionsDropped,
+  kConnectionsEnded,
   kRobotsAdopted,
   kLeaseRenewals,
   kLeaseFailing,

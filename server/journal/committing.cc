@@ -73,6 +73,8 @@ Step Committing::Commit() {
   context_.probe.runs_closed_for_bound.Add(
       static_cast<std::int64_t>(context_.store.TakeRunsClosed()));
   FinishPresence(std::span(*outcomes).subspan(records));
+  context_.inbox.CountConnectionsCommitted(batch_.batch().connections.size());
+  batch_.ClearConnections();
   NoteQuarantined(*outcomes);
   outcomes->resize(records);
   outcomes_ = *std::move(outcomes);

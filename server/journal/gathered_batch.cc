@@ -47,6 +47,14 @@ void MoveRest(std::vector<Item>& items, std::vector<Origin>& origins, std::size_
   items.erase(items.begin() + static_cast<std::ptrdiff_t>(keep), items.end());
 }
 
+template <class Item>
+void MoveRest(std::vector<Item>& items, std::size_t keep, std::vector<Item>& rest) {
+  if (items.size() <= keep) return;
+  const auto first = items.begin() + static_cast<std::ptrdiff_t>(keep);
+  rest.assign(std::make_move_iterator(first), std::make_move_iterator(items.end()));
+  items.erase(first, items.end());
+}
+
 }  // namespace
 
 void GatheredBatch::Add(Entry entry) {
@@ -62,7 +70,8 @@ void GatheredBatch::Add(Entry entry) {
 std::size_t GatheredBatch::bytes() const { return BytesOf(origins_) + BytesOf(gap_origins_); }
 
 std::size_t GatheredBatch::longest() const {
-  return std::max({origins_.size(), gap_origins_.size(), batch_.presence.size()});
+  return std::max(
+      {origins_.size(), gap_origins_.size(), batch_.presence.size(), batch_.connections.size()});
 }
 
 GatheredBatch::Dropped GatheredBatch::DropVoid() {
@@ -93,12 +102,8 @@ GatheredBatch::Rest GatheredBatch::TakeRest(std::size_t keep) {
   Rest rest;
   MoveRest(batch_.records, origins_, keep, rest.entries);
   MoveRest(batch_.gaps, gap_origins_, keep, rest.entries);
-  if (batch_.presence.size() > keep) {
-    const auto first = batch_.presence.begin() + static_cast<std::ptrdiff_t>(keep);
-    rest.presence.assign(std::make_move_iterator(first),
-                         std::make_move_iterator(batch_.presence.end()));
-    batch_.presence.erase(first, batch_.presence.end());
-  }
+  MoveRest(batch_.presence, keep, rest.presence);
+  MoveRest(batch_.connections, keep, rest.connections);
   return rest;
 }
 

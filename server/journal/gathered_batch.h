@@ -8,6 +8,7 @@
 #include "server/journal/held_robots.h"
 #include "server/loop/wake.h"
 #include "storage/batch.h"
+#include "storage/connection.h"
 #include "storage/deliveries.h"
 #include "storage/presence.h"
 
@@ -27,6 +28,10 @@ class GatheredBatch final {
   void Add(Entry entry);
   void SetPresence(std::vector<storage::PresenceItem> items) { batch_.presence = std::move(items); }
 
+  void SetConnections(std::vector<storage::ConnectionItem> items) {
+    batch_.connections = std::move(items);
+  }
+
   void SetDeliveries(std::vector<storage::Deliveries> deliveries) {
     batch_.deliveries = std::move(deliveries);
   }
@@ -38,7 +43,7 @@ class GatheredBatch final {
 
   [[nodiscard]] bool empty() const {
     return origins_.empty() && gap_origins_.empty() && batch_.presence.empty() &&
-           batch_.deliveries.empty() && commit_waiters_.empty();
+           batch_.connections.empty() && batch_.deliveries.empty() && commit_waiters_.empty();
   }
   [[nodiscard]] const std::vector<loop::StreamRef>& commit_waiters() const {
     return commit_waiters_;
@@ -47,7 +52,7 @@ class GatheredBatch final {
   [[nodiscard]] std::size_t entries() const { return origins_.size() + gap_origins_.size(); }
   /// Bytes of records and gaps.
   [[nodiscard]] std::size_t bytes() const;
-  /// The number of records, of gaps or of changes of presence, whichever is most.
+  /// The number of records, of gaps, of changes of presence or of connections, whichever is most.
   [[nodiscard]] std::size_t longest() const;
   [[nodiscard]] const storage::Batch& batch() const { return batch_; }
   /// The origins of the records and of the gaps of batch(), in their order.
@@ -72,11 +77,13 @@ class GatheredBatch final {
     /// Records, then gaps.
     std::vector<Entry> entries;
     std::vector<storage::PresenceItem> presence;
+    std::vector<storage::ConnectionItem> connections;
   };
-  /// Removes the entries behind the first `keep` records, gaps and changes of presence, except the
-  /// rest of the last message.
+  /// Removes what is behind the first `keep` records, gaps, changes of presence and connections,
+  /// except the rest of the last message.
   [[nodiscard]] Rest TakeRest(std::size_t keep);
   void ClearPresence() { batch_.presence.clear(); }
+  void ClearConnections() { batch_.connections.clear(); }
   /// Also clears deliveries and the streams that wait for the commit.
   void ClearEntries();
 

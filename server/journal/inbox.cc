@@ -107,12 +107,23 @@ void Inbox::WhenCommitted(loop::StreamRef stream) {
   work_.notify_one();
 }
 
-void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
+void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                         std::optional<model::ConnectionEnd> why) {
   {
     const std::lock_guard lock(mutex_);
-    presence_.Note(robot, presence, at);
+    presence_.Note(robot, presence, at, why);
   }
   work_.notify_one();
+}
+
+bool Inbox::NoteConnection(storage::ConnectionItem item) {
+  item = storage::Bounded(std::move(item));
+  {
+    const std::lock_guard lock(mutex_);
+    if (!connections_.Note(std::move(item))) return false;
+  }
+  work_.notify_one();
+  return true;
 }
 
 void Inbox::Adopt(AdoptEntry entry) {

@@ -14,6 +14,7 @@
 #include "schema/base/clock.h"
 #include "server/journal/adopt_queue.h"
 #include "server/journal/ask_queue.h"
+#include "server/journal/connection_log.h"
 #include "server/journal/entry.h"
 #include "server/journal/entry_queue.h"
 #include "server/journal/gateway_use.h"
@@ -36,15 +37,16 @@ enum class Room : std::uint8_t {
 };
 
 /// Everything that waits for the writer: records and gaps in a bounded queue, streams to open,
-/// drones to claim, changes of presence, and a requested checkpoint. Taken work that is not done
-/// still counts as waiting.
+/// drones to claim, changes of presence, connections, and a requested checkpoint. Taken work that
+/// is not done still counts as waiting.
 ///
-/// Limits: JournalLimits.records_max and bytes_max, kept by the callers that append; AskQueue's and
-///         PresenceLog's.
+/// Limits: JournalLimits.records_max and bytes_max, kept by the callers that append; AskQueue's,
+///         PresenceLog's and ConnectionLog's.
 /// Thread: thread-safe by one mutex. WriterInbox has the writer's functions.
 class Inbox final {
  public:
-  Inbox(const JournalLimits& limits, const Clock& clock) : limits_(limits), clock_(clock) {}
+  Inbox(const JournalLimits& limits, const Clock& clock)
+      : limits_(limits), clock_(clock), connections_(limits.connections_max) {}
 
   // Comments are in journal.h.
 
@@ -56,7 +58,10 @@ class Inbox final {
   void AppendGap(robot::CommitClient& client, const AppendedBy& by, storage::GapItem gap);
   void Remember(storage::Deliveries deliveries);
   void WhenCommitted(loop::StreamRef stream);
-  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
+  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                    std::optional<model::ConnectionEnd> why = {});
+  /// False if too many wait.
+  [[nodiscard]] bool NoteConnection(storage::ConnectionItem item);
   void Adopt(AdoptEntry entry);
   void Lose(LossEntry entry);
   void Leave(LeaveEntry entry);
@@ -74,7 +79,8 @@ class Inbox final {
   [[nodiscard]] milliseconds oldest(SteadyTime now) const;
   [[nodiscard]] bool idle() const {
     return records_.load() == 0 && opens_.unanswered() == 0 && claims_.unanswered() == 0 &&
-           presence_.uncommitted() == 0 && !checkpoint_open_.load();
+           presence_.uncommitted() == 0 && connections_.uncommitted() == 0 &&
+           !checkpoint_open_.load();
   }
 
  private:
@@ -99,7 +105,14 @@ class Inbox final {
   /// Something for a batch waits. Under the lock.
   [[nodiscard]] bool HasBatch() const {
     return !queue_.empty() || !presence_.empty() || !deliveries_.empty() ||
-           !waiting_for_commit_.empty();
+           !waiting_for_commit_.empty() || ConnectionsMayGo();
+  }
+  /// A new robot has its row once its stream is opened or it is claimed: connections wait for that,
+  /// unless it takes so long that they would be lost.
+  [[nodiscard]] bool ConnectionsMayGo() const {
+    const bool rows_are_made = opens_.empty() && claims_.empty();
+    return !connections_.empty() &&
+           (rows_are_made || connections_.size() >= limits_.connections_max / 2);
   }
 
   const JournalLimits limits_;
@@ -112,6 +125,7 @@ class Inbox final {
   ClaimQueue claims_;
   AdoptQueue adopts_;
   PresenceLog presence_;
+  ConnectionLog connections_;
   /// At most one item: the last kDeliveriesWaitingMax rows of the latest lease.
   std::vector<storage::Deliveries> deliveries_;
   std::vector<Waiter> waiting_for_room_;

@@ -11,6 +11,7 @@ namespace uplink::journal {
 Journal::Journal(storage::Store& store, const JournalLimits& limits, const Clock& clock,
                  metrics::Ledger& ledger, JournalProbe& probe, const storage::ProcessId& process)
     : inbox_(limits, clock),
+      probe_(probe),
       writer_inbox_(inbox_),
       errors_(probe),
       retain_error_(probe.retention_failing),
@@ -61,9 +62,16 @@ void Journal::AppendGap(robot::CommitClient& client, const AppendedBy& by, stora
 
 void Journal::Remember(storage::Deliveries deliveries) { inbox_.Remember(std::move(deliveries)); }
 
-void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence,
-                           SystemTime at) {
-  inbox_.NotePresence(robot, presence, at);
+void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                           std::optional<model::ConnectionEnd> why) {
+  inbox_.NotePresence(robot, presence, at, why);
+}
+
+void Journal::NoteConnection(storage::ConnectionItem item) {
+  const storage::RobotRef robot = item.robot;
+  if (inbox_.NoteConnection(std::move(item))) return;
+  probe_.connections_dropped.Add();
+  if (connection_dropped_) connection_dropped_(*robot);
 }
 
 void Journal::Adopt(AdoptEntry entry) { inbox_.Adopt(std::move(entry)); }
@@ -96,6 +104,13 @@ void Journal::OnMoved(std::function<void(const Moved&)> told) {
   UPLINK_CHECK(!moved_, "one listener hears of robots that move to another fleet");
   moved_ = std::move(told);
 }
+
+void Journal::OnConnectionDropped(std::function<void(const model::RobotId&)> told) {
+  UPLINK_CHECK(!connection_dropped_, "one listener hears of connections that are dropped");
+  connection_dropped_ = std::move(told);
+}
+
+void Journal::EndConnections(IsOver is_over) { turns_->EndConnections(std::move(is_over)); }
 
 void Journal::RequestCheckpoint() {
   if (checkpoints_) inbox_.RequestCheckpoint();

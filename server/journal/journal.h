@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/journal/connection_ends.h"
 #include "server/journal/duty.h"
 #include "server/journal/entry.h"
 #include "server/journal/events.h"
@@ -28,6 +30,7 @@
 #include "storage/batch.h"
 #include "storage/claim.h"
 #include "storage/commit_record.h"
+#include "storage/connection.h"
 #include "storage/deliveries.h"
 #include "storage/identity.h"
 #include "storage/open_stream.h"
@@ -48,7 +51,7 @@ class Turns;
 ///
 /// Inbox holds waiting entries; Turns, the writer's side, processes them.
 ///
-/// Thread: thread-safe; call CheckpointFrom, OnSpatial, OnReconnected, OnSlowCommit and OnMoved
+/// Thread: thread-safe; call CheckpointFrom, EndConnections and what begins with On
 ///         before other threads use it.
 class Journal final {
  public:
@@ -95,7 +98,14 @@ class Journal final {
   /// A robot's presence changed: a record of the server's own, dropped if this process does not
   /// hold the robot. Only idle() counts it, and it holds no stream back: at most one per robot
   /// waits.
-  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
+  /// `why` is storage::PresenceItem::why.
+  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                    std::optional<model::ConnectionEnd> why = {});
+  /// A robot's connection began, goes on, or ended: all that is known of it now. Never waits, and
+  /// holds no stream back: it is written with a later commit, and several notes of one connection
+  /// are written as the last. Dropped (OnConnectionDropped) if connections_max others wait, and if
+  /// its robot has no row by then: note the beginning after Open or Claim. Only idle() counts it.
+  void NoteConnection(storage::ConnectionItem item);
 
   /// The robot's holder is over: adopts it, unless another process does so first.
   void Adopt(AdoptEntry entry);
@@ -122,6 +132,12 @@ class Journal final {
   /// Calls `told` for each robot that an OpenStream moved to another fleet, on the writer's thread:
   /// it must be short. Call at most once, as OnReconnected.
   void OnMoved(std::function<void(const Moved&)> told);
+  /// Calls `told` for each connection that was dropped since too many wait, with its robot, on the
+  /// thread that noted it: it must be short. Call at most once, as OnReconnected.
+  void OnConnectionDropped(std::function<void(const model::RobotId&)> told);
+  /// From now on ends the connections of servers that are over and left them open. Call at most
+  /// once, before the writer starts.
+  void EndConnections(IsOver is_over);
   /// Requests a round of checkpoints that begins after this; idle() is false until it has ended.
   /// While the store is away it is tried again.
   void RequestCheckpoint();
@@ -160,6 +176,7 @@ class Journal final {
 
  private:
   Inbox inbox_;
+  JournalProbe& probe_;
   WriterInbox writer_inbox_;
   StoreErrors errors_;
   QuarantineNotes quarantine_;
@@ -173,6 +190,7 @@ class Journal final {
   std::function<void(Reconnected)> store_reconnected_;
   std::function<void(const SlowCommit&)> slow_commit_;
   std::function<void(const Moved&)> moved_;
+  std::function<void(const model::RobotId&)> connection_dropped_;
   const std::unique_ptr<Turns> turns_;
 };
 

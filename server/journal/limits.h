@@ -37,6 +37,12 @@ inline constexpr std::size_t kPassedMax = 4096;
 /// of the gateway have this many shares.
 inline constexpr std::size_t kGatewaySharesMax = 2;
 
+/// Connections of robots that wait for the store, about a kilobyte each, over all journals: the
+/// begins and ends of a large fleet that connects anew while the store is away.
+inline constexpr std::size_t kConnectionsWaitingMax = 16'384;
+/// Those of one commit: they must not hold up its acks.
+inline constexpr std::size_t kConnectionsPerCommitMax = 128;
+
 struct JournalLimits {
   /// Bytes above which streams are held back (journal.bytes_max).
   std::size_t bytes_max = config::JournalConfig().bytes_max;
@@ -53,6 +59,8 @@ struct JournalLimits {
   /// one robot's share if that is more. With kGatewaySharesMax, half of the journal is left for
   /// others.
   std::size_t gateway_share = 4;
+  /// Connections of robots that wait for the store; others are dropped.
+  std::size_t connections_max = kConnectionsWaitingMax;
   /// Whether this journal sweeps the store, and keeps its histories to their age: one journal of a
   /// server does.
   bool sweeps = true;
@@ -70,6 +78,10 @@ inline constexpr std::chrono::milliseconds kSweepAgain{100};
 /// How often the quarantine of robots that filled theirs is checked, and how many robots per call.
 inline constexpr std::chrono::seconds kTrimInterval{10};
 inline constexpr std::size_t kTrimRobotsPerCall = 4;
+
+/// How soon connections of other servers are looked at again while it is in question whether their
+/// server is over.
+inline constexpr std::chrono::milliseconds kEndsAgain{2'500};
 
 /// How often old rows of histories are deleted; how soon again while the store is away, and after
 /// other errors.

@@ -34,8 +34,11 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
   handed_.erase(handed);
   if (stored) handed_[robot->ruri] = *stored;
   const auto waits = waiting_.find(robot->ruri);
-  Note(robot, waits == waiting_.end() ? told.presence : waits->second.presence,
-       waits == waiting_.end() ? told.since : waits->second.at);
+  if (waits == waiting_.end()) {
+    Note(robot, told.presence, told.since);
+  } else {
+    Note(robot, waits->second.presence, waits->second.at, waits->second.why);
+  }
   return true;
 }
 
@@ -57,11 +60,12 @@ bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put
   // A later change may be none any more.
   const auto waits = waiting_.find(item.robot->ruri);
   const storage::PresenceItem last = waits == waiting_.end() ? item : waits->second;
-  Note(last.robot, last.presence, last.at);
+  Note(last.robot, last.presence, last.at, last.why);
   return false;
 }
 
-void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at) {
+void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                       std::optional<model::ConnectionEnd> why) {
   const auto held = held_.find(robot->ruri);
   if (held == held_.end()) return;
   const auto handed = handed_.find(robot->ruri);
@@ -71,7 +75,7 @@ void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence,
   }
   if (handed != handed_.end()) at = std::max(at, handed->second.since);
   const auto [item, first] = waiting_.insert_or_assign(
-      robot->ruri, storage::PresenceItem{robot, presence, at, 0, held->second});
+      robot->ruri, storage::PresenceItem{robot, presence, at, 0, held->second, why});
   if (first) uncommitted_.fetch_add(1);
 }
 

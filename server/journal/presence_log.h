@@ -43,7 +43,9 @@ class PresenceLog final {
   /// Notes a change; dropped if the robot is not held. If it is dated before the last one that was
   /// handed over, or that a former holder wrote by another clock, it gets that date: the latest row
   /// is the one with the latest date.
-  void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at);
+  /// `why` is PresenceItem::why.
+  void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+            std::optional<model::ConnectionEnd> why = {});
 
   /// Hands over at most `items_max` changes, numbered; changes that were put back go alone. The
   /// caller commits them in order, or puts them back, before it takes more.

@@ -20,6 +20,10 @@ struct JournalProbe {
   std::array<metrics::Cell, 3> presence_changes;
   /// Changes of presence that the store refused because another process held the robot.
   metrics::Cell presence_refused;
+  /// Connections of robots that were not written: too many waited for the store.
+  metrics::Cell connections_dropped;
+  /// Connections that were ended for a server that is over.
+  metrics::Cell connections_ended;
   /// Robots for which the store, after a new connection, had less than it had confirmed.
   metrics::Cell went_back;
   /// When that was last found; the epoch if it never was. Any thread.

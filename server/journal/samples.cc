@@ -48,6 +48,8 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
              {ToText(presence)});
   }
   page.Add(kPresenceRefused, probe.presence_refused);
+  page.Add(kConnectionsDropped, probe.connections_dropped);
+  page.Add(kConnectionsEnded, probe.connections_ended);
   page.Add(kRobotsAdopted, probe.adopted);
   page.Add(kExpiredDeleted, probe.expired_deleted);
   page.Add(kMissionRunsClosed, probe.runs_closed_for_bound, {"bound"});

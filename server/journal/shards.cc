@@ -87,6 +87,7 @@ JournalLimits ShareOf(const JournalLimits& all, std::size_t shards) {
   JournalLimits share = all;
   share.bytes_max = std::max<std::size_t>(all.bytes_max / shards, 1);
   share.records_max = std::max<std::size_t>(all.records_max / shards, 1);
+  share.connections_max = std::max<std::size_t>(all.connections_max / shards, 1);
   return share;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -22,8 +23,13 @@ class Shards final {
   [[nodiscard]] const std::vector<Journal*>& all() const { return journals_; }
 
   // As Journal's, in the robot's journal.
-  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at) const {
-    Of(robot->ruri).NotePresence(robot, presence, at);
+  void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
+                    std::optional<model::ConnectionEnd> why = {}) const {
+    Of(robot->ruri).NotePresence(robot, presence, at, why);
+  }
+  void NoteConnection(storage::ConnectionItem item) const {
+    Journal& journal = Of(item.robot->ruri);
+    journal.NoteConnection(std::move(item));
   }
   void Adopt(AdoptEntry entry) const {
     Journal& journal = Of(entry.request.robot->ruri);

@@ -25,12 +25,13 @@ Turns::Turns(const WriterContext& context, const JournalLimits& limits,
       // At once: a store may need room for today.
       retention_(context, limits.retains ? context.clock.Steady() : Duty::kNever),
       quarantine_trim_(context),
+      connection_ends_(context),
       checkpoints_(context, holds_) {}
 
 void Turns::WaitForWork(const std::stop_token& stop) {
-  const SteadyTime due =
-      std::min({clock_.Steady() + kSweepInterval, expiry_sweep_.duty().due(),
-                retention_.duty().due(), quarantine_trim_.due(), checkpoints_.duty().due()});
+  const SteadyTime due = std::min({clock_.Steady() + kSweepInterval, expiry_sweep_.duty().due(),
+                                   retention_.duty().due(), quarantine_trim_.due(),
+                                   connection_ends_.duty().due(), checkpoints_.duty().due()});
   inbox_.WaitUntil(due, stop);
 }
 
@@ -94,6 +95,7 @@ std::optional<Step> Turns::AdvanceDuty() {
   if (expiry_sweep_.duty().IsDue(now)) return expiry_sweep_.Do();
   if (retention_.duty().IsDue(now)) return retention_.Do();
   if (now >= quarantine_trim_.due()) return quarantine_trim_.Do();
+  if (connection_ends_.duty().IsDue(now)) return connection_ends_.Do();
   after_duty_ = false;
   return std::nullopt;
 }

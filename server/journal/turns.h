@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <stop_token>
+#include <utility>
 
 #include "schema/base/clock.h"
 #include "server/journal/adopting.h"
@@ -9,6 +10,7 @@
 #include "server/journal/claiming.h"
 #include "server/journal/committing.h"
 #include "server/journal/comparing.h"
+#include "server/journal/connection_ends.h"
 #include "server/journal/expiry_sweep.h"
 #include "server/journal/holds.h"
 #include "server/journal/limits.h"
@@ -35,6 +37,9 @@ class Turns final {
     checkpoints_.SetSource(live, every);
   }
 
+  /// Before the first Advance: ConnectionEnds::Begin.
+  void EndConnections(IsOver is_over) { connection_ends_.Begin(std::move(is_over)); }
+
   /// Does the next step. OpenStreams, the commit and the report of its outcomes are separate steps,
   /// so that a test can stop the process between any two.
   Step Advance();
@@ -48,7 +53,8 @@ class Turns final {
   /// Empty if no robot changes hands and no drone waits to be claimed.
   std::optional<Step> AdvanceHands();
   bool GatherOpens();
-  /// Deletes rows that expired, are too old, or exceed their bound; empty if no duty is due.
+  /// Deletes rows that expired, are too old, or exceed their bound, or ends connections that were
+  /// left open; empty if no duty is due.
   std::optional<Step> AdvanceDuty();
 
   const Clock& clock_;
@@ -62,6 +68,7 @@ class Turns final {
   ExpirySweep expiry_sweep_;
   Retention retention_;
   QuarantineTrim quarantine_trim_;
+  ConnectionEnds connection_ends_;
   CheckpointRounds checkpoints_;
   /// The last call opened streams, adopted or claimed while records waited, which are next.
   bool batch_turn_ = false;

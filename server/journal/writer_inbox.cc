@@ -73,6 +73,10 @@ GatheredBatch WriterInbox::Fill(GatheredBatch batch, const BatchBounds& bounds,
                                 const HeldRobots& held) {
   const std::lock_guard lock(inbox_.mutex_);
   batch.SetPresence(inbox_.presence_.Take(bounds.records_max));
+  if (inbox_.ConnectionsMayGo()) {
+    batch.SetConnections(
+        inbox_.connections_.Take(std::min(bounds.records_max, kConnectionsPerCommitMax)));
+  }
   batch.SetDeliveries(std::exchange(inbox_.deliveries_, {}));
   batch.SetCommitWaiters(std::exchange(inbox_.waiting_for_commit_, {}));
   const auto oldest = inbox_.queue_.MoveTo(batch, bounds, held);
@@ -84,6 +88,7 @@ void WriterInbox::PutBack(GatheredBatch::Rest rest) {
   const std::lock_guard lock(inbox_.mutex_);
   inbox_.queue_.PutBack(std::move(rest.entries));
   inbox_.presence_.PutBack(std::move(rest.presence));
+  inbox_.connections_.PutBack(std::move(rest.connections));
 }
 
 void WriterInbox::Release(const Done& done) {

@@ -61,8 +61,8 @@ class WriterInbox final {
 
   // --- Batches ---
 
-  /// Moves the next entries into the empty `batch`: changes of presence, records and gaps
-  /// (EntryQueue::MoveTo).
+  /// Moves the next entries into the empty `batch`: changes of presence, connections, records and
+  /// gaps (EntryQueue::MoveTo).
   [[nodiscard]] GatheredBatch Fill(GatheredBatch batch, const BatchBounds& bounds,
                                    const HeldRobots& held);
   /// Puts taken entries back to the front.
@@ -77,6 +77,7 @@ class WriterInbox final {
   /// Taken records and gaps are done; wakes streams that wait for room, if there is some.
   void Release(const Done& done);
   void CountPresenceCommitted(std::size_t count) { inbox_.presence_.CountCommitted(count); }
+  void CountConnectionsCommitted(std::size_t count) { inbox_.connections_.CountCommitted(count); }
 
   // --- Checkpoints ---
 

@@ -1,5 +1,6 @@
 #include "server/run/store_side.h"
 
+#include <optional>
 #include <utility>
 
 #include "server/config/config.h"
@@ -53,6 +54,11 @@ store::Writers::Context StoreSide::WritersContext() {
           .spatial_committed = context_.spatial_committed,
           .store_reconnected = context_.reconnected,
           .checkpoint_every = context_.config.store.checkpoint,
+          .is_over = [this](const storage::ProcessId& process) -> std::optional<bool> {
+            const auto verdict = leases_.VerdictOf(process);
+            if (!verdict) return std::nullopt;
+            return verdict->over != store::Over::kNo;
+          },
           .logger = &context_.logger};
 }
 

@@ -21,9 +21,13 @@ void TellMove(log::RateLimited& lines, const journal::Moved& moved) {
       {{"robot", moved.ruri}, {"from", moved.from}, {"to", moved.to}, {"gateway", moved.gateway}});
 }
 
+std::unique_ptr<log::RateLimited> LinesOf(const log::Logger* logger) {
+  return logger == nullptr ? nullptr : std::make_unique<log::RateLimited>(*logger);
+}
+
 std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
     std::span<const std::unique_ptr<storage::Store>> stores, const Writers::Context& context,
-    log::RateLimited* moves) {
+    log::RateLimited* moves, log::RateLimited* drops) {
   journal::JournalLimits limits = journal::ShareOf(context.limits, stores.size());
   std::vector<std::unique_ptr<journal::Journal>> journals;
   for (std::size_t shard = 0; shard < stores.size(); ++shard) {
@@ -38,11 +42,15 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
           if (to == journal::Reconnected::kMayHaveGoneBack) fleet.NoteStoreReplaced();
           told();
         });
+    if (shard == 0 && context.is_over) journals.back()->EndConnections(context.is_over);
     if (context.logger == nullptr) continue;
     journals.back()->OnSlowCommit([logger = context.logger, shard](const auto& commit) {
       TellSlowCommit(*logger, shard, commit);
     });
     journals.back()->OnMoved([moves](const auto& moved) { TellMove(*moves, moved); });
+    journals.back()->OnConnectionDropped([drops](const model::RobotId& robot) {
+      drops->Write(log::Level::kWarn, "connection_dropped", {{"robot", robot.ruri}});
+    });
   }
   return journals;
 }
@@ -59,9 +67,9 @@ std::vector<journal::Journal*> PointersTo(
 
 Writers::Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context)
     : context_(std::move(context)),
-      moves_(context_.logger == nullptr ? nullptr
-                                        : std::make_unique<log::RateLimited>(*context_.logger)),
-      journals_(MakeJournals(stores, context_, moves_.get())),
+      moves_(LinesOf(context_.logger)),
+      drops_(LinesOf(context_.logger)),
+      journals_(MakeJournals(stores, context_, moves_.get(), drops_.get())),
       shards_(PointersTo(journals_)) {
   if (context_.checkpoint_every == milliseconds(0)) return;
   for (const auto& journal : journals_) {

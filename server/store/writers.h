@@ -46,7 +46,10 @@ class Writers final {
     std::function<void()> store_reconnected = [] {};
     /// How often live states are checkpointed; zero: never.
     milliseconds checkpoint_every{0};
-    /// Writes `robot_moved`, and `commit_slow` at level debug. Null: no such lines.
+    /// journal::Journal::EndConnections, for the journal with the duties; empty: none does it.
+    journal::IsOver is_over{};
+    /// Writes `robot_moved` and `connection_dropped`, and `commit_slow` at level debug. Null: no
+    /// such lines.
     const log::Logger* logger = nullptr;
   };
   /// At least one store; they outlive it.
@@ -67,6 +70,8 @@ class Writers final {
   const Context context_;
   /// Writes `robot_moved` for all journals. Null without a logger; outlives the journals.
   std::unique_ptr<log::RateLimited> moves_;
+  /// The same of `connection_dropped`.
+  std::unique_ptr<log::RateLimited> drops_;
   const std::vector<std::unique_ptr<journal::Journal>> journals_;
   const journal::Shards shards_;
   /// One per journal, if there are checkpoints.

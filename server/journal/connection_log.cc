@@ -1,0 +1,53 @@
+#include "server/journal/connection_log.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace uplink::journal {
+
+bool ConnectionLog::Note(storage::ConnectionItem item) {
+  const auto known = places_.find(KeyOf(item));
+  if (known != places_.end()) {
+    storage::ConnectionItem& waiting = *known->second;
+    if (!storage::Replaces(item, waiting)) return true;
+    // The key's view is of this one.
+    item.robot = waiting.robot;
+    waiting = std::move(item);
+    return true;
+  }
+  if (uncommitted_.load() >= connections_max_) return false;
+  waiting_.push_back(std::move(item));
+  places_.emplace(KeyOf(waiting_.back()), std::prev(waiting_.end()));
+  uncommitted_.fetch_add(1);
+  return true;
+}
+
+std::vector<storage::ConnectionItem> ConnectionLog::Take(std::size_t items_max) {
+  std::vector<storage::ConnectionItem> items;
+  items.reserve(std::min(items_max, waiting_.size()));
+  while (!waiting_.empty() && items.size() < items_max) {
+    places_.erase(KeyOf(waiting_.front()));
+    items.push_back(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  return items;
+}
+
+void ConnectionLog::PutBack(std::vector<storage::ConnectionItem> items) {
+  for (auto item = items.rbegin(); item != items.rend(); ++item) {
+    const auto known = places_.find(KeyOf(*item));
+    if (known != places_.end()) {
+      storage::ConnectionItem& waiting = *known->second;
+      if (!storage::Replaces(waiting, *item)) {
+        item->robot = waiting.robot;
+        waiting = std::move(*item);
+      }
+      uncommitted_.fetch_sub(1);
+      continue;
+    }
+    waiting_.push_front(std::move(*item));
+    places_.emplace(KeyOf(waiting_.front()), waiting_.begin());
+  }
+}
+
+}  // namespace uplink::journal
