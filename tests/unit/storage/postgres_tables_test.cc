@@ -7,6 +7,7 @@
 
 #include "storage/postgres/tables/insert.h"
 #include "storage/postgres/tables/present_sql.h"
+#include "storage/tables/connections.h"
 #include "storage/tables/latest.h"
 #include "storage/tables/set_aside.h"
 
@@ -14,12 +15,13 @@ namespace uplink::storage::postgres {
 namespace {
 
 TEST(InsertSql, NamesEachColumnInTheOrderOfItsParameters) {
-  EXPECT_EQ(InsertSql(kPresenceChangesTable).view(),
-            "INSERT INTO uplinkd.presence_changes AS t (ruri, changed_at, entry, fleet, presence)"
-            " SELECT ruri, changed_at, (SELECT currval('uplinkd.batches') << 20) + entry, fleet,"
-            " presence"
-            " FROM unnest($1::text[], $2::timestamptz[], $3::int[], $4::text[], $5::int[])"
-            " AS u (ruri, changed_at, entry, fleet, presence)");
+  EXPECT_EQ(
+      InsertSql(kPresenceChangesTable).view(),
+      "INSERT INTO uplinkd.presence_changes AS t (ruri, changed_at, entry, fleet, presence,"
+      " why) SELECT ruri, changed_at, (SELECT currval('uplinkd.batches') << 20) + entry, fleet,"
+      " presence, why"
+      " FROM unnest($1::text[], $2::timestamptz[], $3::int[], $4::text[], $5::int[],"
+      " $6::int[]) AS u (ruri, changed_at, entry, fleet, presence, why)");
 }
 
 TEST(InsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {
@@ -28,6 +30,15 @@ TEST(InsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {
           .view()
           .ends_with(" ON CONFLICT (ruri, session, first) DO UPDATE SET last ="
                      " CASE WHEN t.last < excluded.last THEN excluded.last ELSE t.last END"));
+}
+
+TEST(InsertSql, UpdatesOnlyTheRowsThatTheTableNames) {
+  const SqlText sql = InsertSql(kConnectionsTable, "WITH known AS (SELECT 1) ", " WHERE known");
+  EXPECT_TRUE(sql.view().starts_with("WITH known AS (SELECT 1) INSERT INTO uplinkd.connections"));
+  EXPECT_NE(sql.view().find(" WHERE known ON CONFLICT (ruri, id) DO UPDATE SET agent_version ="),
+            std::string_view::npos);
+  EXPECT_TRUE(
+      sql.view().ends_with(" WHERE t.is_open OR (t.ended_why = 9 AND NOT excluded.is_open)"));
 }
 
 TEST(InsertSql, CountsPastNineParameters) {
@@ -45,7 +56,7 @@ TEST(AddInsert, FillsEveryColumnOnceForEachRow) {
   AddInsert<kPresenceChangesTable>(std::vector<PresenceChange>{{&online, 1}, {&offline, 2}}, calls);
   ASSERT_EQ(calls.size(), 1U);
   EXPECT_EQ(calls[0].sql, InsertSql(kPresenceChangesTable).view());
-  ASSERT_EQ(calls[0].parameters.values().size(), 5U);
+  ASSERT_EQ(calls[0].parameters.values().size(), 6U);
   Array presences(Type::kInt4);
   presences.Int4(static_cast<std::int32_t>(model::Presence::kOnline));
   presences.Int4(static_cast<std::int32_t>(model::Presence::kOffline));

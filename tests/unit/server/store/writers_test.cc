@@ -13,7 +13,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "schema/model/ids.h"
 #include "server/journal/turns.h"
+#include "storage/connection.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fake_store.h"
 #include "tests/unit/server/log/line_recorder.h"
@@ -21,9 +23,11 @@
 namespace uplink::store {
 namespace {
 
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class WritersTest : public ::testing::Test {
  protected:
@@ -92,6 +96,27 @@ TEST_F(WritersTest, ARobotThatMovesToAnotherFleetIsALineOfTheLog) {
       log.lines,
       ElementsAre(EndsWith(
           " info robot_moved robot=rcan://bench/1 from=north to=south gateway=\"CN=hall\"")));
+}
+
+TEST_F(WritersTest, AConnectionThatIsNotKeptIsALineOfTheLog) {
+  const log::testing::RecordedLog log(clock_, log::Format::kText, log::Level::kInfo);
+  Writers writers(stores_, {.clock = clock_,
+                            .ledgers = ledgers_,
+                            .probe = probe_,
+                            .fleet = fleet_,
+                            .random = [] { return std::uint64_t{0}; },
+                            .limits = {.connections_max = 0},
+                            .logger = &log.logger});
+  storage::ConnectionItem item;
+  item.robot = std::make_shared<const model::RobotId>(model::RobotId{"rcan://bench/1", "f"});
+  for (std::uint8_t id = 0; id < 3; ++id) {
+    item.id = {id};
+    writers.journals().NoteConnection(item);
+  }
+  // One waits: each shard has room for one.
+  EXPECT_THAT(log.lines, SizeIs(2));
+  EXPECT_THAT(log.lines, Each(EndsWith(" warn connection_dropped robot=rcan://bench/1")));
+  EXPECT_EQ(probe_.connections_dropped.value(), 2);
 }
 
 class WritersReconnect : public WritersTest {
