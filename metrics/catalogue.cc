@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "metrics/catalogue_labels.h"
@@ -13,6 +15,8 @@ namespace {
 
 using enum MetricId;
 using enum MetricType;
+
+constexpr std::span<const std::string_view> kNoLabels;
 
 constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kUplinksReceived, "uplinkd_uplinks_received_total", kCounter, "messages",
@@ -61,21 +65,10 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Changes of presence that were stored, by what they led to.", kByPresence},
     {kPresenceRefused, "uplinkd_presence_refused_total", kCounter, "changes",
      "Changes of presence that the store refused: the server did not hold the robot."},
-    {kConnectionsDropped,
-     "uplinkd_connection_rows_dropped_total",
-     kCounter,
-     "rows",
-     "Beginnings and ends of robots' connections that were not kept: too many waited for the "
-     "store.",
-     {},
-     "0.2.0"},
-    {kConnectionsEnded,
-     "uplinkd_connection_rows_closed_total",
-     kCounter,
-     "rows",
-     "Connections that a server left open and this one closed, because that server was over.",
-     {},
-     "0.2.0"},
+    {kConnectionsDropped, "uplinkd_connection_rows_dropped_total", kCounter, "rows",
+     "Robots' connections that were not kept as they were: too many waited.", kNoLabels, "0.2.0"},
+    {kConnectionsEnded, "uplinkd_connection_rows_closed_total", kCounter, "rows",
+     "Connections that a server that is over left open.", kNoLabels, "0.2.0"},
     {kRobotsAdopted, "uplinkd_robots_adopted_total", kCounter, "robots",
      "Robots that this server adopted, because the server that held them was over."},
     {kLeaseRenewals, "uplinkd_lease_renewals_total", kCounter, "renewals",

@@ -10,8 +10,8 @@
 
 namespace uplink::journal {
 
-/// Whether a process is over, as far as this one knows; empty: not known yet, ask again. Called on
-/// the writer's thread: short.
+/// Whether a process is over; empty: that is not known yet, ask again. Called on the writer's
+/// thread: short.
 using IsOver = std::function<std::optional<bool>(const storage::ProcessId& process)>;
 
 /// The duty that ends connections of servers that are over and did not tell their end: those that a
