@@ -55,7 +55,7 @@ TEST(ConnectionLog, HandsOverEachOnceAsItWasNotedLast) {
 
 TEST(ConnectionLog, HandsOverNoMoreThanItIsAskedFor) {
   ConnectionLog log(9);
-  for (const std::uint8_t id : {1, 2, 3}) EXPECT_TRUE(log.Note(Item(id)));
+  for (std::uint8_t id = 1; id <= 3; ++id) EXPECT_TRUE(log.Note(Item(id)));
   EXPECT_THAT(Lines(log.Take(2)), ElementsAre("a1:0", "a2:0"));
   EXPECT_THAT(Lines(log.Take(2)), ElementsAre("a3:0"));
   EXPECT_THAT(log.Take(2), IsEmpty());
@@ -63,7 +63,7 @@ TEST(ConnectionLog, HandsOverNoMoreThanItIsAskedFor) {
 
 TEST(ConnectionLog, WhatIsPutBackGoesFirstUnlessItWasNotedSince) {
   ConnectionLog log(9);
-  for (const std::uint8_t id : {1, 2, 3}) EXPECT_TRUE(log.Note(Item(id)));
+  for (std::uint8_t id = 1; id <= 3; ++id) EXPECT_TRUE(log.Note(Item(id)));
   std::vector<ConnectionItem> taken = log.Take(2);
   EXPECT_TRUE(log.Note(Ended(2, 4)));
   log.PutBack(std::move(taken));
