@@ -14,6 +14,7 @@
 #include "schema/base/clock.h"
 #include "server/robot/calls.h"
 #include "server/robot/commit_client.h"
+#include "server/robot/connection_lines.h"
 #include "server/robot/durable_flow.h"
 #include "server/robot/rates.h"
 #include "server/robot/robot_sessions.h"
@@ -116,6 +117,7 @@ class Robot final : public CommitClient {
   /// For its stream alone: one for malformed messages, one for messages over their rate.
   Throttle throttle;
   Throttle limited_throttle;
+  ConnectionLines connection_lines;
 
  private:
   enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };

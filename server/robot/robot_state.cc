@@ -278,6 +278,7 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
                          .backlog = backlog_,
                          .fields_dropped = fields_dropped_,
                          .keys_evicted = keys_evicted_,
+                         .last_end = last_end_,
                          .foreign = foreign_};
   switch (parts) {
     case Parts::kNone:

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "schema/model/connection.h"
 #include "schema/model/record.h"
 #include "server/robot/backlog.h"
 #include "server/robot/clock_skew.h"
@@ -34,6 +35,8 @@ struct StateSnapshot {
   std::optional<Backlog> backlog{};
   std::int64_t fields_dropped = 0;
   std::uint64_t keys_evicted = 0;
+  /// As RobotState::last_end.
+  std::optional<model::ConnectionEnd> last_end;
   /// Set if another process holds the robot. Then parts, last sign and skew are unknown here.
   std::optional<Foreign> foreign;
 };
@@ -136,6 +139,25 @@ class RobotState final {
   /// As above; leaves out runs that ended meanwhile.
   void Restore(Reported before, storage::Epoch held_since);
 
+  // --- Its connections: streams, a twin's clients, connections of a drone's calls ---
+
+  /// One begins.
+  void BeginConnection() {
+    const std::lock_guard lock(mutex_);
+    ++connections_;
+    last_end_.reset();
+  }
+  /// One ends, for each that began.
+  void EndConnection(model::ConnectionEnd why) {
+    const std::lock_guard lock(mutex_);
+    if (--connections_ == 0) last_end_ = why;
+  }
+  /// Why the last one ended; empty while one is open, and before the first.
+  [[nodiscard]] std::optional<model::ConnectionEnd> last_end() const {
+    const std::lock_guard lock(mutex_);
+    return last_end_;
+  }
+
   // --- Who holds the robot ---
 
   /// A stream of it began here at `now`. From now on this process judges it, even if another one
@@ -220,6 +242,9 @@ class RobotState final {
   /// was heard then is not newer than the store's state.
   bool claim_ended_unheld_ = false;
   bool needs_restore_ = false;
+  std::uint32_t connections_ = 0;
+  /// Set while there are none.
+  std::optional<model::ConnectionEnd> last_end_;
 };
 
 }  // namespace uplink::robot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include <openssl/types.h>
+
+#include "schema/base/clock.h"
+#include "storage/connection.h"
+
+namespace uplink::identity {
+
+/// What tells one client certificate from others. It takes less memory than its texts, since each
+/// connection has one. A value.
+struct ShownCertificate {
+  using Sha256 = std::array<std::uint8_t, 32>;
+
+  /// Hexadecimal, in upper case; empty: no certificate.
+  std::string serial = {};
+  /// Of the certificate (DER) and of its public key (SPKI, DER).
+  Sha256 sha256{};
+  Sha256 key_sha256{};
+  SystemTime not_after{};
+};
+
+/// Bytes of a serial number's text that are kept: 20 bytes (RFC 5280), and as many again of
+/// certificates that do not keep to that.
+inline constexpr std::size_t kSerialTextBytesMax = 80;
+
+/// The facts of a certificate. Computes two digests, some microseconds.
+[[nodiscard]] ShownCertificate ShownBy(const X509& certificate);
+/// As texts, as lists of connections have them.
+[[nodiscard]] storage::CertificateFacts FactsOf(const ShownCertificate& certificate);
+
+/// The end of the certificate's life; the epoch if it cannot be read.
+[[nodiscard]] SystemTime NotAfterOf(const X509& certificate);
+
+}  // namespace uplink::identity
