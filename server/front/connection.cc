@@ -8,6 +8,7 @@
 
 namespace uplink::front {
 
+using transport::EndCause;
 using transport::TurnedAway;
 
 Connection::Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, Setup setup)
@@ -106,13 +107,7 @@ void Connection::OnReceiveEnd() {
   if (phase_ == Phase::kOpen && !grpc_->ends() && !grpc_->served() && !grpc_->answered()) {
     thread_.book.Note(TurnedAway::kNoStream, origin_, thread_.clock.Steady());
   }
-  Close();
-}
-
-void Connection::OnUnblocked() {
-  thread_.clock.Advance();
-  lifetime_.SetBlocked(false, {}, thread_.clock.Steady());
-  if (phase_ == Phase::kLinger) socket_.EndOutput();
+  CloseFor(CauseOfReceiveEnd());
 }
 
 Turn Connection::turn() const {
@@ -125,12 +120,6 @@ void Connection::FailHandshake(TurnedAway cause) {
   thread_.debug.HandshakeFailed(id_, origin_,
                                 transport::kTurnedAwayTexts[static_cast<std::size_t>(cause)]);
   thread_.book.NoteFailedHandshake(cause, tls_->detail(), origin_, thread_.clock.Steady());
-}
-
-void Connection::OnCalls(std::size_t calls) {
-  if (grpc_->served()) lifetime_.NoteServed();
-  lifetime_.SetCalls(calls, thread_.clock.Steady());
-  place_.SetStreams(calls);
 }
 
 // --- What is said ---
@@ -160,9 +149,9 @@ bool Connection::Flush() {
   out.clear();
   if (socket_.kept_bytes() > kKeptBytesMax) {
     thread_.book.Note(TurnedAway::kNotRead, origin_, thread_.clock.Steady());
-    good = false;
+    CloseFor(CauseOfBlocked());
   }
-  if (!good) Close();
+  if (!good) CloseFor(CauseOfReceiveEnd());
   return something && phase_ == Phase::kOpen && !socket_.blocked();
 }
 
@@ -217,16 +206,20 @@ void Connection::Evict() {
   Close();
 }
 
-void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end) {
+void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
+                       EndCause cause) {
   if (phase_ == Phase::kHandshake) return Close();
   if (phase_ != Phase::kOpen) return;
   lifetime_.EndBy(end);
-  grpc_->Drain(spread, first, end);
+  grpc_->Drain(spread, first, end, cause);
   Settle();
 }
 
 void Connection::Shutdown() {
-  if (phase_ == Phase::kOpen) grpc_->End();
+  if (phase_ == Phase::kOpen) {
+    grpc_->connection().NoteEnd(EndCause::kServerStops);
+    grpc_->End();
+  }
   static_cast<void>(Flush());
   Close();
 }
@@ -251,10 +244,6 @@ void Connection::LookAtHandshake(SteadyTime now) {
   Close();
 }
 
-milliseconds Connection::UntilExpiry() const {
-  return grpc_->tls_peer().UntilExpiry(thread_.clock.System(), thread_.relay.clock_trust.vouched());
-}
-
 void Connection::LookAtLifetime(SteadyTime now) {
   switch (lifetime_.Take(now, thread_.book.pressed())) {
     case Lifetime::Due::kNothing:
@@ -264,17 +253,20 @@ void Connection::LookAtLifetime(SteadyTime now) {
       return grpc_->http2().Ping();
     case Lifetime::Due::kNotRead:
       thread_.book.Note(TurnedAway::kNotRead, origin_, now);
-      return Close();
+      return CloseFor(CauseOfBlocked());
     case Lifetime::Due::kSilent:
       // While our bytes wait, kNotRead judges how fast the peer takes them.
       if (socket_.blocked() || socket_.TakesSome()) return lifetime_.StillTakes(now);
       thread_.book.Note(TurnedAway::kSilent, origin_, now);
-      return Close();
+      return CloseFor(EndCause::kUnanswered);
     case Lifetime::Due::kAge:
-      return Drain({calls(), now, kAgeGrace}, 0, now + kAgeGrace);
+      return Drain({calls(), now, kAgeGrace}, 0, now + kAgeGrace, EndCause::kAge);
+    case Lifetime::Due::kExpired:
+      return Drain({calls(), now, kAgeGrace}, 0, now + kAgeGrace, EndCause::kExpired);
     case Lifetime::Due::kOver:
       return grpc_->End();
     case Lifetime::Due::kIdle:
+      grpc_->connection().NoteEnd(EndCause::kClosed);
       return grpc_->StopServing();
     case Lifetime::Due::kNoCall:
       if (grpc_->answered()) return grpc_->StopServing();

@@ -66,7 +66,8 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   void Evict();
   /// The server drains: tells its calls one after the other, the first as number `first` of
   /// `spread`. They have until `end`.
-  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
+             transport::EndCause cause = transport::EndCause::kDrain);
   /// Ends everything at once, and sends what can still be sent.
   void Shutdown();
   /// Does what other events left to do.
@@ -78,11 +79,19 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   // SocketOwner
   void OnReceived(std::string_view bytes) override;
   void OnReceiveEnd() override;
-  void OnUnblocked() override;
+  void OnUnblocked() override {
+    thread_.clock.Advance();
+    lifetime_.SetBlocked(false, {}, thread_.clock.Steady());
+    if (phase_ == Phase::kLinger) socket_.EndOutput();
+  }
   void AfterEvent() override { Settle(); }
   [[nodiscard]] Turn turn() const override;
   // GrpcConnectionOwner
-  void OnCalls(std::size_t calls) override;
+  void OnCalls(std::size_t calls) override {
+    if (grpc_->served()) lifetime_.NoteServed();
+    lifetime_.SetCalls(calls, thread_.clock.Steady());
+    place_.SetStreams(calls);
+  }
 
  private:
   enum class Phase : std::uint8_t {
@@ -102,10 +111,28 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   /// Sends nothing more, and lets the peer read what was sent.
   void Linger();
   void Close();
+  /// Closes it, and notes why for its calls.
+  void CloseFor(transport::EndCause cause) {
+    if (grpc_ != nullptr) grpc_->connection().NoteEnd(cause);
+    Close();
+  }
+  /// Why the peer's side ended: between two calls a peer leaves in order by just that.
+  [[nodiscard]] transport::EndCause CauseOfReceiveEnd() const {
+    if (socket_.timed_out()) return transport::EndCause::kUnanswered;
+    return calls() == 0 && !socket_.failed() ? transport::EndCause::kClosed
+                                             : transport::EndCause::kCut;
+  }
+  /// Why the peer does not take what waits for it: it may be gone.
+  [[nodiscard]] transport::EndCause CauseOfBlocked() const {
+    return socket_.unanswered() ? transport::EndCause::kUnanswered : transport::EndCause::kNotRead;
+  }
   void SetTimer();
   void LookAtHandshake(SteadyTime now);
   void LookAtLifetime(SteadyTime now);
-  [[nodiscard]] milliseconds UntilExpiry() const;
+  [[nodiscard]] milliseconds UntilExpiry() const {
+    return grpc_->tls_peer().UntilExpiry(thread_.clock.System(),
+                                         thread_.relay.clock_trust.vouched());
+  }
   void FailHandshake(transport::TurnedAway cause);
 
   Thread& thread_;

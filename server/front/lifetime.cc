@@ -89,7 +89,7 @@ Lifetime::Due Lifetime::Take(SteadyTime now, bool pressed) {
   if (age_at_ && now >= *age_at_) {
     age_at_.reset();
     look_at_.reset();
-    return Due::kAge;
+    return expires_at_ && now >= *expires_at_ ? Due::kExpired : Due::kAge;
   }
   if (look_at_ && now >= *look_at_) {
     look_at_ = now + kExpiryLook;

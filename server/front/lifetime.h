@@ -53,8 +53,10 @@ class Lifetime final {
     kSilent,
     /// It did not take what waited for it.
     kNotRead,
-    /// It has reached its age, or its certificate's: its calls must settle.
+    /// It has reached its age, or its certificate expires soon: its calls must settle.
     kAge,
+    /// Its certificate has expired: the same.
+    kExpired,
     /// The time for settling is over.
     kOver,
     /// It has had no call for long.
@@ -69,7 +71,8 @@ class Lifetime final {
   /// is left of its certificates. `jitter`, of 65,536 parts, takes up to a tenth off both; off the
   /// latter once, however often SetExpiry follows.
   void Open(SteadyTime now, milliseconds age, milliseconds until_expiry, std::uint16_t jitter);
-  /// So much is left of its certificates now. No effect once kAge was returned.
+  /// So much is left of its certificates now. No effect once kAge or kExpired was
+  /// returned.
   void SetExpiry(SteadyTime now, milliseconds until_expiry);
   void NoteHeard(SteadyTime now);
   /// The peer is silent but takes what waits for it: our ping waits behind that.

@@ -26,6 +26,22 @@ absl::Status Attachment::EndOf(robot::Standing standing) const {
   return absl::OkStatus();
 }
 
+transport::EndCause Attachment::CauseOf(robot::Standing standing) {
+  switch (standing) {
+    case robot::Standing::kEnded:
+      return transport::EndCause::kForgotten;
+    case robot::Standing::kWentBack:
+      return transport::EndCause::kStoreLost;
+    case robot::Standing::kOtherFleet:
+      return transport::EndCause::kNotAllowed;
+    case robot::Standing::kSuperseded:
+    case robot::Standing::kWaiting:
+    case robot::Standing::kCurrent:
+      break;
+  }
+  return transport::EndCause::kSuperseded;
+}
+
 absl::Status Attachment::Refused(fleet::Refusal refusal) const {
   const fleet::Claim& claim = terms_.claim;
   switch (refusal) {
@@ -115,7 +131,10 @@ robot::Standing Attachment::Attach() {
   attached_ = attached.standing != robot::Standing::kSuperseded;
   // It may have been asked to leave before its stream was visible.
   context_.fleet.Keep(*robot_);
-  if (attached.took_over) context_.probe.takeovers_total.Add();
+  if (attached.took_over) {
+    ++takeovers_;
+    context_.probe.takeovers_total.Add();
+  }
   if (attached.contested) context_.probe.contested_total.Add();
   for (const loop::StreamRef stream : attached.to_wake) stream.Wake();
   return attached.standing;

@@ -14,6 +14,7 @@
 #include "server/robot/robot.h"
 #include "server/session/context.h"
 #include "server/session/hello.h"
+#include "server/transport/end_cause.h"
 
 namespace uplink::session {
 
@@ -34,6 +35,8 @@ class Attachment final {
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
   /// The status with which a stream of this standing must end; OK if it goes on.
   [[nodiscard]] absl::Status EndOf(robot::Standing standing) const;
+  /// The cause of that end.
+  [[nodiscard]] static transport::EndCause CauseOf(robot::Standing standing);
   /// Attaches the stream to the robot, and wakes the streams that it replaces. After Admit, and
   /// after the wait.
   [[nodiscard]] robot::Standing Attach();
@@ -52,11 +55,18 @@ class Attachment final {
 
   /// The robot given to Admit; empty before.
   [[nodiscard]] const std::string& ruri() const { return terms_.claim.robot.ruri; }
+  /// The robot; from Admit on.
+  [[nodiscard]] robot::Robot& robot() { return *robot_; }
   /// The stream is one of the robot's. The functions below need that.
   [[nodiscard]] bool attached() const { return attached_; }
-  [[nodiscard]] robot::Robot& robot() { return *robot_; }
   [[nodiscard]] const model::SessionId& session() const { return terms_.session; }
   [[nodiscard]] loop::StreamRef self() const { return self_; }
+  /// From Admit on.
+  [[nodiscard]] const fleet::Claim& claim() const { return terms_.claim; }
+  /// Hello.agent_version, as it came.
+  [[nodiscard]] const std::string& agent_version() const { return terms_.agent_version; }
+  /// Older streams of the robot that it took over from.
+  [[nodiscard]] std::uint32_t takeovers() const { return takeovers_; }
   /// Hello.declines_forwards.
   [[nodiscard]] bool declines_forwards() const { return terms_.declines_forwards; }
   [[nodiscard]] journal::Journal& journal() const { return context_.journals.Of(robot_->ruri()); }
@@ -97,6 +107,7 @@ class Attachment final {
   robot::Reconnects::Arrival arrival_;
   bool waits_ = false;
   bool attached_ = false;
+  std::uint32_t takeovers_ = 0;
   std::uint64_t open_id_ = 0;
   /// From Open on; null for a robot without a gateway.
   journal::GatewayRef gateway_;

@@ -8,6 +8,7 @@
 #include "server/fleet/fleet.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
+#include "server/robot/connection_reports.h"
 #include "server/session/forward_source.h"
 #include "server/session/frame_live.h"
 #include "server/session/frame_view.h"
@@ -44,6 +45,8 @@ struct SessionContext {
   const std::atomic<bool>* pressed = nullptr;
   /// What robots of a fleet share; null: nothing is forwarded.
   ForwardSource* forwards = nullptr;
+  /// Where streams are reported when they begin and end; null: nowhere.
+  robot::ConnectionReports* reports = nullptr;
 };
 
 }  // namespace uplink::session

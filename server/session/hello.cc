@@ -132,7 +132,8 @@ absl::StatusOr<HelloTerms> CheckHello(const v1::Hello& hello, const identity::Pe
                     .session = *session,
                     .settled_seq = hello.settled_seq(),
                     .judged_seq = hello.judged_seq(),
-                    .declines_forwards = hello.declines_forwards()};
+                    .declines_forwards = hello.declines_forwards(),
+                    .agent_version = hello.agent_version()};
 }
 
 }  // namespace uplink::session

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <absl/status/statusor.h>
 
 #include "schema/model/ids.h"
@@ -17,6 +19,7 @@ struct HelloTerms {
   model::Seq settled_seq = 0;
   model::Seq judged_seq = 0;
   bool declines_forwards = false;
+  std::string agent_version = {};
 };
 
 /// Checks the first frame of a stream against the protocol and the peer's certificate.

@@ -53,6 +53,13 @@ void ReadGate::Tell(robot::HeldBack by) {
     probe.held_back_by[static_cast<std::size_t>(by)].Add();
     probe.held_back_by_total[static_cast<std::size_t>(by)].Add();
   }
+  const SteadyTime now = sources_.context.clock.Steady();
+  if (told_ == robot::HeldBack::kNone) held_back_since_ = now;
+  if (by == robot::HeldBack::kNone) {
+    held_back_total_ += now - held_back_since_;
+  } else {
+    held_back_last_ = by;
+  }
   told_ = by;
   sources_.robot.robot().sessions.SetHeldBack(by, sources_.context.clock.System());
 }

@@ -42,6 +42,13 @@ class ReadGate final {
   using Reading = robot::RobotState::Reading;
   void SetReading(Reading reading);
 
+  /// How long messages of the stream had to wait in all, without the wait that is under way, and
+  /// for what last.
+  [[nodiscard]] milliseconds held_back() const {
+    return std::chrono::duration_cast<milliseconds>(held_back_total_);
+  }
+  [[nodiscard]] robot::HeldBack held_back_last() const { return held_back_last_; }
+
  private:
   void Tell(robot::HeldBack by);
 
@@ -50,6 +57,9 @@ class ReadGate final {
   Reading reading_ = Reading::kFlowing;
   /// What the robot's views were told last.
   robot::HeldBack told_ = robot::HeldBack::kNone;
+  SteadyTime held_back_since_;
+  SteadyTime::duration held_back_total_{};
+  robot::HeldBack held_back_last_ = robot::HeldBack::kNone;
 };
 
 }  // namespace uplink::session

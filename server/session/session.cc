@@ -5,14 +5,17 @@
 #include <fmt/format.h>
 
 #include "server/session/batch_check.h"
+#include "server/session/end_status.h"
 #include "server/session/frames.h"
 
 namespace uplink::session {
 
-Session::Session(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self,
+using transport::EndCause;
+
+Session::Session(const SessionContext& context, Peer peer, loop::StreamRef self,
                  FrameSource& source, FrameSink& sink)
     : context_(context),
-      peer_(std::move(peer)),
+      peer_(std::move(peer.identity)),
       sink_(sink),
       robot_(context_, self),
       hello_wait_(context_.pressed),
@@ -20,19 +23,15 @@ Session::Session(const SessionContext& context, identity::PeerIdentity peer, loo
       outgoing_({.context = context_, .robot = robot_, .sink = sink_, .timers = timers_}),
       reject_pages_({.context = context_, .robot = robot_, .timers = timers_}),
       resends_({context_, robot_, outgoing_, timers_}),
-      settling_({context_, robot_, outgoing_, reading_, timers_}) {
+      settling_({context_, robot_, outgoing_, reading_, timers_}),
+      report_({context_, robot_, reading_, peer.connection}) {
   context_.probe.streams.Add();
   context_.probe.streams_total.Add();
 }
 
 Session::~Session() {
-  Leave();
+  Leave({});
   context_.probe.streams.Add(-1);
-}
-
-void Session::Start() {
-  timers_.Set(Timer::kHello, hello_wait_.Begin(context_.clock.Steady()));
-  reading_.Request();
 }
 
 // --- Frames ---
@@ -44,6 +43,7 @@ void Session::OnFrame(std::string_view bytes) {
   ++frames_;
   context_.probe.frames_total.Add();
   context_.probe.frame_bytes_total.Add(static_cast<std::int64_t>(bytes.size()));
+  report_.CountFrame(bytes.size());
   switch (ReadFrame(bytes, context_.scratch.batch, context_.limits.batch_uplinks_max)) {
     case FrameContent::kMalformed:
       return ProtocolError(kNoRequest);
@@ -65,9 +65,7 @@ void Session::OnFrameTooLarge(std::uint64_t bytes) {
   ++frames_;
   if (bytes <= context_.limits.frame_bytes_max) return ProtocolError(kForeignRequest);
   context_.probe.protocol_errors_total.Add();
-  Finish(absl::ResourceExhaustedError(
-      fmt::format("frame {}: {} bytes, the limit is {} (limits.frame_bytes_max)", frames_, bytes,
-                  context_.limits.frame_bytes_max)));
+  Finish(FrameTooLarge(frames_, bytes, context_.limits.frame_bytes_max), EndCause::kBrokeRules);
 }
 
 void Session::HandleHello(std::string_view bytes) {
@@ -80,10 +78,11 @@ void Session::HandleHello(std::string_view bytes) {
   auto terms = CheckHello(frame.hello(), std::exchange(peer_, {}));
   if (!terms.ok()) {
     context_.probe.CountRefusedHello(terms.status());
-    return Finish(terms.status());
+    return Finish(terms.status(), EndCause::kBrokeRules);
   }
   const absl::StatusOr<milliseconds> delay = robot_.Admit(*std::move(terms));
-  if (!delay.ok()) return Finish(delay.status());
+  if (!delay.ok()) return Finish(delay.status(), EndCause::kBound);
+  report_.Begin();
   if (*delay == milliseconds(0)) return Attach();
   state_ = State::kDelayed;
   timers_.Set(Timer::kAttach, context_.clock.Steady() + *delay);
@@ -98,7 +97,7 @@ void Session::Attach() {
 void Session::BeginOpening() {
   const SteadyTime now = context_.clock.Steady();
   auto by = robot_.Open(now);
-  if (!by.ok()) return Finish(by.status());
+  if (!by.ok()) return Finish(by.status(), CauseOfRefusal(by.status()));
   state_ = State::kOpening;
   timers_.Set(Timer::kWelcome, now + kWelcomeWait);
   intake_ = std::make_unique<Intake>(
@@ -117,11 +116,12 @@ void Session::HandleBatch() {
   const BatchView& batch = context_.scratch.batch;
   if (auto status = CheckBatch(batch, last_seq_, context_.limits, frames_); !status.ok()) {
     context_.probe.protocol_errors_total.Add();
-    return Finish(status);
+    return Finish(status, EndCause::kBrokeRules);
   }
   const SteadyTime now = context_.clock.Steady();
   const SystemTime system_now = context_.clock.System();
   robot_.robot().state.NoteBatch(batch.head, now, system_now);
+  report_.CountMessages(batch.uplinks.size());
   if (!batch.uplinks.empty()) {
     last_seq_ = batch.uplinks.back().seq;
     intake_->Begin(batch.uplinks, now, system_now);
@@ -163,7 +163,9 @@ bool Session::EndForRejects() {
 
 void Session::EndWhenSettled() {
   if (state_ != State::kSettling || intake_->pending()) return;
-  if (const std::optional<absl::Status> status = settling_.StatusWhenSettled()) Finish(*status);
+  if (const std::optional<absl::Status> status = settling_.StatusWhenSettled()) {
+    Finish(*status, settling_.cause());
+  }
 }
 
 void Session::Read() {
@@ -203,7 +205,7 @@ void Session::OnWake() {
 bool Session::FollowStanding(robot::Standing standing) {
   if (const absl::Status end = robot_.EndOf(standing); !end.ok()) {
     if (standing == robot::Standing::kSuperseded) context_.probe.superseded_total.Add();
-    Finish(end);
+    Finish(end, Attachment::CauseOf(standing));
   }
   if (standing != robot::Standing::kCurrent) return false;
   if (state_ == State::kAttaching) BeginOpening();
@@ -223,13 +225,11 @@ void Session::OnTimer() {
   if (timers_.Due(Timer::kAttach, now)) return Attach();
   if (state_ == State::kOpening && timers_.Due(Timer::kWelcome, now)) return SendWelcome();
   if (timers_.Due(Timer::kSettle, now)) {
-    return Finish(absl::UnavailableError("not all was settled within drain.timeout"));
+    return Finish(NotSettled(), settling_.cause());
   }
   if (timers_.Due(Timer::kStall, now)) {
     context_.probe.peer_stalls_total.Add();
-    Finish(absl::ResourceExhaustedError(
-        fmt::format("the agent read nothing for {} s while {} frames waited for it",
-                    kPeerStallMax.count(), outgoing_.size())));
+    Finish(ReadNothing(outgoing_.size()), EndCause::kNotRead);
     return sink_.Cancel();
   }
   if (timers_.Due(Timer::kAck, now)) {
@@ -237,11 +237,6 @@ void Session::OnTimer() {
     outgoing_.MakeAckDue();
   }
   Advance(News::kNone);
-}
-
-std::optional<SteadyTime> Session::deadline() const {
-  if (state_ == State::kDone) return std::nullopt;
-  return timers_.Next();
 }
 
 // --- How a stream ends: half-closed, drained, broken, invalid ---
@@ -258,14 +253,14 @@ void Session::OnHalfClose() {
   Advance(News::kLastFrame);
 }
 
-void Session::OnDrain(milliseconds grace) {
+void Session::OnDrain(milliseconds grace, EndCause cause) {
   if (state_ == State::kDone) return;
-  if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(Drained());
+  if (state_ != State::kStreaming && state_ != State::kSettling) return Finish(Drained(), cause);
   outgoing_.Push(DrainFrame(grace));
   if (state_ == State::kStreaming) {
     intake_->Drop();  // the agent sends it again
     state_ = State::kSettling;
-    settling_.BeginDrained();
+    settling_.BeginDrained(cause);
   }
   settling_.EndWithin(grace);
   Advance(News::kLastFrame);
@@ -273,26 +268,29 @@ void Session::OnDrain(milliseconds grace) {
 
 void Session::ProtocolError(std::string_view rule) {
   context_.probe.protocol_errors_total.Add();
-  Finish(absl::InvalidArgumentError(fmt::format("frame {}: {}", frames_, rule)));
+  Finish(absl::InvalidArgumentError(fmt::format("frame {}: {}", frames_, rule)),
+         EndCause::kBrokeRules);
 }
 
-void Session::Finish(const absl::Status& status) {
+void Session::Finish(const absl::Status& status, EndCause cause) {
   if (state_ == State::kDone) return;
   context_.probe.CountEnd(status.code());
-  Leave();
+  Leave(transport::EndingWith(cause, status));
   sink_.Finish(status);
 }
 
-void Session::Leave() {
+void Session::Leave(const transport::Ending& ending) {
   if (state_ == State::kDone) return;
   state_ = State::kDone;
   outgoing_.EndForwards();
   robot_.EndWait();
   resends_.End();
-  if (!robot_.attached()) return;
-  if (intake_ != nullptr) intake_->End();
-  reading_.SetReading(ReadGate::Reading::kFlowing);
-  robot_.Detach();
+  if (robot_.attached()) {
+    if (intake_ != nullptr) intake_->End();
+    reading_.SetReading(ReadGate::Reading::kFlowing);
+    robot_.Detach();
+  }
+  report_.End(ending);
 }
 
 }  // namespace uplink::session

@@ -22,9 +22,19 @@
 #include "server/session/resend_requests.h"
 #include "server/session/settling.h"
 #include "server/session/slow_frame.h"
+#include "server/session/stream_report.h"
 #include "server/session/stream_timers.h"
+#include "server/transport/end_cause.h"
+#include "server/transport/peer_connection.h"
 
 namespace uplink::session {
+
+/// Who opened a stream. A value.
+struct Peer {
+  identity::PeerIdentity identity;
+  /// Outlives the session. Null: where the stream comes from is unknown.
+  const transport::PeerConnection* connection = nullptr;
+};
 
 /// One stream's side of the relay protocol: frames in, frames out, timers; no transport in it.
 ///
@@ -34,14 +44,17 @@ namespace uplink::session {
 ///         makes the transport call OnWake there.
 class Session final {
  public:
-  Session(const SessionContext& context, identity::PeerIdentity peer, loop::StreamRef self,
-          FrameSource& source, FrameSink& sink);
+  Session(const SessionContext& context, Peer peer, loop::StreamRef self, FrameSource& source,
+          FrameSink& sink);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   /// Asks for the first frame.
-  void Start();
+  void Start() {
+    timers_.Set(Timer::kHello, hello_wait_.Begin(context_.clock.Steady()));
+    reading_.Request();
+  }
   /// One complete frame: a serialized RelayRequest.
   void OnFrame(std::string_view bytes);
   /// Bytes of an incomplete frame came.
@@ -59,20 +72,23 @@ class Session final {
   void OnFrameTooLarge(std::uint64_t bytes);
   /// The agent half-closed.
   void OnHalfClose();
-  /// The stream is gone: nothing can be written. `code` is what its peer's reset meant, or the
-  /// transport's own status; empty if the connection was cut. Idempotent.
-  void OnBroken(std::optional<absl::StatusCode> code = std::nullopt) {
+  /// The stream is gone: nothing can be written. Idempotent.
+  void OnBroken(const transport::Ending& ending = {}) {
     if (done()) return;
-    context_.probe.CountEnd(code);
-    Leave();
+    context_.probe.CountEnd(ending.code);
+    // An agent that was told to leave leaves as it likes. Its half-close alone is no end yet.
+    const bool told =
+        state_ == State::kSettling && settling_.cause() != transport::EndCause::kClosed;
+    Leave(told ? transport::Ending{.cause = settling_.cause(), .code = ending.code} : ending);
   }
   /// The write under way is done.
   void OnWritten();
   void OnWake();
   /// `deadline()` has come.
   void OnTimer();
-  /// The server drains: tells the agent, stops reading, settles, and ends within `grace`.
-  void OnDrain(milliseconds grace);
+  /// The server drains, or the connection: tells the agent, stops reading, settles, and ends within
+  /// `grace`.
+  void OnDrain(milliseconds grace, transport::EndCause cause = transport::EndCause::kDrain);
 
   /// Bytes that the next frame may have; before the Hello, those of a Hello. A transport that
   /// learns from a frame's head that it is larger calls OnFrameTooLarge.
@@ -81,7 +97,9 @@ class Session final {
     return state_ == State::kHello ? std::min(limit, kHelloFrameBytesMax) : limit;
   }
   /// When OnTimer is due; the transport asks after each call, and may call OnTimer early.
-  [[nodiscard]] std::optional<SteadyTime> deadline() const;
+  [[nodiscard]] std::optional<SteadyTime> deadline() const {
+    return done() ? std::nullopt : timers_.Next();
+  }
   /// The robot that a valid Hello named; empty before.
   [[nodiscard]] const std::string& ruri() const { return robot_.ruri(); }
   /// It ends because its agent confirmed too few Rejects (limits.unconfirmed_rejects_max).
@@ -138,8 +156,8 @@ class Session final {
     return context_.fleet.presence_limits_of(robot_.robot());
   }
   void ProtocolError(std::string_view rule);
-  void Finish(const absl::Status& status);
-  void Leave();
+  void Finish(const absl::Status& status, transport::EndCause cause);
+  void Leave(const transport::Ending& ending);
 
   const SessionContext context_;
   /// Kept until its Hello: a gateway's names hundreds of robots, and each of its streams has a
@@ -162,6 +180,7 @@ class Session final {
   RejectPages reject_pages_;
   ResendRequests resends_;
   Settling settling_;
+  StreamReport report_;
 };
 
 }  // namespace uplink::session

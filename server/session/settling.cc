@@ -5,16 +5,19 @@
 
 #include <fmt/format.h>
 
-namespace uplink::session {
+#include "server/session/end_status.h"
 
-absl::Status Drained() { return absl::UnavailableError("the server drains"); }
+namespace uplink::session {
 
 void Settling::BeginHalfClosed() {
   Begin(absl::OkStatus(), ReadGate::Reading::kFlowing);
   SetTime();
 }
 
-void Settling::BeginDrained() { Begin(Drained(), ReadGate::Reading::kHeldBack); }
+void Settling::BeginDrained(transport::EndCause cause) {
+  Begin(Drained(), ReadGate::Reading::kHeldBack);
+  cause_ = cause;
+}
 
 void Settling::BeginUnconfirmed() {
   Begin(absl::UnavailableError(fmt::format(
@@ -24,6 +27,7 @@ void Settling::BeginUnconfirmed() {
             sources_.context.limits.unconfirmed_rejects_max)),
         ReadGate::Reading::kHeldBack);
   sources_.context.probe.unconfirmed_total.Add();
+  cause_ = transport::EndCause::kUnconfirmed;
   unconfirmed_ = true;
   follows_writes_ = true;
   SetTime();

@@ -10,11 +10,9 @@
 #include "server/session/outgoing.h"
 #include "server/session/read_gate.h"
 #include "server/session/stream_timers.h"
+#include "server/transport/end_cause.h"
 
 namespace uplink::session {
-
-/// The status of a stream that the server's drain ends.
-[[nodiscard]] absl::Status Drained();
 
 /// Ends a stream that is no longer read: once everything processed is settled, with a last Ack, or
 /// when its time is over (Timer::kSettle). Confined to the stream's thread.
@@ -33,13 +31,16 @@ class Settling final {
   // The reasons to begin, each at most once. The caller has dropped what was not judged yet.
   /// The agent half-closed.
   void BeginHalfClosed();
-  /// The server drains; EndWithin follows.
-  void BeginDrained();
+  /// The server drains, or the connection does; EndWithin follows.
+  void BeginDrained(transport::EndCause cause);
   /// The session has limits.unconfirmed_rejects_max unconfirmed Rejects.
   void BeginUnconfirmed();
 
   /// BeginUnconfirmed was called, even if a drain has set another status since.
   [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
+
+  /// Why the stream ends; kClosed before it began to.
+  [[nodiscard]] transport::EndCause cause() const { return cause_; }
 
   /// The server drains: the stream ends within `grace`, whatever it settles for.
   void EndWithin(milliseconds grace);
@@ -54,6 +55,7 @@ class Settling final {
 
   const Sources sources_;
   absl::Status status_;
+  transport::EndCause cause_ = transport::EndCause::kClosed;
   bool last_ack_queued_ = false;
   bool follows_writes_ = false;
   bool unconfirmed_ = false;

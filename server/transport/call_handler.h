@@ -14,6 +14,8 @@
 #include "schema/base/clock.h"
 #include "server/identity/peer_identity.h"
 #include "server/loop/wake.h"
+#include "server/transport/end_cause.h"
+#include "server/transport/peer_connection.h"
 
 namespace uplink::transport {
 
@@ -65,6 +67,8 @@ class ServedCall {
   virtual void AskPeer() = 0;
   /// Who calls; it may call the method.
   [[nodiscard]] virtual const identity::PeerIdentity& peer() const = 0;
+  /// The connection that it came by; null where there is no wire, as in simulation.
+  [[nodiscard]] virtual PeerConnection* connection() { return nullptr; }
   /// The caller's deadline (grpc-timeout), at which the call ends by itself (Method::at_deadline).
   [[nodiscard]] virtual std::optional<SteadyTime> give_up_at() const = 0;
   /// For other threads, which cause the handler's OnWake by it.
@@ -91,9 +95,8 @@ class CallHandler {
   virtual void OnMessageBytes() {}
   /// The peer answered AskPeer.
   virtual void OnPeerAnswered() {}
-  /// Nothing more can be sent. `code`: what the peer's reset meant, or the status with which the
-  /// transport ends the call; empty: the connection is gone. Idempotent.
-  virtual void OnBroken(std::optional<absl::StatusCode> code) = 0;
+  /// Nothing more can be sent. Idempotent.
+  virtual void OnBroken(const Ending& ending) = 0;
   /// The transport has taken the write under way.
   virtual void OnWritten() = 0;
   virtual void OnWake() = 0;

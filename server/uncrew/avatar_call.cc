@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "server/robot/mutation.h"
+#include "server/uncrew/drone_connections.h"
 #include "server/uncrew/limits.h"
 #include "server/uncrew/publish_response.h"
 #include "server/uncrew/sample_digest.h"
@@ -65,7 +66,20 @@ absl::Status AvatarCall::FindDrone() {
   auto drone = thread_.drones.Enter(*claim);
   if (!drone.ok()) return drone.status();
   drone_ = *std::move(drone);
+  CountForConnection(claim->gateway);
   return absl::OkStatus();
+}
+
+void AvatarCall::CountForConnection(const std::string& gateway) {
+  transport::PeerConnection* connection = call_.connection();
+  if (connection == nullptr || thread_.reports == nullptr) return;
+  if (connection->user() == nullptr) {
+    connection->SetUser(std::make_unique<DroneConnections>(DroneConnections::Context{
+        .clock = thread_.clock, .reports = *thread_.reports, .connection = *connection}));
+  }
+  // Only these calls set a user.
+  static_cast<DroneConnections&>(*connection->user())
+      .Count(drone_->robot(), gateway, request_.size());
 }
 
 void AvatarCall::Offer() {
@@ -159,7 +173,7 @@ void AvatarCall::OnDrain(milliseconds grace) {
   answer_by_ = std::min(answer_by_, thread_.clock.Steady() + grace);
 }
 
-void AvatarCall::OnBroken(std::optional<absl::StatusCode> /*code*/) {
+void AvatarCall::OnBroken(const transport::Ending& /*ending*/) {
   if (drone_ != nullptr) Count(Outcome::kUnavailable);
   End();
 }

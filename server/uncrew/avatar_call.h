@@ -13,6 +13,7 @@
 #include "schema/uncrew/judge.h"
 #include "schema/uncrew/limits.h"
 #include "server/ingest/port.h"
+#include "server/robot/connection_reports.h"
 #include "server/transport/call_handler.h"
 #include "server/uncrew/drones.h"
 #include "server/uncrew/limits.h"
@@ -32,6 +33,8 @@ struct AvatarThread {
   milliseconds answer_within;
   std::string ruri_template;
   ingest::Port port;
+  /// Where the drones' connections are reported; null: nowhere.
+  robot::ConnectionReports* reports = nullptr;
 };
 
 /// One Publish call: its sample is judged, offered to its drone, and answered at once or after its
@@ -52,7 +55,7 @@ class AvatarCall final : public transport::CallHandler {
   void OnMessage(std::string_view bytes) override;
   void OnTooLarge(std::uint64_t bytes) override;
   void OnHalfClose() override {}
-  void OnBroken(std::optional<absl::StatusCode> code) override;
+  void OnBroken(const transport::Ending& ending) override;
   void OnWritten() override {}
   void OnWake() override;
   void OnTimer() override;
@@ -61,6 +64,8 @@ class AvatarCall final : public transport::CallHandler {
 
  private:
   [[nodiscard]] absl::Status FindDrone();
+  /// Counts the call for the connection that it came by.
+  void CountForConnection(const std::string& gateway);
   void Offer();
   void Take(Drone::Offered offered);
   void OnCommitted(const Ticket& ticket);

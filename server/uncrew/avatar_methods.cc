@@ -60,7 +60,8 @@ transport::MethodsMaker AvatarMethods(AvatarContext context) {
                                            .ledger = ledger,
                                            .allowances = context.allowances,
                                            .in_flight_max = context.in_flight_max,
-                                           .payload_bytes_max = context.payload_bytes_max})}));
+                                           .payload_bytes_max = context.payload_bytes_max}),
+                     .reports = context.reports}));
   };
 }
 

@@ -7,6 +7,7 @@
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
 #include "server/ingest/allowances.h"
+#include "server/robot/connection_reports.h"
 #include "server/transport/methods.h"
 #include "server/uncrew/drones.h"
 #include "server/uncrew/probe.h"
@@ -28,6 +29,8 @@ struct AvatarContext {
   /// limits.in_flight_uplinks_max and limits.payload_bytes_max.
   std::size_t in_flight_max = 0;
   std::size_t payload_bytes_max = 0;
+  /// Where the drones' connections are reported; null: nowhere.
+  robot::ConnectionReports* reports = nullptr;
 };
 
 /// The methods of AvatarService, made for each thread: a Publish call of each type, and

@@ -166,7 +166,8 @@ front::RelayContext FrontBench::Context() {
           .judge_limits = {},
           .allowances = allowances_,
           .rejects = rejects_,
-          .clock_trust = clock_trust_};
+          .clock_trust = clock_trust_,
+          .reports = &connections_.reports()};
 }
 
 FrontWire& FrontBench::Connect(std::uint8_t robot) {

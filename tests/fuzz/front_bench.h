@@ -18,6 +18,7 @@
 #include "tests/support/fake_store.h"
 #include "tests/support/fake_trust.h"
 #include "tests/support/http2_answers.h"
+#include "tests/support/kept_connections.h"
 #include "tests/support/manual_clock.h"
 
 /// The transport from HTTP/2 upwards, moved by hand: no socket, no TLS, no threads; real
@@ -125,6 +126,7 @@ class FrontBench final : public loop::WakeInbox {
   [[nodiscard]] testing::FakeStore& store() { return store_; }
   [[nodiscard]] fleet::Fleet& fleet() { return fleet_; }
   [[nodiscard]] session::SessionProbe& session_probe() { return session_probe_; }
+  [[nodiscard]] const testing::KeptConnections& connections() const { return connections_; }
   [[nodiscard]] front::DoorBook& door_book() { return door_book_; }
   [[nodiscard]] front::Thread& thread() { return thread_; }
   [[nodiscard]] transport::RelayProbe& relay_probe() { return relay_probe_; }
@@ -147,6 +149,7 @@ class FrontBench final : public loop::WakeInbox {
   const session::SessionLimits limits_;
   const ingest::Allowances allowances_;
   testing::FakeTrust clock_trust_;
+  testing::KeptConnections connections_{clock_};
   testing::FakeRejectSource rejects_{&store_, testing::FakeRejectSource::Reads::kWhenTold};
   metrics::LedgerBook book_;
   session::SessionProbe session_probe_;

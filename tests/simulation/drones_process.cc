@@ -143,7 +143,8 @@ std::optional<CallEnd> DronesProcess::TakeEnd(std::uint64_t call) {
 void DronesProcess::Break(std::uint64_t call) {
   const auto served = calls_.find(call);
   if (served == calls_.end()) return;
-  served->second.handler->OnBroken(absl::StatusCode::kCancelled);
+  served->second.handler->OnBroken(
+      {.cause = transport::EndCause::kReset, .code = absl::StatusCode::kCancelled});
   calls_.erase(served);
 }
 

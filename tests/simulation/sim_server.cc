@@ -23,7 +23,7 @@ SimStream::SimStream(const session::SessionContext& context, identity::PeerIdent
       id_(self.stream),
       trace_(trace),
       opened_at_(context.clock.Steady()),
-      session_(context, std::move(peer), self, *this, *this) {}
+      session_(context, {std::move(peer)}, self, *this, *this) {}
 
 void SimStream::AddToTrace(std::string_view what, const std::string& text) {
   if (trace_ != nullptr) trace_->Add(fmt::format("stream {} {} {}", id_, what, text));

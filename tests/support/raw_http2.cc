@@ -192,6 +192,12 @@ bool RawHttp2::UpdateKeys(std::size_t times) {
   return true;
 }
 
+bool RawHttp2::EndTls() {
+  if (!open() || SSL_shutdown(tls_->ssl.get()) < 0) return false;
+  out_ += Drain(tls_->out);
+  return Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_));
+}
+
 bool RawHttp2::SendPlain(std::string_view bytes) {
   out_ += bytes;
   return Flush(SystemClock{}.Steady() + std::min(kSendPatience, patience_));

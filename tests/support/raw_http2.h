@@ -76,6 +76,8 @@ class RawHttp2 final {
   [[nodiscard]] std::size_t WindowOf(std::uint32_t stream) const;
   /// New keys of TLS 1.3, so many times. False as for Send.
   bool UpdateKeys(std::size_t times);
+  /// Says that TLS ends here (close_notify). False as for Send.
+  bool EndTls();
   /// Without TLS, into the connection as it is.
   bool SendPlain(std::string_view bytes);
   /// Preface and SETTINGS, and the acknowledgement of the peer's; false if those do not come.

@@ -162,18 +162,6 @@ void Call::NoteUnfinished() {
 
 // --- The response ---
 
-void Call::Write(std::string message_with_prefix) {
-  BeginWrite();
-  response_.Write(std::move(message_with_prefix));
-  owner_.Touch(*this);
-}
-
-void Call::Write(std::vector<SharedMessage> messages) {
-  BeginWrite();
-  response_.Write(std::move(messages));
-  owner_.Touch(*this);
-}
-
 void Call::BeginWrite() {
   UPLINK_CHECK(!response_.writing() && serving(), "a write is under way, or the call ends");
   const bool first = !std::exchange(has_written_, true);
@@ -212,7 +200,8 @@ void Call::OnWake() {
   if (inbound_.MustEnd()) {
     thread_.relay.probe.unfinished_ends_total.Add();
     Fail(absl::ResourceExhaustedError(
-        "the memory for unfinished frames is used up, and this one was the slowest"));
+             "the memory for unfinished frames is used up, and this one was the slowest"),
+         transport::EndCause::kBound);
   }
   if (serving()) handler_->OnWake();
   owner_.Touch(*this);
@@ -233,10 +222,10 @@ void Call::FinishRefused(const absl::Status& status) {
   Finish(status);
 }
 
-void Call::Fail(const absl::Status& status) {
+void Call::Fail(const absl::Status& status, transport::EndCause cause) {
   if (over_ || cancelled_ || closed_) return;
   thread_.book.TellFailure(status, owner_.origin(), thread_.clock.Steady());
-  if (handler_ != nullptr) handler_->OnBroken(status.code());
+  if (handler_ != nullptr) handler_->OnBroken(transport::EndingWith(cause, status));
   // What the handler still wanted to send is lost with it.
   response_.DropMessage();
   Finish(status);
@@ -245,12 +234,21 @@ void Call::Fail(const absl::Status& status) {
 void Call::OnReset(std::uint32_t code) { reset_code_ = CodeOfReset(code); }
 
 void Call::Break() {
-  if (handler_ != nullptr) handler_->OnBroken(reset_code_);
+  if (handler_ != nullptr) {
+    handler_->OnBroken({.cause = CauseOfBreak(), .code = reset_code_});
+  }
   handler_.reset();
   admittance_.Leave();
   finish_by_.reset();
   OpenWindow(inbound_.Drop());
   inbound_.End();
+}
+
+transport::EndCause Call::CauseOfBreak() const {
+  using transport::EndCause;
+  if (reset_code_) return EndCause::kReset;
+  // A stream that ends on a connection that goes on was reset by nghttp2, for a fault of the peer.
+  return owner_.connection().noted().value_or(closed_ ? EndCause::kBrokeRules : EndCause::kCut);
 }
 
 void Call::DrainAt(SteadyTime at, SteadyTime end) {

@@ -37,6 +37,7 @@ class CallOwner {
   virtual void Settle() = 0;
   [[nodiscard]] virtual const TlsPeer& tls_peer() const = 0;
   [[nodiscard]] virtual const Origin& origin() const = 0;
+  [[nodiscard]] virtual transport::PeerConnection& connection() = 0;
   /// Asks the peer for an answer; then Call::OnPeerAnswered of all its calls follows.
   virtual void AskPeer() = 0;
   /// Why no new call is served here, counted if it is a drain; empty while calls are served.
@@ -58,8 +59,16 @@ class Call final : public Http2Stream, public transport::ServedCall {
 
   // transport::ServedCall
   void RequestMessage() override;
-  void Write(std::string message_with_prefix) override;
-  void Write(std::vector<SharedMessage> messages) override;
+  void Write(std::string message_with_prefix) override {
+    BeginWrite();
+    response_.Write(std::move(message_with_prefix));
+    owner_.Touch(*this);
+  }
+  void Write(std::vector<SharedMessage> messages) override {
+    BeginWrite();
+    response_.Write(std::move(messages));
+    owner_.Touch(*this);
+  }
   void Finish(const absl::Status& status) override;
   void FinishRefused(const absl::Status& status) override;
   void Cancel() override {
@@ -75,6 +84,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
     UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
     return *identity;
   }
+  [[nodiscard]] transport::PeerConnection* connection() override { return &owner_.connection(); }
   [[nodiscard]] std::optional<SteadyTime> give_up_at() const override { return give_up_at_; }
   [[nodiscard]] loop::StreamRef self() const override;
 
@@ -97,7 +107,9 @@ class Call final : public Http2Stream, public transport::ServedCall {
   /// The connection is gone.
   void Break();
   /// Ends the call with a status of ours, regardless of its handler.
-  void Fail(const absl::Status& status);
+  void Fail(const absl::Status& status, transport::EndCause cause);
+  /// The same for a peer that breaks a rule of gRPC.
+  void Fail(const absl::Status& status) { Fail(status, transport::EndCause::kBrokeRules); }
   [[nodiscard]] bool finished() const { return closed_; }
   /// Its end was decided, and sent.
   [[nodiscard]] bool answered() const { return over_; }
@@ -145,6 +157,8 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void SetTimer();
   /// A write may begin.
   void BeginWrite();
+  /// Why the peer gets nothing more.
+  [[nodiscard]] transport::EndCause CauseOfBreak() const;
   [[nodiscard]] bool serving() const { return handler_ != nullptr && !over_ && !cancelled_; }
 
   Thread& thread_;

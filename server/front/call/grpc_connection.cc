@@ -8,13 +8,57 @@
 
 namespace uplink::front {
 
+using transport::EndCause;
 using transport::TurnedAway;
+
+namespace {
+
+/// What ends the calls of a connection that is turned away after its handshake.
+EndCause EndCauseOf(TurnedAway cause) {
+  switch (cause) {
+    case TurnedAway::kNotRead:
+      return EndCause::kNotRead;
+    case TurnedAway::kSilent:
+      return EndCause::kUnanswered;
+    case TurnedAway::kFull:
+    case TurnedAway::kCrowded:
+    case TurnedAway::kGaveWay:
+    case TurnedAway::kKey:
+    case TurnedAway::kNoStream:
+      return EndCause::kBound;
+    case TurnedAway::kHandshakeTimeout:
+    case TurnedAway::kNoTls:
+    case TurnedAway::kNothingShared:
+    case TurnedAway::kNoCertificate:
+    case TurnedAway::kUntrusted:
+    case TurnedAway::kHandshakeError:
+    case TurnedAway::kProtocol:
+    case TurnedAway::kPings:
+    case TurnedAway::kPongs:
+    case TurnedAway::kResets:
+    case TurnedAway::kSettings:
+    case TurnedAway::kEmptyData:
+    case TurnedAway::kPriorities:
+    case TurnedAway::kWindowUpdates:
+    case TurnedAway::kUnknownFrames:
+    case TurnedAway::kHeaders:
+    case TurnedAway::kContinuations:
+    case TurnedAway::kKeyUpdates:
+    case TurnedAway::kProxyHeader:
+    case TurnedAway::kCertificate:
+      return EndCause::kBrokeRules;
+  }
+  return EndCause::kBrokeRules;
+}
+
+}  // namespace
 
 GrpcConnection::GrpcConnection(Thread& thread, GrpcConnectionOwner& owner, Setup setup)
     : thread_(thread),
       owner_(owner),
       peer_(std::move(setup.peer)),
       origin_(setup.origin),
+      connection_(origin_.text, peer_.certificate),
       http2_(thread.http2_rules, thread.http2_memory, *this, setup.streams_max),
       frames_(setup.streams_max, setup.calls_per_second) {}
 
@@ -31,6 +75,7 @@ void GrpcConnection::EndFlood() {
 
 void GrpcConnection::TurnAway(TurnedAway cause, std::string_view text) {
   if (std::exchange(turned_away_, true)) return;
+  connection_.NoteEnd(EndCauseOf(cause));
   thread_.book.Note(cause, origin_, thread_.clock.Steady());
   // After a failed Receive the session has already sent why it ends.
   if (cause != TurnedAway::kProtocol) http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, text);
@@ -52,8 +97,9 @@ bool GrpcConnection::EndIfLast() {
   return true;
 }
 
-void GrpcConnection::Drain(const transport::DrainSpread& spread, std::size_t first,
-                           SteadyTime end) {
+void GrpcConnection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
+                           EndCause cause) {
+  connection_.NoteDrain(cause);
   if (!std::exchange(ending_, true)) http2_.NoticeEnd();
   calls_.Drain(spread, first, end);
 }

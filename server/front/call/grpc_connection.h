@@ -16,6 +16,7 @@
 #include "server/front/http2/ping_strikes.h"
 #include "server/front/tls/tls_peer.h"
 #include "server/transport/drain.h"
+#include "server/transport/peer_connection.h"
 #include "server/transport/turned_away.h"
 
 namespace uplink::front {
@@ -65,11 +66,15 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   /// Serves no more calls.
   void StopServing() { ending_ = true; }
   /// Tells the peer, and each call (CallSet::Drain).
-  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end);
+  void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
+             transport::EndCause cause = transport::EndCause::kDrain);
   /// Ends all streams without blame.
   void End();
   /// The connection below is gone.
-  void Break() { calls_.Break(); }
+  void Break() {
+    calls_.Break();
+    connection_.End();
+  }
 
   [[nodiscard]] Http2& http2() { return http2_; }
   [[nodiscard]] std::size_t calls() const { return calls_.size(); }
@@ -94,6 +99,7 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   void Settle() override { owner_.Settle(); }
   [[nodiscard]] const TlsPeer& tls_peer() const override { return peer_; }
   [[nodiscard]] const Origin& origin() const override { return origin_; }
+  [[nodiscard]] transport::PeerConnection& connection() override { return connection_; }
   void AskPeer() override { http2_.PingOnce(); }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
@@ -102,6 +108,7 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   GrpcConnectionOwner& owner_;
   const TlsPeer peer_;
   const Origin& origin_;
+  transport::PeerConnection connection_;
   Http2 http2_;
   CallSet calls_;
   FrameRates frames_;

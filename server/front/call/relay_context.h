@@ -7,6 +7,7 @@
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/robot/connection_reports.h"
 #include "server/session/forward_source.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
@@ -35,6 +36,8 @@ struct RelayContext {
   session::ForwardSource* forwards = nullptr;
   /// For lines about what strangers do; none if null.
   const log::Logger* logger = nullptr;
+  /// Where streams are reported when they begin and end; null: nowhere.
+  robot::ConnectionReports* reports = nullptr;
 };
 
 }  // namespace uplink::front

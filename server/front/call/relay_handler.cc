@@ -24,15 +24,16 @@ transport::Methods RelayHandler::Served() {
 absl::StatusOr<std::unique_ptr<transport::CallHandler>> RelayHandler::Serve(Call& call) {
   Thread& thread = call.thread();
   std::unique_ptr<RelayHandler> handler(new RelayHandler(call));
-  handler->session_.emplace(thread.sessions, call.peer(), call.self(), *handler, *handler);
+  handler->session_.emplace(thread.sessions, session::Peer{call.peer(), call.connection()},
+                            call.self(), *handler, *handler);
   thread.debug.StreamOpened(call.stream(), call.owner().origin());
   return handler;
 }
 
-void RelayHandler::OnBroken(std::optional<absl::StatusCode> code) {
+void RelayHandler::OnBroken(const transport::Ending& ending) {
   if (session_->done()) return;
   call_.thread().debug.StreamBroken(call_.stream(), call_.owner().origin(), session_->ruri());
-  session_->OnBroken(code);
+  session_->OnBroken(ending);
 }
 
 void RelayHandler::Write(const v1::RelayResponse& frame) {

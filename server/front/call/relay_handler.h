@@ -38,12 +38,14 @@ class RelayHandler final : public transport::CallHandler,
   void OnHalfClose() override { session_->OnHalfClose(); }
   void OnMessageBytes() override { session_->OnFrameBytes(); }
   void OnPeerAnswered() override { session_->OnPeerAnswered(); }
-  void OnBroken(std::optional<absl::StatusCode> code) override;
+  void OnBroken(const transport::Ending& ending) override;
   void OnWritten() override { session_->OnWritten(); }
   void OnWake() override { session_->OnWake(); }
   void OnTimer() override { session_->OnTimer(); }
   [[nodiscard]] std::optional<SteadyTime> deadline() const override { return session_->deadline(); }
-  void OnDrain(milliseconds grace) override { session_->OnDrain(grace); }
+  void OnDrain(milliseconds grace) override {
+    session_->OnDrain(grace, call_.connection()->drain());
+  }
 
   // session::FrameSource
   void RequestRead() override { call_.RequestMessage(); }

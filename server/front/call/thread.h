@@ -58,7 +58,8 @@ struct Thread {
                  given.rejects,
                  given.clock_trust,
                  &door_book.pressed_flag(),
-                 given.forwards},
+                 given.forwards,
+                 given.reports},
         unfinished(unfinished_memory) {}
 
   const RelayContext& relay;

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <linux/sockios.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -22,7 +24,9 @@ void Socket::Receive() {
   // Reads once: others have their turn before the rest, which the loop reports again.
   const ssize_t bytes = ::recv(descriptor_, shared_.data(), shared_.size(), MSG_DONTWAIT);
   if (bytes > 0) return owner_.OnReceived({shared_.data(), static_cast<std::size_t>(bytes)});
-  if (bytes == 0 || (errno != EAGAIN && errno != EINTR)) owner_.OnReceiveEnd();
+  if (bytes < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (bytes < 0) error_ = errno;
+  owner_.OnReceiveEnd();
 }
 
 bool Socket::Send(std::string_view bytes) {
@@ -31,7 +35,10 @@ bool Socket::Send(std::string_view bytes) {
     return true;
   }
   const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  if (sent < 0 && errno != EAGAIN && errno != EINTR) return false;
+  if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+    error_ = errno;
+    return false;
+  }
   const auto gone = static_cast<std::size_t>(std::max<ssize_t>(sent, 0));
   sent_ += gone;
   bytes.remove_prefix(gone);
@@ -55,6 +62,17 @@ bool Socket::TakesSome() {
   if (closed() || ::ioctl(descriptor_, SIOCOUTQ, &waiting) != 0) return false;
   const std::uint64_t before = std::exchange(taken_, sent_ - static_cast<std::uint64_t>(waiting));
   return waiting > 0 && taken_ > before;
+}
+
+bool Socket::timed_out() const {
+  return error_ == ETIMEDOUT || error_ == EHOSTUNREACH || error_ == ENETUNREACH;
+}
+
+bool Socket::unanswered() const {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (closed() || ::getsockopt(descriptor_, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
+  return info.tcpi_retransmits >= kUnansweredMax || info.tcpi_probes >= kUnansweredMax;
 }
 
 void Socket::EndOutput() {

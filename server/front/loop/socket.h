@@ -18,6 +18,10 @@ inline constexpr std::size_t kSendBytesMax = 64 * 1024;
 /// own even while the socket is blocked, so this bound is needed.
 inline constexpr std::size_t kKeptBytesMax = 4 * kSendBytesMax;
 
+/// Retransmissions in a row, or probes of a closed window, that nothing answered: then the peer is
+/// gone. Each waits longer than the one before; so many take some 3 s.
+inline constexpr int kUnansweredMax = 4;
+
 /// Receives a socket's events, on the socket's thread, never from within a call to it.
 class SocketOwner {
  public:
@@ -58,6 +62,12 @@ class Socket final : public ReadyOwner {
   /// Whether the peer has taken some of the waiting bytes since the last call, and more still wait:
   /// a slow reader's sign of life. A peer with nothing to read shows none.
   [[nodiscard]] bool TakesSome();
+  /// The connection broke with an error, and did not just end.
+  [[nodiscard]] bool failed() const { return error_ != 0; }
+  /// That error says that nothing answers any more.
+  [[nodiscard]] bool timed_out() const;
+  /// Nothing acknowledges our bytes, not even those with which TCP asks whether there is room.
+  [[nodiscard]] bool unanswered() const;
   /// Ends our side of the connection.
   void EndOutput();
   void Close();
@@ -79,6 +89,8 @@ class Socket final : public ReadyOwner {
   /// Bytes that the system took in all, and bytes that the peer had taken at the last TakesSome.
   std::uint64_t sent_ = 0;
   std::uint64_t taken_ = 0;
+  /// The errno with which it broke.
+  int error_ = 0;
 };
 
 }  // namespace uplink::front

@@ -1,10 +1,8 @@
 #include "server/front/tls/tls_peer.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include <openssl/err.h>
-#include <openssl/evp.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
@@ -28,12 +26,6 @@ absl::Status SentenceOf(int verify_error) {
   }
 }
 
-SystemTime ExpiryOf(const X509* certificate) {
-  std::tm utc{};
-  if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate), &utc) != 1) return SystemTime{};
-  return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
-}
-
 }  // namespace
 
 milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
@@ -46,12 +38,12 @@ TlsPeer PeerOf(const SSL* connection, int verify_error) {
                .ruri = {},
                .expiry = SystemTime{}};
   if (certificate == nullptr) return peer;
-  unsigned int size = 0;
-  X509_pubkey_digest(certificate, EVP_sha256(), peer.key.data(), &size);
-  peer.expiry = ExpiryOf(certificate);
+  peer.certificate = identity::ShownBy(*certificate);
+  peer.key = peer.certificate.key_sha256;
+  peer.expiry = peer.certificate.not_after;
   const STACK_OF(X509)* chain = SSL_get0_verified_chain(connection);
   for (int i = 0; i < sk_X509_num(chain); ++i) {
-    peer.expiry = std::min(peer.expiry, ExpiryOf(sk_X509_value(chain, i)));
+    peer.expiry = std::min(peer.expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
   }
   peer.identity = identity::IdentityOf(*certificate);
   if (peer.identity.ok() && peer.identity->role == identity::Role::kRobot) {

@@ -10,6 +10,7 @@
 
 #include "schema/base/clock.h"
 #include "server/identity/peer_identity.h"
+#include "server/identity/shown_certificate.h"
 
 namespace uplink::front {
 
@@ -30,6 +31,8 @@ struct TlsPeer {
   std::array<std::uint8_t, 32> key{};
   /// When the first certificate of its chain expires.
   SystemTime expiry;
+  /// For lists of connections.
+  identity::ShownCertificate certificate = {};
 
   [[nodiscard]] bool IsGateway() const {
     return identity.ok() && identity->role == identity::Role::kGateway;

@@ -33,12 +33,16 @@ ConnectionBench::ConnectionBench(config::TlsVersion minimum) {
 }
 
 ConnectionBench::~ConnectionBench() {
-  Do([this] {
-    for (const auto& [id, connection] : connections_) connection->Shutdown();
-  });
+  ShutDown();
   loop_.Post([this] { loop_.Stop(); });
   thread_.join();
   ::close(listener_);
+}
+
+void ConnectionBench::ShutDown() {
+  Do([this] {
+    for (const auto& [id, connection] : connections_) connection->Shutdown();
+  });
 }
 
 void ConnectionBench::Listen() {

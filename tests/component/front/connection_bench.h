@@ -40,6 +40,8 @@ class ConnectionBench final : public front::ConnectionOwner {
   void Commit();
   /// Does something on the thread of the connections, and waits for it.
   void Do(const std::function<void()>& work);
+  /// Ends all connections, as a server that stops does.
+  void ShutDown();
   /// Others wait for a place.
   void Press();
 

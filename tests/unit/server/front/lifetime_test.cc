@@ -115,7 +115,7 @@ TEST_F(LifetimeTest, WithLittleLeftItStaysUntilTheExpiry) {
   for (const milliseconds left : {milliseconds(kBeforeExpiry), milliseconds(kNearlyOver)}) {
     Open(milliseconds(0), left, 65'535);
     EXPECT_EQ(HeardAndDueAt(left - milliseconds(1)), Due::kNothing);
-    EXPECT_EQ(HeardAndDueAt(left), Due::kAge);
+    EXPECT_EQ(HeardAndDueAt(left), Due::kExpired);
   }
   Open(milliseconds(0), kNearlyOver + milliseconds(1000));
   EXPECT_EQ(HeardAndDueAt(kBeforeExpiry), Due::kNothing);
@@ -148,7 +148,7 @@ TEST_F(LifetimeTest, AClockThatIsSetBackLeavesTheAge) {
 TEST_F(LifetimeTest, AnExpiryThatHasPassedEndsItNow) {
   Open(milliseconds(0), kFarAway);
   lifetime_.SetExpiry(kStart + kHour, -kHour);
-  EXPECT_EQ(HeardAndDueAt(kHour), Due::kAge);
+  EXPECT_EQ(HeardAndDueAt(kHour), Due::kExpired);
 }
 
 TEST_F(LifetimeTest, OnceItsAgeWasToldTheExpirySaysNothing) {

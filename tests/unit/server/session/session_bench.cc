@@ -120,7 +120,7 @@ std::string ToLine(const v1::RelayResponse& frame) {
 
 BenchStream::BenchStream(const SessionContext& context, identity::PeerIdentity peer,
                          loop::StreamRef self)
-    : self_(self), session_(context, std::move(peer), self, *this, *this) {}
+    : self_(self), session_(context, {std::move(peer)}, self, *this, *this) {}
 
 BenchStream::~BenchStream() = default;
 
@@ -218,8 +218,8 @@ void BenchStream::Timer() {
   Pump();
 }
 
-void BenchStream::Drain(milliseconds grace) {
-  session_.OnDrain(grace);
+void BenchStream::Drain(milliseconds grace, transport::EndCause cause) {
+  session_.OnDrain(grace, cause);
   Pump();
 }
 
@@ -252,7 +252,8 @@ BenchStream& BenchServer::OpenAs(identity::PeerIdentity peer) {
                                .rejects = rejects_,
                                .clock_trust = clock_trust_,
                                .pressed = &pressed,
-                               .forwards = forwards};
+                               .forwards = forwards,
+                               .reports = reports};
   const std::uint64_t id = streams_.size() + 1;
   auto stream = std::make_unique<BenchStream>(context, std::move(peer),
                                               loop::StreamRef{.inbox = this, .stream = id});

@@ -103,7 +103,7 @@ class BenchStream final : public FrameSource, public FrameSink {
 
   void Wake();
   void Timer();
-  void Drain(milliseconds grace);
+  void Drain(milliseconds grace, transport::EndCause cause = transport::EndCause::kDrain);
   [[nodiscard]] Session& session() { return session_; }
 
  private:
@@ -157,6 +157,8 @@ class BenchServer final : public loop::WakeInbox {
   std::atomic<bool> pressed{false};
   /// Of streams that are opened from now on; null: nothing is forwarded.
   ForwardSource* forwards = nullptr;
+  /// Where they are reported; null: nowhere.
+  robot::ConnectionReports* reports = nullptr;
   void StoreAway();
   void StoreBack();
 

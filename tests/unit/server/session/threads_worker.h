@@ -56,7 +56,7 @@ struct ThreadsCore {
 class ThreadsStream final : public FrameSource, public FrameSink {
  public:
   ThreadsStream(const SessionContext& context, const std::string& ruri, loop::StreamRef self)
-      : session_(context, {.role = identity::Role::kRobot, .fleet = "bench", .ruri = ruri}, self,
+      : session_(context, {{.role = identity::Role::kRobot, .fleet = "bench", .ruri = ruri}}, self,
                  *this, *this) {}
 
   void RequestRead() override { reading_ = true; }

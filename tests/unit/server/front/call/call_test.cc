@@ -73,6 +73,39 @@ TEST_F(CallTest, WhatWeEndIsCountedByItsStatus) {
   EXPECT_EQ(EndsWith("broken"), 0);
 }
 
+TEST_F(CallTest, AStreamIsReportedWithWhereItCameFrom) {
+  Stream(1);
+  wire_.Break();
+  ASSERT_EQ(bench_.connections().ended().size(), 1U);
+  const storage::ConnectionItem item = bench_.connections().ended()[0];
+  EXPECT_EQ(item.address, wire_.origin().text);
+  EXPECT_EQ(item.robot->ruri, fuzz::RuriOf(kRobot));
+}
+
+TEST_F(CallTest, ItsReportSaysWhyItEnded) {
+  Stream(1);
+  wire_.Receive(http2::RstStream(1, http2::kCancel));
+  Stream(3);
+  // Flagged as compressed.
+  wire_.Receive(http2::Data(3, Prefix(1, '\1') + "x"));
+  // More than its headers announced: nghttp2 resets the stream for it.
+  const std::string hello = HelloMessage(1);
+  wire_.Receive(OpenRelay(5, {{"content-length", std::to_string(hello.size())}}) +
+                http2::Data(5, hello));
+  wire_.Receive(http2::Data(5, hello));
+  Stream(7);
+  wire_.Break();
+  EXPECT_EQ(bench_.connections().Ends(),
+            (std::vector<std::string>{"broken", "protocol_error", "protocol_error", "broken"}));
+}
+
+TEST_F(CallTest, AStreamThatDoesNotSettleBeforeItsConnectionDrainedIsDrained) {
+  Stream(1);
+  bench_.Drain(std::chrono::seconds(10));
+  wire_.Break();
+  EXPECT_EQ(bench_.connections().Ends(), std::vector<std::string>{"drained"});
+}
+
 TEST_F(CallTest, ASourceIsKnownOnceARobotStreamedFromIt) {
   wire_.Receive(OpenRelay(1));
   wire_.Receive(http2::RstStream(1, http2::kCancel));
@@ -139,7 +172,7 @@ class Echo final : public transport::CallHandler {
   }
   void OnTooLarge(std::uint64_t /*bytes*/) override { call_.Cancel(); }
   void OnHalfClose() override { Answer(); }
-  void OnBroken(std::optional<absl::StatusCode> /*code*/) override {}
+  void OnBroken(const transport::Ending& /*ending*/) override {}
   void OnWritten() override { Answer(); }
   void OnWake() override {}
   void OnTimer() override {}

@@ -1,0 +1,62 @@
+#include "server/session/stream_report.h"
+
+#include <string>
+#include <utility>
+
+#include "schema/base/utf8.h"
+#include "schema/model/ids.h"
+#include "server/identity/shown_certificate.h"
+#include "server/robot/connection_reports.h"
+
+namespace uplink::session {
+namespace {
+
+using transport::EndCause;
+
+/// An agent reads the same for a drain, an age and an expiry; a person reads which one it was.
+std::string DetailOf(const transport::Ending& ending) {
+  const bool told = ending.cause != EndCause::kAge && ending.cause != EndCause::kExpired;
+  return std::string(told && !ending.detail.empty() ? ending.detail : SentenceOf(ending.cause));
+}
+
+}  // namespace
+
+storage::ConnectionItem StreamReport::Item() const {
+  storage::ConnectionItem item;
+  item.robot = sources_.robot.robot().id();
+  item.id = id_;
+  item.source = model::MessageSource::kUplink;
+  item.began_at = began_at_;
+  item.gateway = sources_.robot.claim().gateway;
+  item.agent_version = PrintableUtf8(sources_.robot.agent_version(), model::kAgentVersionBytesMax);
+  item.messages = messages_;
+  item.bytes = bytes_;
+  item.takeovers = sources_.robot.takeovers();
+  item.held_back = sources_.reading.held_back();
+  item.held_back_why = robot::ToText(sources_.reading.held_back_last());
+  if (sources_.connection != nullptr) {
+    item.address = sources_.connection->address();
+    item.certificate = identity::FactsOf(sources_.connection->certificate());
+  }
+  return item;
+}
+
+void StreamReport::Begin() {
+  if (sources_.context.reports == nullptr) return;
+  began_ = true;
+  began_at_ = sources_.context.clock.System();
+  id_ = sources_.context.reports->Begin(sources_.robot.robot(), Item());
+}
+
+void StreamReport::End(const transport::Ending& ending) {
+  if (!std::exchange(began_, false)) return;
+  storage::ConnectionItem item = Item();
+  item.ended = storage::ConnectionEnded{
+      .at = sources_.context.clock.System(),
+      .why = transport::WhyOf(ending.cause),
+      .code = ending.code ? absl::StatusCodeToString(*ending.code) : std::string(),
+      .detail = DetailOf(ending)};
+  sources_.context.reports->End(sources_.robot.robot(), std::move(item));
+}
+
+}  // namespace uplink::session
