@@ -24,7 +24,8 @@ Broker::Broker(Context context)
                 .twins = context_.twins,
                 .inbox = wakes_,
                 .fleet_name = context_.fleet_name,
-                .random = context_.random}),
+                .random = context_.random,
+                .reports = context_.reports}),
       commits_({.streams = streams_,
                 .ledger = context_.ledger,
                 .probe = probe_,
@@ -125,7 +126,7 @@ void Broker::End() {
   probe_.lease_held.Set(0);
   rereading_.End();
   for (std::size_t i = 0; i < context_.clients.size(); ++i) StopClient(static_cast<Connection>(i));
-  streams_.EndAll();
+  streams_.EndAll(draining_ ? transport::EndCause::kDrain : transport::EndCause::kSuperseded);
   context_.twins.Clear();
 }
 
@@ -262,6 +263,7 @@ void Broker::Tick() {
   AfterWork();
   StoreExpired();
   UpdateHealth();
+  if (!health_.subscribed_since()) streams_.NoteUnheard(now);
   // It starts clean, so the broker drops what it has queued.
   if (health_.live_is_old()) Of(Connection::kLive).client()->ConnectAnew(BehindEnd());
   probe_.streams.Set(static_cast<std::int64_t>(streams_.size()));

@@ -31,6 +31,7 @@
 #include "server/log/logger.h"
 #include "server/mqtt/settings.h"
 #include "server/mqtt/unacked.h"
+#include "server/robot/connection_reports.h"
 
 namespace uplink::broker {
 
@@ -63,6 +64,8 @@ class Broker final : private SubscriberEvents {
     std::function<std::uint64_t()> random;
     /// How much one robot may store, as of the last reload.
     const ingest::Allowances& allowances;
+    /// Where the twins' connections are reported; null: nowhere.
+    robot::ConnectionReports* reports = nullptr;
   };
   explicit Broker(Context context);
   ~Broker() override = default;

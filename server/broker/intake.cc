@@ -1,6 +1,7 @@
 #include "server/broker/intake.h"
 
 #include <utility>
+#include <variant>
 
 #include "schema/cyberwave/topic.h"
 #include "server/broker/digest.h"
@@ -118,7 +119,10 @@ Intake::Processed Intake::Judge(Processing& processing) {
   }
   place->stream->used_at = processing.arrived.steady;
   // Only when the message arrives, not when it is tried again.
-  if (!processing.held_back) NoteLife(processing, *place->stream);
+  if (!processing.held_back) {
+    NoteLife(processing, *place->stream);
+    NoteConnection(processing, *place->stream);
+  }
   return Offer(processing, *place->stream);
 }
 
@@ -179,6 +183,19 @@ void Intake::NoteLife(const Processing& processing, TwinStream& stream) {
   const auto sign = cyberwave::SignOfLifeOf(processing.judgement);
   if (!sign || stream.twin == nullptr || sign != cyberwave::RobotOf(processing.judgement)) return;
   port_.NoteLife(stream.line(), processing.arrived.steady, processing.arrived.system);
+}
+
+void Intake::NoteConnection(const Processing& processing, TwinStream& stream) {
+  const cyberwave::Judgement& judgement = processing.judgement;
+  const auto robot = cyberwave::RobotOf(judgement);
+  if (!robot) return;
+  const model::cyberwave::Body* body = judgement.body();
+  context_.streams.Hear(
+      stream, {.session = judgement.head.session_id,
+               .live = cyberwave::SignOfLifeOf(judgement) == robot,
+               .mark = body == nullptr ? nullptr : std::get_if<model::cyberwave::Mark>(body),
+               .bytes = judgement.payload_bytes,
+               .arrived = processing.arrived});
 }
 
 Intake::Processed Intake::Offer(Processing& processing, TwinStream& stream) {

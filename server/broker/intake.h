@@ -105,6 +105,7 @@ class Intake final {
   /// Logs a twin whose message the port blocked because the twin stores too much.
   void Tell(TwinStream& stream, const ingest::Port::Offered& offered);
   void NoteLife(const Processing& processing, TwinStream& stream);
+  void NoteConnection(const Processing& processing, TwinStream& stream);
   void AnswerPing(Processing& processing);
   /// Counts a rejection without a row in quarantine.
   void RejectUnkept(Processing& processing, model::RejectReason reason);

@@ -8,6 +8,7 @@
 
 #include "schema/base/clock.h"
 #include "schema/model/ids.h"
+#include "server/broker/twin_connections.h"
 #include "server/broker/waiting_message.h"
 #include "server/cyberwave/twin.h"
 #include "server/cyberwave/twin_rates.h"
@@ -43,6 +44,7 @@ struct TwinStream {
   /// are ids.
   std::vector<std::uint16_t> settled;
   SteadyTime used_at;
+  TwinConnections connections;
   /// When the log last named it for its rate (LimitedLog).
   limits::RecentTimes<1> limited_told;
   /// It takes no more messages, and goes once no message of it waits. It may be revived before.

@@ -10,6 +10,9 @@
 #include "storage/origin.h"
 
 namespace uplink::broker {
+
+using transport::EndCause;
+
 namespace {
 
 using cyberwave::RobotKind;
@@ -173,6 +176,7 @@ void TwinStreams::OpenKnown(const std::vector<std::string>& prefixes, Which whic
 }
 
 void TwinStreams::Close(TwinStream& stream) {
+  EndConnections(stream, EndCause::kSuperseded);
   robot::Robot& robot = *stream.robot;
   robot.NoteHeard(context_.clock.System());
   static_cast<void>(robot.sessions.Detach(stream.self, context_.clock.Steady()));
@@ -182,6 +186,7 @@ void TwinStreams::Close(TwinStream& stream) {
 }
 
 void TwinStreams::Drop(TwinStream& stream) {
+  EndConnections(stream, EndCause::kForgotten);
   if (stream.twin != nullptr) {
     context_.twins.Remove(stream.ruri());
     rests_[stream.ruri()] = context_.clock.Steady() + kRestAfterDrop;
@@ -228,6 +233,9 @@ void TwinStreams::CloseIdle() {
   const SteadyTime now = context_.clock.Steady();
   std::vector<TwinStream*> idle;
   for (const auto& [ruri, stream] : streams_) {
+    if (context_.reports != nullptr) {
+      stream->connections.EndSilent(*context_.reports, *stream->robot, now, heard_all_since_);
+    }
     if (stream->waiting.empty() && now - stream->used_at >= kStreamIdleMax) {
       idle.push_back(stream.get());
     }
@@ -252,10 +260,11 @@ void TwinStreams::Forget(const cyberwave::Twin& twin) {
   context_.twins.Remove(twin.ruri());
 }
 
-void TwinStreams::EndAll() {
+void TwinStreams::EndAll(EndCause cause) {
   std::vector<TwinStream*> idle;
   for (const auto& [ruri, stream] : streams_) {
     stream->ending = true;
+    EndConnections(*stream, cause);
     if (stream->waiting.empty()) idle.push_back(stream.get());
   }
   for (TwinStream* stream : idle) Close(*stream);

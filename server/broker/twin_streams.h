@@ -20,6 +20,8 @@
 #include "server/fleet/fleet.h"
 #include "server/journal/shards.h"
 #include "server/loop/wake.h"
+#include "server/robot/connection_reports.h"
+#include "server/transport/end_cause.h"
 
 namespace uplink::broker {
 
@@ -46,6 +48,8 @@ class TwinStreams final {
     std::string fleet_name;
     /// Evenly drawn numbers.
     std::function<std::uint64_t()> random;
+    /// Where the twins' connections are reported; null: nowhere.
+    robot::ConnectionReports* reports = nullptr;
   };
   explicit TwinStreams(Context context) : context_(std::move(context)) {}
 
@@ -83,12 +87,19 @@ class TwinStreams final {
   /// Another process has the robot. Its live data here is void, and only the store knows its stored
   /// faults.
   void Lose(TwinStream& stream);
-  /// CloseIdle closes streams that were silent for kStreamIdleMax and wait for nothing. ForgetLeft
-  /// forgets twins whose robots left memory.
+  /// A message of a twin has come, and belongs to its stream.
+  void Hear(TwinStream& stream, const TwinConnections::Heard& heard) {
+    if (context_.reports == nullptr || stream.twin == nullptr) return;
+    stream.connections.Hear(*context_.reports, *stream.robot, heard);
+  }
+  /// The broker is not heard at `now`: until then nothing says that a client is silent.
+  void NoteUnheard(SteadyTime now) { heard_all_since_ = now; }
+  /// CloseIdle ends the connections of silent clients, and closes streams that were silent for
+  /// kStreamIdleMax and wait for nothing. ForgetLeft forgets twins whose robots left memory.
   void CloseIdle();
   void ForgetLeft();
-  /// Ends all streams: at once, or when nothing of them waits.
-  void EndAll();
+  /// Ends all streams: at once, or when nothing of them waits. Their connections end for `cause`.
+  void EndAll(transport::EndCause cause = transport::EndCause::kSuperseded);
 
   /// The store may have lost commits, and is being read. The caller passes no metrics until
   /// SetFaults.
@@ -105,12 +116,17 @@ class TwinStreams final {
   [[nodiscard]] bool Revive(TwinStream& stream);
   [[nodiscard]] model::SessionId DrawSession() const;
   [[nodiscard]] std::shared_ptr<cyberwave::TwinRates> RatesOf(const Named& named);
+  void EndConnections(TwinStream& stream, transport::EndCause cause) {
+    if (context_.reports == nullptr) return;
+    stream.connections.EndAll(*context_.reports, *stream.robot, context_.clock.System(), cause);
+  }
   void RestoreFaults(cyberwave::Twin& twin);
   /// The twin leaves memory; its faults are active in the store.
   void Forget(const cyberwave::Twin& twin);
 
   const Context context_;
   std::uint64_t last_id_ = 0;
+  SteadyTime heard_all_since_;
   std::unordered_map<std::string, std::unique_ptr<TwinStream>> streams_;
   std::unordered_map<std::uint64_t, TwinStream*> by_id_;
   /// By prefix and twin, while a stream of it is open.
