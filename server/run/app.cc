@@ -7,6 +7,7 @@
 #include "server/fleet/fleet.h"
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
+#include "server/robot/connection_reports.h"
 #include "server/run/broker_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
@@ -21,6 +22,7 @@
 #include "server/run/uncrew_side.h"
 #include "server/run/view_side.h"
 #include "server/store/open.h"
+#include "server/store/process_life.h"
 
 namespace uplink::run {
 
@@ -33,14 +35,18 @@ class App::Impl {
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
         store_(ContextOfStore(), std::move(stores)),
+        reports_({.clock = options_.clock,
+                  .logger = options_.logger,
+                  .process = options_.process,
+                  .seed = options_.random()}),
         uncrew_({options_.clock, options_.config, fleet_, store_.journals(), ledgers_, allowances_,
-                 options_.random()}),
+                 options_.random(), reports_}),
         relay_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                 ledgers_, allowances_, store_.stores(), options_.version, early.OnReadsAhead(),
-                options_.random(), uncrew_.Methods()}),
+                options_.random(), reports_, uncrew_.Methods()}),
         broker_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                  ledgers_, store_.journal_limits(), *store_.stores().reader, store_.leases(),
-                 options_.process, options_.random, allowances_},
+                 options_.process, options_.random, allowances_, reports_},
                 std::move(store_.stores().topic_leases)),
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
@@ -111,6 +117,7 @@ class App::Impl {
 
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
+    reports_.SetServer(config::ToText({.host = store::HostName(), .port = relay_.server().port()}));
     health_.BeginListening();
     store_.StartRounds(relay_.server().port());
     relay_.StartForwarding();
@@ -167,6 +174,7 @@ class App::Impl {
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
   StoreSide store_;
+  robot::ConnectionReports reports_;
   UncrewSide uncrew_;
   RelaySide relay_;
   BrokerSide broker_;

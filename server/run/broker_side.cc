@@ -86,7 +86,8 @@ struct BrokerSide::Parts {
         .post = [this](std::function<void()> job) { loop.Post(std::move(job)); },
         // The writers draw from the other one on their threads.
         .random = [own = std::make_shared<std::mt19937_64>(context.random())] { return (*own)(); },
-        .allowances = context.allowances};
+        .allowances = context.allowances,
+        .reports = &context.reports};
   }
 
   store::TopicRounds::Context TopicsContext(const Context& context) {

@@ -15,6 +15,7 @@
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
+#include "server/robot/connection_reports.h"
 #include "server/store/lease_rounds.h"
 #include "server/view/broker_status.h"
 #include "storage/reader.h"
@@ -45,6 +46,7 @@ class BrokerSide final {
     std::function<std::uint64_t()> random;
     /// What one robot may have stored.
     const ingest::Allowances& allowances;
+    robot::ConnectionReports& reports;
   };
   /// `topics` is null if there is no broker.
   BrokerSide(const Context& context, std::unique_ptr<storage::TopicLeases> topics);

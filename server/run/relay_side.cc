@@ -20,7 +20,7 @@ absl::Status RelaySide::Listen() {
       RelayOptionsOf(context_.config, health::MemoryMax()),
       {context_.clock, context_.fleet, context_.journals, session_probe_, probe_, context_.ledgers,
        session_limits_, JudgeLimitsOf(context_.config.limits), context_.allowances, rejects_,
-       *context_.stores.clock, &forwarding_.source(), &context_.logger},
+       *context_.stores.clock, &forwarding_.source(), &context_.logger, &context_.reports},
       context_.others);
   if (!server.ok()) return server.status();
   server_ = *std::move(server);

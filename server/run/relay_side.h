@@ -19,6 +19,7 @@
 #include "server/log/logger.h"
 #include "server/loop/handshake_probe.h"
 #include "server/loop/one_at_a_time.h"
+#include "server/robot/connection_reports.h"
 #include "server/run/drain.h"
 #include "server/session/limits.h"
 #include "server/session/probe.h"
@@ -50,6 +51,7 @@ class RelaySide final {
     loop::Post reads_ahead;
     /// For the numbers of forwarded commands.
     std::uint64_t seed = 0;
+    robot::ConnectionReports& reports;
     /// What is served beside the relay.
     transport::MethodsMaker others = {};
   };

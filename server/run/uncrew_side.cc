@@ -25,7 +25,8 @@ transport::MethodsMaker UncrewSide::Methods() {
                                 .answer_within = config.uncrew.answer_within,
                                 .ruri_template = config.uncrew.ruri_template,
                                 .in_flight_max = config.limits.in_flight_uplinks_max,
-                                .payload_bytes_max = config.limits.payload_bytes_max});
+                                .payload_bytes_max = config.limits.payload_bytes_max,
+                                .reports = &context_.reports});
 }
 
 void UncrewSide::AddSamples(metrics::Exposition& page) const {

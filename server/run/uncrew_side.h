@@ -9,6 +9,7 @@
 #include "server/fleet/fleet.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
+#include "server/robot/connection_reports.h"
 #include "server/transport/methods.h"
 #include "server/uncrew/drones.h"
 #include "server/uncrew/probe.h"
@@ -30,6 +31,7 @@ class UncrewSide final {
     const ingest::Allowances& allowances;
     /// For drones' sessions.
     std::uint64_t seed = 0;
+    robot::ConnectionReports& reports;
   };
   explicit UncrewSide(const Context& context);
 
