@@ -1,5 +1,6 @@
 #include "server/transport/end_cause.h"
 
+#include <fstream>
 #include <set>
 #include <string>
 #include <utility>
@@ -32,6 +33,21 @@ TEST(EndCause, EachReasonHasACause) {
   std::set<model::ConnectionEnd> ends;
   for (const EndCause cause : kAllEndCauses) ends.insert(WhyOf(cause));
   EXPECT_EQ(ends.size(), model::kAllConnectionEnds.size());
+}
+
+// Tests start in the tree's top folder.
+TEST(EndCause, ThePageHasEachReason) {
+  std::ifstream page("docs/reference/connections.md");
+  ASSERT_TRUE(page) << "docs/reference/connections.md cannot be read";
+  std::vector<std::string> words;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("| `")) words.push_back(line.substr(3, line.find('`', 3) - 3));
+  }
+  std::vector<std::string> reasons;
+  for (const model::ConnectionEnd end : model::kAllConnectionEnds) {
+    reasons.emplace_back(model::ToText(end));
+  }
+  EXPECT_EQ(words, reasons) << "one row each, in this order";
 }
 
 TEST(EndCause, EachHasASentence) {
