@@ -13,6 +13,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "schema/model/connection.h"
 #include "schema/model/ids.h"
 #include "schema/model/mission.h"
 #include "schema/model/presence.h"
@@ -115,6 +116,10 @@ struct ConnectionsQuery {
   HistoryQuery rows;
   /// Only those that have not ended.
   bool open = false;
+  /// Nothing: whatever way they came.
+  std::optional<model::MessageSource> source{};
+  /// Only those that ended for this reason.
+  std::optional<model::ConnectionEnd> why{};
 };
 
 /// Which rows of quarantine.

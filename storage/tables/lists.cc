@@ -109,8 +109,11 @@ ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_co
 }
 
 ListFilter FilterOf(const ConnectionsQuery& query, std::string_view open_column) {
-  if (!query.open) return {};
-  return {{{open_column}}};
+  Conditions conditions(query.rows);
+  if (query.why) conditions.Indexed("ended_why = ?", Number(*query.why));
+  if (query.source) conditions.Indexed("source = ?", Number(*query.source));
+  if (query.open) conditions.Also(open_column);
+  return conditions.Take();
 }
 
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_column*/) {

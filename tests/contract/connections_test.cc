@@ -160,8 +160,8 @@ TEST_P(ConnectionsContract, AreFoundByRobotFleetAndTime) {
   of_other_fleet.robot = Robot("c", "f2");
   Write({Ended(Began(1, 1), 9), other, of_other_fleet});
   EXPECT_THAT(Ids(), ElementsAre(3, 2, 1));
-  EXPECT_THAT(Ids({.rows = {.ruri = robot_->ruri}}), ElementsAre(1));
-  EXPECT_THAT(Ids({.rows = {.ruri = robot_->ruri}, .open = true}), IsEmpty());
+  EXPECT_THAT(Ids({.rows = {.ruris = {robot_->ruri}}}), ElementsAre(1));
+  EXPECT_THAT(Ids({.rows = {.ruris = {robot_->ruri}}, .open = true}), IsEmpty());
   EXPECT_THAT(Ids({.rows = {.fleet = "f1"}}), ElementsAre(2, 1));
   EXPECT_THAT(Ids({.rows = {.fleet = "f1"}, .open = true}), ElementsAre(2));
   EXPECT_THAT(Ids(OnlyOpen()), ElementsAre(3, 2));
@@ -170,9 +170,32 @@ TEST_P(ConnectionsContract, AreFoundByRobotFleetAndTime) {
   query.rows.to = Time(2);
   EXPECT_THAT(Ids(query), ElementsAre(2));
   query = {};
+  query.rows.ruris = {robot_->ruri, of_other_fleet.robot->ruri};
+  query.rows.order = storage::ListOrder::kOldestFirst;
+  EXPECT_THAT(Ids(query), ElementsAre(1, 3));
+  query = {};
   query.rows.page_size = 2;
   query.rows.page_token = store_->reader().Connections(query)->next_token;
   EXPECT_THAT(Ids(query), ElementsAre(1));
+}
+
+TEST_P(ConnectionsContract, AreFoundBySourceAndEnd) {
+  ConnectionItem drone = Began(3, 3);
+  drone.source = model::MessageSource::kUncrew;
+  Write({Ended(Began(1, 1), 9), Ended(Began(2, 2), 9, ConnectionEnd::kSilent),
+         Ended(drone, 9, ConnectionEnd::kSilent), Began(4, 4)});
+  EXPECT_THAT(Ids({.rows = {}, .why = ConnectionEnd::kSilent}), ElementsAre(3, 2));
+  EXPECT_THAT(Ids({.rows = {}, .why = ConnectionEnd::kOrderly}), IsEmpty()) << "nor open ones";
+  EXPECT_THAT(Ids({.rows = {}, .open = true, .why = ConnectionEnd::kBroken}), IsEmpty());
+  EXPECT_THAT(Ids({.rows = {}, .source = model::MessageSource::kUncrew}), ElementsAre(3));
+  const auto uplink = model::MessageSource::kUplink;
+  EXPECT_THAT(Ids({.rows = {}, .source = uplink}), ElementsAre(4, 2, 1));
+  EXPECT_THAT(Ids({.rows = {}, .open = true, .source = uplink}), ElementsAre(4));
+  EXPECT_THAT(Ids({.rows = {.fleet = robot_->fleet}, .why = ConnectionEnd::kSilent}),
+              ElementsAre(3, 2));
+  EXPECT_THAT(
+      Ids({.rows = {.ruris = {robot_->ruri}}, .source = uplink, .why = ConnectionEnd::kSilent}),
+      ElementsAre(2));
 }
 
 TEST_P(ConnectionsContract, NeedNoHold) {
@@ -203,13 +226,13 @@ TEST_P(ConnectionsContract, AreTheLastOfARobot) {
   Write(items);
   EXPECT_THAT(Ids(), SizeIs(kMax + 1)) << "at the bound";
   Write({Began(kMax, 1 + kMax), Began(kMax + 1, 2 + kMax)});
-  storage::ConnectionsQuery query{.rows = {.ruri = robot_->ruri}};
+  storage::ConnectionsQuery query{.rows = {.ruris = {robot_->ruri}}};
   ASSERT_THAT(Ids(query), SizeIs(kMax));
   EXPECT_EQ(Ids(query).front(), kMax + 1);
   EXPECT_EQ(Ids(query).back(), 2);
   Write({Ended(Began(0, 1), 500)});
   EXPECT_EQ(Ids(query).back(), 2) << "one that went does not come back";
-  EXPECT_THAT(Ids({.rows = {.ruri = other.robot->ruri}}), ElementsAre(200));
+  EXPECT_THAT(Ids({.rows = {.ruris = {other.robot->ruri}}}), ElementsAre(200));
 }
 
 TEST_P(ConnectionsContract, GoByTheirAgeOnceTheyHaveEnded) {

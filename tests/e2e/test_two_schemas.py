@@ -29,14 +29,14 @@ class TwoSchemas(TwoServers):
                                 "--faults", 1, target=self.road.address))  # fmt: skip
         self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
         self.road.choose(B)
-        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 4 WHERE version = 4")
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 5 WHERE version = 5")
         return fleet
 
     def test_a_step_that_adds_lets_both_go_on(self):
         self.robots_at(A)
-        self.assertEqual(self.schema(), "3|1")
-        self.start(B)
         self.assertEqual(self.schema(), "4|1")
+        self.start(B)
+        self.assertEqual(self.schema(), "5|1")
         self.robots_at(B)
         self.watch(SPANS.after)
         for fleet in self.fleets:

@@ -268,7 +268,11 @@ absl::StatusOr<Page<storage::ConnectionRow>> FakeReader::Connections(
     const storage::ConnectionsQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   std::vector<FakePlaced<storage::ConnectionRow>> rows = AllOf(database_.connections_.rows());
-  std::erase_if(rows, [&query](const auto& row) { return query.open && row.second->ended_at; });
+  std::erase_if(rows, [&query](const auto& row) {
+    return (query.open && row.second->ended_at) ||
+           (query.source && row.second->source != *query.source) ||
+           (query.why && row.second->why != query.why);
+  });
   return FakePageOf(PageKind::kConnections, query.rows, std::move(rows));
 }
 

@@ -40,6 +40,8 @@ CREATE INDEX connections_by_time ON connections (began_at, entry);
 CREATE INDEX connections_open_by_robot ON connections (ruri, began_at, entry) WHERE is_open;
 CREATE INDEX connections_open_by_fleet ON connections (fleet, began_at, entry) WHERE is_open;
 CREATE INDEX connections_open_by_time ON connections (began_at, entry) WHERE is_open;
+CREATE INDEX connections_by_why ON connections (ended_why, began_at, entry, fleet);
+CREATE INDEX connections_by_source ON connections (source, began_at, entry, fleet);
 CREATE INDEX connections_open_by_process ON connections (process) WHERE is_open;
 
 -- Why the last connection of a robot that goes offline ended, as ended_why; NULL where that is unknown.
