@@ -10,7 +10,7 @@ TEST_LINES_MAX = 500
 # Files that are longer for a reason: path -> (lines, reason). An entry that is no longer needed is
 # itself a finding.
 LONG_FILES = {
-    "metrics/catalogue.cc": (400, "one table of data, a row per metric"),
+    "metrics/catalogue.cc": (480, "one table of data, a row per metric"),
     "server/config/settings.cc": (800, "one table of data, a row per setting"),
     "tests/tidy/test_tidy.py": (800, "one list, a short class per rule"),
     "tools/dev/reference.py": (420, "one list, a short reader per page"),
