@@ -32,13 +32,14 @@ constexpr std::string_view kProcesses =
     " SELECT process FROM p WHERE process IS NOT NULL AND process <> $1::uuid LIMIT $2::bigint";
 
 // What the process tells meanwhile is passed over.
-constexpr std::string_view kEnd =
+constexpr SqlText kEnd = {
     "UPDATE uplinkd.connections AS c SET is_open = false, ended_at = greatest(c.began_at,"
     " coalesce((SELECT p.renewed_at FROM uplinkd.processes AS p WHERE p.process = $1::uuid),"
-    " $2::timestamptz)), ended_why = $3::int, ended_code = '', ended_detail = $4::text"
-    " FROM (SELECT o.ruri, o.id FROM uplinkd.connections AS o"
-    " WHERE o.is_open AND o.process = $1::uuid LIMIT $5::bigint FOR UPDATE SKIP LOCKED) AS old"
-    " WHERE c.ruri = old.ruri AND c.id = old.id";
+    " $2::timestamptz)), ended_why = $3::int, ended_code = '', ended_detail = '",
+    kServerEndedDetail,
+    "' FROM (SELECT o.ruri, o.id FROM uplinkd.connections AS o"
+    " WHERE o.is_open AND o.process = $1::uuid LIMIT $4::bigint FOR UPDATE SKIP LOCKED) AS old"
+    " WHERE c.ruri = old.ruri AND c.id = old.id"};
 
 }  // namespace
 
@@ -73,8 +74,7 @@ absl::StatusOr<std::size_t> EndConnections(Connection& connection, const Process
   const auto why = static_cast<std::int32_t>(model::ConnectionEnd::kServerEnded);
   const auto results = RunAndCommitFor(
       connection,
-      PipelineOf(StoreCallOf(kBegin),
-                 StoreCallOf(kEnd, process, now, why, kServerEndedDetail, kSweepRowsMax)),
+      PipelineOf(StoreCallOf(kBegin), StoreCallOf(kEnd.view(), process, now, why, kSweepRowsMax)),
       "end connections", before_commit);
   if (!results.ok()) return Decisive(results.status());
   return (*results)[1].written();
