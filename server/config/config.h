@@ -75,7 +75,7 @@ struct StoreConfig {
   std::string password_file;
   /// PostgreSQL: connections that write; a robot is always on the same.
   std::size_t shards = 2;
-  /// PostgreSQL: connections that read.
+  /// Operators' queries that read the store side by side.
   std::size_t readers = storage::postgres::kReadersDefault;
   /// PostgreSQL: how long a call may take, and a connect.
   milliseconds timeout = storage::postgres::kCallTimeoutDefault;

@@ -221,7 +221,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 1,
      .max = 16,
-     .text = "PostgreSQL only: connections that answer operators' queries.",
+     .text = "Operators' queries that read the store side by side; the others wait.",
      UPLINK_BIND(store, StoreConfig, readers)},
     {.section = "store",
      .key = "timeout",

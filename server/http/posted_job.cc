@@ -5,7 +5,7 @@
 namespace uplink::http {
 namespace {
 
-loop::ReadThread& ThreadOf(const HttpServer::Context& server, Lane lane) {
+loop::ReadThreads& ThreadOf(const HttpServer::Context& server, Lane lane) {
   switch (lane) {
     case Lane::kMemory:
       return server.memory;
@@ -24,7 +24,7 @@ loop::ReadThread& ThreadOf(const HttpServer::Context& server, Lane lane) {
 
 std::optional<PostedJob> PostedJob::Post(const ConnectionContext& context, Lane lane,
                                          std::function<void()> run) {
-  loop::ReadThread& thread = ThreadOf(context.server, lane);
+  loop::ReadThreads& thread = ThreadOf(context.server, lane);
   // Scrapers on this machine go ahead of those on others.
   const bool ahead = lane == Lane::kScrape && context.listener == ListenerId::kHttp;
   const auto id = ahead ? thread.TryPostAhead(std::move(run)) : thread.TryPost(std::move(run));

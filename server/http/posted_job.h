@@ -5,7 +5,7 @@
 
 #include "server/http/connection.h"
 #include "server/http/routes.h"
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 
 namespace uplink::http {
 
@@ -19,9 +19,9 @@ class PostedJob final {
   void Withdraw() const { thread_->Withdraw(id_); }
 
  private:
-  PostedJob(loop::ReadThread& thread, loop::JobId id) : thread_(&thread), id_(id) {}
+  PostedJob(loop::ReadThreads& thread, loop::JobId id) : thread_(&thread), id_(id) {}
 
-  loop::ReadThread* thread_;
+  loop::ReadThreads* thread_;
   loop::JobId id_;
 };
 

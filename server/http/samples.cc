@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "server/http/routes.h"
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 
 namespace uplink::http {
 

@@ -11,7 +11,7 @@
 #include "server/http/listeners.h"
 #include "server/http/probe.h"
 #include "server/log/logger.h"
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 
 namespace boost::asio {
 class io_context;
@@ -43,12 +43,12 @@ class HttpServer final {
     boost::asio::io_context& io;
     const Entrance& entrance;
     /// What is in memory, and waits for the store a moment at most.
-    loop::ReadThread& memory;
-    loop::ReadThread& reads;
+    loop::ReadThreads& memory;
+    loop::ReadThreads& reads;
     /// Where our own scrapes are written. Takes one job per connection of the listener.
-    loop::ReadThread& metrics;
+    loop::ReadThreads& metrics;
     /// Where the robots' scrapes are written; those of listen.http go ahead of others.
-    loop::ReadThread& scrapes;
+    loop::ReadThreads& scrapes;
     HttpProbe& probe;
     const Clock& clock;
     /// At level debug each answer is a line.

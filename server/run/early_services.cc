@@ -9,6 +9,11 @@
 #include "server/http/server.h"
 
 namespace uplink::run {
+namespace {
+
+constexpr loop::ThreadKind kOwnReadThread{"store-read", 0};
+
+}  // namespace
 
 EarlyServices::EarlyServices(Context context)
     : context_(std::move(context)),
@@ -18,7 +23,9 @@ EarlyServices::EarlyServices(Context context)
       stop_signal_(context_.logger, [this](int signal) { context_.greeting.TellStopped(signal); }),
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
-  reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread);
+  reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kReadThread,
+                 loop::JobBounds{.threads = context_.readers});
+  own_reads_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, kOwnReadThread);
   // A connection has one job at most, which leaves with it if it gives way, so no scrape is
   // refused.
   metrics_.emplace(http_probe_.metrics_waiting, http_probe_.reads_refused, http::kMetricsThread,
@@ -38,7 +45,7 @@ EarlyServices::~EarlyServices() {
 }
 
 absl::Status EarlyServices::Listen() {
-  const auto listen = [this](loop::ReadThread& metrics, const http::HttpServer::Options& options) {
+  const auto listen = [this](loop::ReadThreads& metrics, const http::HttpServer::Options& options) {
     return http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
                                      http_probe_, context_.clock, context_.logger},
                                     options);
@@ -95,6 +102,7 @@ void EarlyServices::EndReaders() {
   metrics_.reset();
   memory_.reset();
   reads_.reset();
+  own_reads_.reset();
 }
 
 config::ListenAddress EarlyServices::http_address() const { return http_->bound(); }

@@ -14,7 +14,7 @@
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/one_at_a_time.h"
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 #include "server/rcan/probe.h"
 #include "server/run/greeting.h"
 #include "server/run/periodic.h"
@@ -39,6 +39,8 @@ class EarlyServices final {
     log::Logger& logger;
     config::ListenConfig listen;
     config::HttpConfig http;
+    /// store.readers: questions that wait for the store side by side.
+    std::size_t readers;
     Greeting& greeting;
   };
   explicit EarlyServices(Context context);
@@ -70,14 +72,14 @@ class EarlyServices final {
 
   [[nodiscard]] loop::EventLoop& loop() { return loop_; }
   [[nodiscard]] StopSignal& stop_signal() { return stop_signal_; }
-  /// Posts a job to the thread that may wait for the store; false if it takes none now. Until
-  /// EndReaders.
+  /// Posts a job of the server's own to the one thread that waits for the store for it; false if it
+  /// takes none now. Operators' questions have other threads, so none delays it. Until EndReaders.
   [[nodiscard]] loop::Post OnReads() {
-    return [this](auto job) { return reads_->TryPost(std::move(job)).has_value(); };
+    return [this](auto job) { return own_reads_->TryPost(std::move(job)).has_value(); };
   }
   /// The same, ahead of what others posted.
   [[nodiscard]] loop::Post OnReadsAhead() {
-    return [this](auto job) { return reads_->TryPostAhead(std::move(job)).has_value(); };
+    return [this](auto job) { return own_reads_->TryPostAhead(std::move(job)).has_value(); };
   }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
@@ -97,12 +99,14 @@ class EarlyServices final {
   // Confined to the loop's thread.
   std::function<void()> reload_;
   bool reload_asked_ = false;
-  std::optional<loop::ReadThread> memory_;
-  std::optional<loop::ReadThread> reads_;
-  std::optional<loop::ReadThread> metrics_;
-  std::optional<loop::ReadThread> scrapes_;
+  std::optional<loop::ReadThreads> memory_;
+  /// Operators' questions; and what the server itself asks the store.
+  std::optional<loop::ReadThreads> reads_;
+  std::optional<loop::ReadThreads> own_reads_;
+  std::optional<loop::ReadThreads> metrics_;
+  std::optional<loop::ReadThreads> scrapes_;
   /// Of listen.metrics, if that is set.
-  std::optional<loop::ReadThread> monitor_;
+  std::optional<loop::ReadThreads> monitor_;
   loop::EventLoop loop_;
   std::unique_ptr<http::HttpServer> http_;
   std::unique_ptr<http::HttpServer> monitoring_;

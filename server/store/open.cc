@@ -55,6 +55,9 @@ void Keep(absl::StatusOr<std::unique_ptr<Part>> opened, std::unique_ptr<Part>& p
   if (status.ok()) part = *std::move(opened);
 }
 
+/// Reads that run at once: operators' questions, and one of the server's own.
+std::size_t ReadsAtOnce(const config::Config& config) { return config.store.readers + 1; }
+
 absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::ProcessId& process,
                                   const Clock& clock, const log::Logger& logger) {
   Stores stores;
@@ -70,6 +73,7 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   const storage::sqlite::DamagePtr damage = (*store)->damage();
   storage::sqlite::ReaderOptions reads;
   reads.damage = damage;
+  reads.connections = ReadsAtOnce(config);
   auto reader = storage::sqlite::SqliteReader::Open(path, reads);
   if (!reader.ok()) return reader.status();
   absl::Status status;
@@ -142,7 +146,7 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;
   reading.password_file = config.store.password_file;
-  reading.connections = config.store.readers;
+  reading.connections = ReadsAtOnce(config);
   reading.connect_timeout = std::min(reading.connect_timeout, config.store.timeout);
   reading.statement_timeout = std::min(reading.statement_timeout, config.store.timeout);
   auto reader = storage::postgres::PostgresReader::Open(reading, clock);

@@ -147,7 +147,7 @@ class SlowReads(EndToEnd):
                 b"GET /api/v1/robots/rcan%3A%2F%2Fa HTTP/1.1\r\n"
                 b"Host: localhost\r\nConnection: close\r\n\r\n"
             )
-            for target in ("/api/v1/status", "/api/v1/robots"):
+            for target in ("/api/v1/status", "/api/v1/robots", "/api/v1/faults", "/api/v1/gaps"):
                 self.assertEqual(ask(server, target)[0], 200, target)
             slow.setblocking(False)
             with self.assertRaises(BlockingIOError, msg="the slow read is answered already"):

@@ -78,10 +78,10 @@ class HttpServerTest : public ::testing::Test {
                       log::Level::kDebug};
   Entrance entrance_{KnownHosts({"uplink.example.org"})};
   loop::EventLoop loop_{world_.logger};
-  std::optional<loop::ReadThread> memory_;
-  std::optional<loop::ReadThread> reads_;
-  std::optional<loop::ReadThread> metrics_;
-  std::optional<loop::ReadThread> scrapes_;
+  std::optional<loop::ReadThreads> memory_;
+  std::optional<loop::ReadThreads> reads_;
+  std::optional<loop::ReadThreads> metrics_;
+  std::optional<loop::ReadThreads> scrapes_;
   std::unique_ptr<HttpServer> server_;
 };
 

@@ -30,7 +30,7 @@ constexpr const char* kElsewhere = "127.0.0.2";
 /// Keeps a thread busy until Release, or its end.
 class BusyThread final {
  public:
-  explicit BusyThread(loop::ReadThread& thread) {
+  explicit BusyThread(loop::ReadThreads& thread) {
     std::promise<void> begun;
     const auto job = thread.TryPost([&begun, opened = gate_.get_future().share()] {
       begun.set_value();

@@ -1,4 +1,4 @@
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,31 +9,32 @@
 
 namespace uplink::loop {
 
-ReadThread::ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
-                       const JobBounds& bounds)
-    : waiting_(waiting),
-      refused_(refused),
-      nice_(kind.nice),
-      bounds_(bounds),
-      thread_([this](const std::stop_token& stop) { Run(stop); }) {
-  pthread_setname_np(thread_.native_handle(), kind.name);
+ReadThreads::ReadThreads(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
+                         const JobBounds& bounds)
+    : waiting_(waiting), refused_(refused), nice_(kind.nice), bounds_(bounds) {
+  for (std::size_t i = 0; i < bounds_.threads; ++i) {
+    std::jthread& thread =
+        threads_.emplace_back([this](const std::stop_token& stop) { Run(stop); });
+    pthread_setname_np(thread.native_handle(), kind.name);
+  }
 }
 
-ReadThread::~ReadThread() {
-  thread_.request_stop();
-  thread_.join();
+ReadThreads::~ReadThreads() {
+  // All stop at once, not one after another.
+  for (std::jthread& thread : threads_) thread.request_stop();
+  threads_.clear();
 }
 
-std::optional<JobId> ReadThread::TryPost(std::function<void()> job) {
+std::optional<JobId> ReadThreads::TryPost(std::function<void()> job) {
   return TryPost(jobs_, bounds_.waiting_max, std::move(job));
 }
 
-std::optional<JobId> ReadThread::TryPostAhead(std::function<void()> job) {
+std::optional<JobId> ReadThreads::TryPostAhead(std::function<void()> job) {
   return TryPost(ahead_, bounds_.ahead_max, std::move(job));
 }
 
-std::optional<JobId> ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max,
-                                         std::function<void()> run) {
+std::optional<JobId> ReadThreads::TryPost(Jobs& jobs, std::size_t jobs_max,
+                                          std::function<void()> run) {
   JobId id = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -49,7 +50,7 @@ std::optional<JobId> ReadThread::TryPost(Jobs& jobs, std::size_t jobs_max,
   return id;
 }
 
-void ReadThread::Withdraw(JobId id) {
+void ReadThreads::Withdraw(JobId id) {
   // Ends without the lock: it may hold much.
   std::function<void()> withdrawn;
   const std::lock_guard lock(mutex_);
@@ -64,7 +65,7 @@ void ReadThread::Withdraw(JobId id) {
   }
 }
 
-void ReadThread::Run(const std::stop_token& stop) {
+void ReadThreads::Run(const std::stop_token& stop) {
   // Linux keeps niceness per thread. If it may not be set, the thread runs like the others.
   if (nice_ > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice_);
   while (true) {

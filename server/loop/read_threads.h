@@ -9,6 +9,7 @@
 #include <optional>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 #include "metrics/cells.h"
 
@@ -20,31 +21,33 @@ inline constexpr std::size_t kReadsWaitingMax = 64;
 /// Jobs that may wait ahead of those (TryPostAhead).
 inline constexpr std::size_t kReadsAheadMax = 1024;
 
-/// How many jobs may wait for such a thread.
+/// How many jobs may wait, and how many run side by side.
 struct JobBounds {
   std::size_t waiting_max = kReadsWaitingMax;
   std::size_t ahead_max = kReadsAheadMax;
+  /// Threads that share the queue, at least one. One runs the jobs in their order.
+  std::size_t threads = 1;
 };
 
-/// The name of a thread (at most 15 bytes), and its niceness (0 to 19).
+/// The name of such threads (at most 15 bytes), and their niceness (0 to 19).
 struct ThreadKind {
   const char* name;
   int nice;
 };
 
-/// A job of one ReadThread.
+/// A job of one ReadThreads.
 using JobId = std::uint64_t;
 
-/// One thread for jobs that may wait for the store or take long, so that the event loop never does.
+/// Threads for jobs that may wait for the store or take long, so that the event loop never does.
 /// Jobs must not throw. Thread-safe. The destructor drops waiting jobs and joins.
-class ReadThread final {
+class ReadThreads final {
  public:
-  /// `waiting` and `refused` count jobs and outlive the thread.
-  ReadThread(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
-             const JobBounds& bounds = JobBounds());
-  ~ReadThread();
-  ReadThread(const ReadThread&) = delete;
-  ReadThread& operator=(const ReadThread&) = delete;
+  /// `waiting` and `refused` count jobs and outlive the threads.
+  ReadThreads(metrics::Cell& waiting, metrics::Cell& refused, const ThreadKind& kind,
+              const JobBounds& bounds = JobBounds());
+  ~ReadThreads();
+  ReadThreads(const ReadThreads&) = delete;
+  ReadThreads& operator=(const ReadThreads&) = delete;
 
   /// Nothing if JobBounds::waiting_max jobs wait: then the job is dropped.
   [[nodiscard]] std::optional<JobId> TryPost(std::function<void()> job);
@@ -73,7 +76,7 @@ class ReadThread final {
   JobId posted_ = 0;
   Jobs ahead_;
   Jobs jobs_;
-  std::jthread thread_;
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace uplink::loop

@@ -1,4 +1,4 @@
-#include "server/loop/read_thread.h"
+#include "server/loop/read_threads.h"
 
 #include <future>
 #include <memory>
@@ -11,10 +11,10 @@ namespace {
 
 constexpr ThreadKind kKind{"read", 10};
 
-TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
+TEST(ReadThreads, RunsJobsInOrderOnItsOwnThread) {
   metrics::Cell waiting;
   metrics::Cell refused;
-  ReadThread thread(waiting, refused, kKind);
+  ReadThreads thread(waiting, refused, kKind);
   std::promise<std::thread::id> first;
   std::promise<int> second;
   ASSERT_TRUE(thread.TryPost([&] { first.set_value(std::this_thread::get_id()); }));
@@ -23,10 +23,10 @@ TEST(ReadThread, RunsJobsInOrderOnItsOwnThread) {
   EXPECT_EQ(second.get_future().get(), 2);
 }
 
-TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
+TEST(ReadThreads, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
   metrics::Cell waiting;
   metrics::Cell refused;
-  ReadThread thread(waiting, refused, kKind, {.waiting_max = 1});
+  ReadThreads thread(waiting, refused, kKind, {.waiting_max = 1});
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> done;
@@ -51,10 +51,10 @@ TEST(ReadThread, WhatIsPostedAheadRunsFirstAndHasABoundOfItsOwn) {
   EXPECT_EQ(waiting.value(), 0);
 }
 
-TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
+TEST(ReadThreads, RefusesPastItsBoundAndTakesAgainAfterwards) {
   metrics::Cell waiting;
   metrics::Cell refused;
-  ReadThread thread(waiting, refused, kKind);
+  ReadThreads thread(waiting, refused, kKind);
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> last;
@@ -73,10 +73,10 @@ TEST(ReadThread, RefusesPastItsBoundAndTakesAgainAfterwards) {
   EXPECT_TRUE(thread.TryPost([] {}));
 }
 
-TEST(ReadThread, AJobThatIsWithdrawnMakesRoomAndLeavesNothing) {
+TEST(ReadThreads, AJobThatIsWithdrawnMakesRoomAndLeavesNothing) {
   metrics::Cell waiting;
   metrics::Cell refused;
-  ReadThread thread(waiting, refused, kKind, {.waiting_max = 2, .ahead_max = 1});
+  ReadThreads thread(waiting, refused, kKind, {.waiting_max = 2, .ahead_max = 1});
   std::promise<void> started;
   std::promise<void> release;
   std::promise<void> done;
@@ -108,6 +108,26 @@ TEST(ReadThread, AJobThatIsWithdrawnMakesRoomAndLeavesNothing) {
   done.get_future().wait();
   EXPECT_EQ(order, "second third");
   EXPECT_EQ(waiting.value(), 0);
+}
+
+TEST(ReadThreads, ALongJobDelaysNoOtherWhileThreadsAreFree) {
+  metrics::Cell waiting;
+  metrics::Cell refused;
+  ReadThreads threads(waiting, refused, kKind, {.threads = 2});
+  std::promise<void> started;
+  std::promise<void> release;
+  std::promise<void> ended;
+  ASSERT_TRUE(threads.TryPost([&] {
+    started.set_value();
+    release.get_future().wait();
+    ended.set_value();
+  }));
+  started.get_future().wait();
+  std::promise<void> other;
+  ASSERT_TRUE(threads.TryPost([&] { other.set_value(); }));
+  other.get_future().wait();
+  release.set_value();
+  ended.get_future().wait();
 }
 
 }  // namespace
