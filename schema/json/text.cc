@@ -1,11 +1,26 @@
 #include "schema/json/text.h"
 
+#include <utility>
 #include <variant>
 
 #include "schema/json/geojson.h"
 #include "schema/json/render.h"
 
 namespace uplink::json {
+namespace {
+
+/// Null if there is none of that name.
+boost::json::value MemberIn(std::string_view text, std::string_view name) {
+  boost::json::error_code error;
+  boost::json::value body =
+      boost::json::parse(boost::json::string_view(text.data(), text.size()), error);
+  if (error || !body.is_object()) return nullptr;
+  boost::json::value* value =
+      body.get_object().if_contains(boost::json::string_view(name.data(), name.size()));
+  return value == nullptr ? boost::json::value() : std::move(*value);
+}
+
+}  // namespace
 
 std::string DetailText(const model::EventKind& kind) {
   if (const auto* named = std::get_if<model::NamedEvent>(&kind)) return named->detail_json;
@@ -35,14 +50,15 @@ std::string Text(const model::RcanState& state, std::string_view ruri) {
 }
 
 std::optional<double> NumberIn(std::string_view text, std::string_view name) {
-  boost::json::error_code error;
-  const boost::json::value body =
-      boost::json::parse(boost::json::string_view(text.data(), text.size()), error);
-  if (error || !body.is_object()) return std::nullopt;
-  const boost::json::value* value =
-      body.get_object().if_contains(boost::json::string_view(name.data(), name.size()));
-  if (value == nullptr || !value->is_number()) return std::nullopt;
-  return value->to_number<double>();
+  const boost::json::value value = MemberIn(text, name);
+  if (!value.is_number()) return std::nullopt;
+  return value.to_number<double>();
+}
+
+std::optional<std::string> StringIn(std::string_view text, std::string_view name) {
+  const boost::json::value value = MemberIn(text, name);
+  if (!value.is_string()) return std::nullopt;
+  return std::string(value.get_string());
 }
 
 std::string GeometryText(const model::ShapeData& data) {

@@ -28,6 +28,8 @@ namespace uplink::json {
 [[nodiscard]] std::string Text(const model::RcanState& state, std::string_view ruri);
 /// A number that such a text holds at its top; nothing if there is none of that name.
 [[nodiscard]] std::optional<double> NumberIn(std::string_view text, std::string_view name);
+/// The same of a text.
+[[nodiscard]] std::optional<std::string> StringIn(std::string_view text, std::string_view name);
 /// A GeoJSON geometry (RFC 7946): longitude before latitude, rings closed, `openRings` the numbers
 /// of those that were sent open. The direction of a ring is left as it was sent.
 [[nodiscard]] std::string GeometryText(const model::ShapeData& data);

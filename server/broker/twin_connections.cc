@@ -45,6 +45,8 @@ storage::ConnectionItem ItemOf(const robot::Robot& robot, const One& one) {
 
 void TwinConnections::Hear(robot::ConnectionReports& reports, robot::Robot& robot,
                            const Heard& heard) {
+  robot.traffic.CountMessages(1);
+  robot.traffic.CountBytes(heard.bytes);
   if (heard.mark != nullptr) TakeMark(reports, robot, heard);
   Ones::iterator one = Find(heard.session);
   if (one == ones_.end() && heard.live) one = Begin(reports, robot, heard);

@@ -86,9 +86,10 @@ RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
                                               started_.load(), clock_, changed_);
   robot->state.CountIn(live_total_);
   shard.robots.emplace(id.ruri, robot);
-  changes_.fetch_add(1);
   const std::lock_guard lock(admitted_mutex_);
   admitted_.push_back(robot);
+  // Last: who sees the change finds the robot.
+  changes_.fetch_add(1);
   return robot;
 }
 

@@ -103,6 +103,7 @@ void Port::Append(const Line& line, std::vector<storage::CommitRecord> records,
                   SteadyTime arrived) {
   // Before the writer can settle them, so that no scrape sees them settled and not received.
   Publish();
+  line.robot.traffic.CountRows(records.size());
   line.journal.AppendMessage(line.appends_for(), line.by, std::move(records), arrived);
 }
 

@@ -16,6 +16,7 @@ storage::ConnectionId ConnectionReports::Begin(Robot& robot, storage::Connection
   item.id = DrawId();
   Complete(item);
   robot.state.BeginConnection();
+  robot.agent.Begin(item);
   if (const auto left_out = robot.connection_lines.Take(context_.clock.Steady())) {
     context_.logger.Info("robot_connected", {{"robot", item.robot->ruri},
                                              {"source", model::ToText(item.source)},
@@ -35,6 +36,7 @@ void ConnectionReports::End(Robot& robot, storage::ConnectionItem item) {
   storage::ConnectionEnded& ended = *item.ended;
   ended.detail = PrintableUtf8(ended.detail, storage::kConnectionDetailMax);
   robot.state.EndConnection(ended.why);
+  robot.agent.End(item.id);
   if (const auto left_out = robot.connection_lines.Take(context_.clock.Steady())) {
     const auto seconds =
         std::chrono::duration_cast<std::chrono::seconds>(ended.at - item.began_at).count();

@@ -13,6 +13,8 @@ bool Reports::Follows(const model::Body& report) {
 
 void Reports::Add(const model::Body& report, SystemTime received_at) {
   if (const auto* info = std::get_if<model::AgentInfo>(&report)) {
+    reported_.agent_version = info->agent_version;
+    reported_.software_version = info->software_version.value_or("");
     if (!info->uptime_s || *info->uptime_s > kUptimeSMax) return;
     reported_.booted_at =
         received_at - std::chrono::seconds(static_cast<std::int64_t>(*info->uptime_s));
@@ -32,6 +34,10 @@ void Reports::Add(const model::Body& report, SystemTime received_at) {
 
 void Reports::Restore(Reported before) {
   if (!reported_.booted_at) reported_.booted_at = before.booted_at;
+  if (reported_.agent_version.empty() && reported_.software_version.empty()) {
+    reported_.agent_version = std::move(before.agent_version);
+    reported_.software_version = std::move(before.software_version);
+  }
   for (const auto& [key, ended] : ended_runs_.items()) before.open_runs.Erase(key);
   reported_.open_runs.PutOnTopOf(std::move(before.open_runs));
 }

@@ -35,6 +35,9 @@ struct Reported {
   LatestByKey<std::optional<double>, kOpenRunsMax> open_runs;
   /// By the server's clock.
   std::optional<SystemTime> booted_at;
+  /// As its AgentInfo says; empty: it does not.
+  std::string agent_version;
+  std::string software_version;
 };
 
 /// Follows the durable reports that a robot's series need. Confined to its owner's lock.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/robot/agent_facts.h"
 #include "server/robot/calls.h"
 #include "server/robot/commit_client.h"
 #include "server/robot/connection_lines.h"
@@ -20,6 +21,7 @@
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "server/robot/throttle.h"
+#include "server/robot/traffic.h"
 #include "storage/identity.h"
 #include "storage/open_stream.h"
 
@@ -118,6 +120,8 @@ class Robot final : public CommitClient {
   Throttle throttle;
   Throttle limited_throttle;
   ConnectionLines connection_lines;
+  AgentFacts agent;
+  Traffic traffic;
 
  private:
   enum class Leaving : std::uint8_t { kNo, kAsked, kLeft };

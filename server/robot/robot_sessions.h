@@ -183,6 +183,10 @@ class RobotSessions final {
     const std::lock_guard lock(mutex_);
     held_back_.Set(by, now);
   }
+  [[nodiscard]] HeldBack held_back() const {
+    const std::lock_guard lock(mutex_);
+    return held_back_.by();
+  }
   /// Messages and gap records of the robot that are not committed.
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.load() + gaps_in_flight_.load(); }
   /// The robot's records and gaps in the journal.

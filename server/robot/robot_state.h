@@ -48,6 +48,8 @@ struct StateView {
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
+  /// As StateSnapshot's.
+  std::optional<Backlog> backlog{};
   /// The robot's own stream is not read, or when that ended: its silence is the server's.
   bool held_back = false;
   std::optional<SteadyTime> stream_held_back_until;
@@ -203,6 +205,7 @@ class RobotState final {
                    .presence = presence_.presence(),
                    .presence_since = presence_.since(),
                    .last_sign_of_life = presence_.last_sign(),
+                   .backlog = backlog_,
                    .held_back = presence_.held_back(),
                    .stream_held_back_until = presence_.stream_held_back_until(),
                    .status_arrived = status_arrived_,

@@ -41,6 +41,12 @@ storage::ConnectionItem StreamReport::Item() const {
   return item;
 }
 
+void StreamReport::CountFrame(std::size_t bytes) {
+  bytes_ += bytes;
+  // The Hello comes before its robot is known.
+  if (sources_.robot.attached()) sources_.robot.robot().traffic.CountBytes(bytes);
+}
+
 void StreamReport::Begin() {
   if (sources_.context.reports == nullptr) return;
   began_ = true;

@@ -29,8 +29,12 @@ class StreamReport final {
 
   /// Attachment::Admit has admitted the robot.
   void Begin();
-  void CountFrame(std::size_t bytes) { bytes_ += bytes; }
-  void CountMessages(std::size_t messages) { messages_ += messages; }
+  void CountFrame(std::size_t bytes);
+  /// Of a stream that has its robot.
+  void CountMessages(std::size_t messages) {
+    messages_ += messages;
+    sources_.robot.robot().traffic.CountMessages(messages);
+  }
   /// The stream has ended, and no longer has its robot. Does nothing unless it began.
   void End(const transport::Ending& ending);
 

@@ -18,6 +18,8 @@ static_assert(kRunsPerRobot >= robot::kOpenRunsMax);
 using Reports = std::map<std::string, robot::Reported>;
 
 void AddInfo(const storage::LatestRow& row, robot::Reported& reported) {
+  reported.agent_version = json::StringIn(row.body_json, "agentVersion").value_or("");
+  reported.software_version = json::StringIn(row.body_json, "softwareVersion").value_or("");
   const std::optional<double> uptime_s = json::NumberIn(row.body_json, "uptimeS");
   if (!uptime_s || *uptime_s < 0 || *uptime_s > robot::kUptimeSMax) return;
   reported.booted_at = row.received_at - std::chrono::seconds(static_cast<std::int64_t>(*uptime_s));

@@ -22,6 +22,8 @@ storage::ConnectionItem DroneConnections::ItemOf(const One& one) const {
 
 void DroneConnections::Count(const fleet::RobotPtr& drone, const std::string& gateway,
                              std::size_t bytes) {
+  drone->traffic.CountMessages(1);
+  drone->traffic.CountBytes(bytes);
   auto found = drones_.find(drone->ruri());
   if (found == drones_.end()) {
     if (drones_.size() >= kDronesPerConnectionMax) return;
