@@ -49,11 +49,15 @@ struct RoutedRequest {
 [[nodiscard]] Response StartingLivez(const std::string& query);
 [[nodiscard]] Response StartingReadyz(const std::string& query);
 
-// api.cc: what is held in memory.
+// api.cc: how the server does.
 [[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);
+
+// robots.cc: what is held in memory.
 /// Whether the list wants parts that only the store has.
 [[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetFleets(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetTop(const Sources& sources, const RoutedRequest& request);
 /// By the path, or by the parameter `ruri`: proxies may decode a slash in a path.
 [[nodiscard]] Response GetRobot(const Sources& sources, const RoutedRequest& request);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -88,6 +89,32 @@ bool Parameters::Flag(std::string_view name) {
   if (value == nullptr) return false;
   if (*value != "true" && *value != "false") Reject(name, "must be true or false");
   return *value == "true";
+}
+
+std::optional<bool> Parameters::MaybeFlag(std::string_view name) {
+  const std::string* value = FindSome(name);
+  if (value == nullptr) return std::nullopt;
+  if (*value != "true" && *value != "false") Reject(name, "must be true or false");
+  return *value == "true";
+}
+
+std::vector<double> Parameters::Decimals(std::string_view name, std::size_t count) {
+  std::vector<double> numbers;
+  const std::string* value = FindSome(name);
+  if (value == nullptr) return numbers;
+  std::string_view rest = *value;
+  for (bool more = true; more;) {
+    const std::size_t end = rest.find(',');
+    more = end != std::string_view::npos;
+    const std::optional<double> number = ParseNumber<double>(rest.substr(0, end));
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+    if (!number || !std::isfinite(*number) || numbers.size() > count) break;
+    if (more) rest.remove_prefix(end + 1);
+    if (!more && numbers.size() == count) return numbers;
+  }
+  Reject(name, count == 1 ? std::string("must be a number")
+                          : fmt::format("must be {} numbers between commas", count));
+  return {};
 }
 
 std::uint32_t Parameters::Number(std::string_view name, std::uint32_t absent, std::uint32_t max) {

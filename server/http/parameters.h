@@ -37,6 +37,10 @@ class Parameters final {
   [[nodiscard]] std::string TextOrEmpty(std::string_view name);
   /// `true` or `false`; false if absent.
   [[nodiscard]] bool Flag(std::string_view name);
+  /// Empty if absent.
+  [[nodiscard]] std::optional<bool> MaybeFlag(std::string_view name);
+  /// As many finite numbers between commas; empty if absent.
+  [[nodiscard]] std::vector<double> Decimals(std::string_view name, std::size_t count);
   /// From 1 to `max`; `absent` if it is not given.
   [[nodiscard]] std::uint32_t Number(std::string_view name, std::uint32_t absent,
                                      std::uint32_t max);

@@ -19,6 +19,8 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/robots", "robots", Lane::kMemory, GetRobots, RobotsReadStore},
     {"/api/v1/robots/{}", "robot", Lane::kRead, GetRobot},
     {"/api/v1/robot", "robot_by_ruri", Lane::kRead, GetRobot},
+    {"/api/v1/fleets", "fleets", Lane::kMemory, GetFleets},
+    {"/api/v1/top", "top", Lane::kMemory, GetTop},
     {"/api/v1/events", "events", Lane::kRead, GetEvents},
     {"/api/v1/messages", "messages", Lane::kRead, GetMessages},
     {"/api/v1/presence", "presence", Lane::kRead, GetPresence},

@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "server/view/vitals.h"
+
 namespace uplink::rcan {
 namespace {
 
@@ -60,7 +62,15 @@ std::optional<double> AsDouble(const std::optional<float>& value) {
   return value ? std::optional(double{*value}) : std::nullopt;
 }
 
-void AddPlace(const Basic& fresh) {
+void AddVitals(const view::Vitals& vitals, const Basic& fresh) {
+  fresh.Add(kBatteryV, vitals.battery_v);
+  fresh.Add(kBatteryPct, vitals.battery_percent);
+  if (!vitals.place) return;
+  fresh.Add(kLatitudeDeg, std::optional(vitals.place->latitude_deg));
+  fresh.Add(kLongitudeDeg, std::optional(vitals.place->longitude_deg));
+}
+
+void AddAltitude(const Basic& fresh) {
   std::optional<float> amsl;
   std::optional<float> relative;
   if (const auto* altitude = fresh.Of<un::Altitude>()) {
@@ -69,8 +79,6 @@ void AddPlace(const Basic& fresh) {
     fresh.Add(kAltitudeTerrainM, altitude->altitude_terrain_m);
   }
   if (const auto* position = fresh.Of<un::Position>()) {
-    fresh.Add(kLatitudeDeg, position->latitude_deg);
-    fresh.Add(kLongitudeDeg, position->longitude_deg);
     if (!amsl) amsl = position->absolute_altitude_m;
     if (!relative) relative = position->relative_altitude_m;
   }
@@ -99,8 +107,6 @@ void AddBattery(const Basic& fresh) {
     if (first == nullptr || battery.key < first->key) first = &battery;
   });
   if (first == nullptr) return;
-  fresh.Add(kBatteryV, first->voltage_v);
-  fresh.Add(kBatteryPct, first->remaining_percent);
   fresh.Add(kBatteryTemperatureC, first->temperature_degc);
   fresh.Add(kBatteryCurrentA, first->current_battery_a);
 }
@@ -124,8 +130,10 @@ void AddState(const Basic& fresh) {
 
 void AddDroneBasic(const uncrew::LiveSamples& live, SteadyTime now, milliseconds stale_after,
                    metrics::rcan::SeriesPage& page) {
-  const Basic fresh(Fresh(live, now - stale_after), page);
-  AddPlace(fresh);
+  const SteadyTime since = now - stale_after;
+  const Basic fresh(Fresh(live, since), page);
+  AddVitals(view::VitalsOf({.drone = &live, .drone_since = since}), fresh);
+  AddAltitude(fresh);
   AddMotion(fresh);
   AddBattery(fresh);
   AddState(fresh);

@@ -6,6 +6,7 @@
 
 #include "schema/model/reports.h"
 #include "server/rcan/joint_series.h"
+#include "server/view/vitals.h"
 
 namespace uplink::rcan {
 namespace {
@@ -40,12 +41,7 @@ bool ShowsValues(const robot::StateView& view, const SeriesSources& sources) {
 }
 
 void AddMotion(const model::MotionTelemetry& motion, SeriesPage& page) {
-  if (motion.pose) {
-    page.Add(kLatitudeDeg, motion.pose->lat_deg);
-    page.Add(kLongitudeDeg, motion.pose->lon_deg);
-    AddIf(page, kAltitudeM, motion.pose->altitude_m);
-    AddIf(page, kHeadingDeg, motion.pose->heading_deg);
-  }
+  if (motion.pose) AddIf(page, kHeadingDeg, motion.pose->heading_deg);
   if (motion.velocity) {
     AddIf(page, kSpeedMS, motion.velocity->linear_mps);
     AddIf(page, kTurnRateRadS, motion.velocity->angular_rps);
@@ -57,50 +53,47 @@ void AddStatus(const model::StatusTelemetry& status, SeriesPage& page) {
   if (status.fuel) AddIf(page, kFuelPct, status.fuel->level_pct);
   AddIf(page, kRangeRemainingM, status.range_remaining);
   AddIf(page, kRuntimeRemainingS, status.runtime_remaining);
-  if (status.estop) page.Add(kEstop, status.estop->active ? 1 : 0);
   page.Add(kFaulted, status.faulted ? 1 : 0);
   page.Add(kAcceptingMissions, status.mission_active ? 1 : 0);
 }
 
-/// The fresher of two sources; the Robot State if both came at once, or neither since the start.
-template <typename Ours, typename Rcan>
-std::optional<double> Fresher(const std::optional<Ours>& status, const std::optional<Rcan>& rcan,
-                              bool status_is_fresher) {
-  if (rcan && !(status && status_is_fresher)) return static_cast<double>(*rcan);
-  if (status) return static_cast<double>(*status);
-  return std::nullopt;
-}
-
-void AddBattery(const robot::StateView& view, SeriesPage& page) {
-  const model::BatteryStatus none;
-  const auto& status = view.parts.status;
-  const model::BatteryStatus& battery = status && status->battery ? *status->battery : none;
-  const model::RcanState nothing;
-  const model::RcanState& rcan = view.parts.rcan ? *view.parts.rcan : nothing;
-  const bool status_is_fresher = view.status_arrived > view.rcan_arrived;
-  AddIf(page, kBatteryV, Fresher(battery.voltage_v, rcan.battery_v, status_is_fresher));
-  AddIf(page, kBatteryPct, Fresher(battery.soc_pct, rcan.battery_pct, status_is_fresher));
+/// Battery, place and e-stop.
+void AddVitals(const view::Vitals& vitals, SeriesPage& page) {
+  AddIf(page, kBatteryV, vitals.battery_v);
+  AddIf(page, kBatteryPct, vitals.battery_percent);
+  if (vitals.place) {
+    page.Add(kLatitudeDeg, vitals.place->latitude_deg);
+    page.Add(kLongitudeDeg, vitals.place->longitude_deg);
+    AddIf(page, kAltitudeM, vitals.place->altitude_m);
+  }
+  if (vitals.local_place) {
+    page.Add(kPositionXM, vitals.local_place->x_m);
+    page.Add(kPositionYM, vitals.local_place->y_m);
+    AddIf(page, kPositionZM, vitals.local_place->z_m);
+  }
+  AddIf(page, kEstop, vitals.estop);
 }
 
 void AddRcan(const model::RcanState& state, SeriesPage& page) {
   AddIf(page, kUptimeMs, state.uptime_ms);
-  if (!state.position) return;
-  page.Add(kPositionXM, state.position->x_m);
-  page.Add(kPositionYM, state.position->y_m);
-  AddIf(page, kPositionHeadingRad, state.position->heading_rad);
+  if (state.position) AddIf(page, kPositionHeadingRad, state.position->heading_rad);
 }
 
 /// Adds a robot whose Robot States alone are shown.
 void AddState(const model::RcanState& state, SeriesPage& page) {
-  AddIf(page, kBatteryV, state.battery_v);
-  AddIf(page, kBatteryPct, state.battery_pct);
+  robot::LiveParts alone;
+  model::RcanState& without_joints = alone.rcan.emplace();
+  without_joints.battery_v = state.battery_v;
+  without_joints.battery_pct = state.battery_pct;
+  without_joints.position = state.position;
+  AddVitals(view::VitalsOf({.parts = &alone}), page);
   AddRcan(state, page);
 }
 
-void AddFaults(const std::string& ruri, const FaultCounts::Map& faults, SeriesPage& page) {
+void AddFaults(const std::string& ruri, const view::FaultCounts::Map& faults, SeriesPage& page) {
   const auto found = faults.find(ruri);
-  const FaultCounts::BySeverity counts =
-      found == faults.end() ? FaultCounts::BySeverity{} : found->second;
+  const view::FaultCounts::BySeverity counts =
+      found == faults.end() ? view::FaultCounts::BySeverity{} : found->second;
   const auto& names = model::kEnumNames<model::FaultSeverity>;
   for (std::size_t i = 0; i < names.size(); ++i) {
     page.Add(kActiveFaults, names[i], static_cast<double>(counts[i]));
@@ -143,7 +136,10 @@ Shown ShownOf(const robot::StateView& view, const SeriesSources& sources) {
 
 void AddValues(const std::string& ruri, const robot::StateView& view, const SeriesSources& sources,
                SeriesPage& page) {
-  AddBattery(view, page);
+  AddVitals(view::VitalsOf({.parts = &view.parts,
+                            .status_arrived = view.status_arrived,
+                            .rcan_arrived = view.rcan_arrived}),
+            page);
   if (view.parts.motion) AddMotion(*view.parts.motion, page);
   if (view.parts.status) AddStatus(*view.parts.status, page);
   if (view.parts.rcan) AddRcan(*view.parts.rcan, page);

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "metrics/rcan/page.h"
-#include "server/rcan/fault_counts.h"
 #include "server/rcan/named_series.h"
 #include "server/robot/robot_state.h"
+#include "server/view/fault_counts.h"
 
 namespace uplink::rcan {
 
@@ -23,7 +23,7 @@ struct SeriesSources {
   /// Keys of extras that are shown (rcan.extras).
   std::span<const std::string> extras = {};
   /// Null if they are unknown.
-  const FaultCounts::Map* faults = nullptr;
+  const view::FaultCounts::Map* faults = nullptr;
 };
 
 /// Which values of a robot are shown.

@@ -73,7 +73,7 @@ std::vector<RobotScrape::Known>& RobotScrape::Robots() {
 }
 
 void RobotScrape::Fill() {
-  const std::shared_ptr<const FaultCounts::Map> faults = sources_.faults.counts();
+  const std::shared_ptr<const view::FaultCounts::Map> faults = sources_.faults.counts();
   SeriesSources series{.now = sources_.clock.System(),
                        .steady_now = sources_.clock.Steady(),
                        .series_ttl = sources_.config.series_ttl,

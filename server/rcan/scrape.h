@@ -17,13 +17,13 @@
 #include "server/fleet/fleet.h"
 #include "server/limits/recent_times.h"
 #include "server/log/rate_limited.h"
-#include "server/rcan/fault_counts.h"
 #include "server/rcan/named_series.h"
 #include "server/rcan/probe.h"
 #include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
 #include "server/rcan/turns.h"
 #include "server/uncrew/drones.h"
+#include "server/view/fault_counts.h"
 #include "storage/reader.h"
 
 namespace uplink::rcan {
@@ -56,7 +56,7 @@ class RobotScrape final {
     const Clock& clock;
     const fleet::Fleet& fleet;
     const config::RcanConfig& config;
-    FaultCounts& faults;
+    view::FaultCounts& faults;
     RcanProbe& probe;
     log::Logger& logger;
     /// Secret (NameHash::Draw); tests may leave it at zero.

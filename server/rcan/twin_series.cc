@@ -7,7 +7,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+
+#include "server/view/vitals.h"
 
 namespace uplink::rcan {
 namespace {
@@ -21,10 +22,7 @@ using enum metrics::rcan::SeriesId;
 
 constexpr double kMillisPerSecond = 1000;
 constexpr double kSecondsPerMinute = 60;
-/// The metrics that have a series of their own.
-constexpr std::string_view kPower = "power";
-constexpr std::string_view kBatteryPercent = "battery_percent";
-constexpr std::string_view kVoltage = "voltage";
+/// Also a metric that has a series of its own.
 constexpr std::string_view kRuntimeMinutes = "estimated_runtime_minutes";
 
 template <typename Number>
@@ -37,83 +35,34 @@ void AddFinite(SeriesPage& page, metrics::rcan::SeriesId id, double value) {
   if (std::isfinite(value)) page.Add(id, value);
 }
 
-/// The value that arrived last, of several that may be there.
-class Latest final {
- public:
-  void Offer(const std::optional<double>& value, SteadyTime arrived) {
-    if (!value || (value_ && arrived < arrived_)) return;
-    value_ = value;
-    arrived_ = arrived;
-  }
-  [[nodiscard]] const std::optional<double>& value() const { return value_; }
-
- private:
-  std::optional<double> value_;
-  SteadyTime arrived_{};
-};
-
-std::optional<double> NumberOf(const cw::MetricValue& value) {
-  if (const auto* number = std::get_if<double>(&value)) return *number;
-  if (const auto* on = std::get_if<bool>(&value)) return *on ? 1 : 0;
-  return std::nullopt;
-}
-
-/// A metric of that name in the category `power`, if it is a number.
-std::optional<double> PowerOf(const cyberwave::MetricCategory* power, std::string_view name) {
-  if (power == nullptr) return std::nullopt;
-  for (const cw::Metric& metric : power->value) {
-    if (metric.name == name) return NumberOf(metric.value);
-  }
-  return std::nullopt;
-}
-
 bool HasOwnSeries(const cw::Metric& metric) {
-  return metric.category == kPower && (metric.name == kBatteryPercent || metric.name == kVoltage ||
-                                       metric.name == kRuntimeMinutes);
+  return metric.category == view::kPowerCategory &&
+         (metric.name == view::kBatteryPercentMetric || metric.name == view::kVoltageMetric ||
+          metric.name == kRuntimeMinutes);
 }
 
-/// Older drivers mean 0 to 1: up to 1 the unit is unknown.
-bool IsAmbiguous(double percentage) { return percentage > 0 && percentage <= 1; }
-
-void AddBattery(const TwinParts& parts, SeriesPage& page) {
-  Latest percent;
-  Latest voltage;
-  const cyberwave::MetricCategory* power = parts.metrics.Find(kPower);
-  if (power != nullptr) {
-    const SteadyTime arrived = power->stamp.arrived.steady;
-    percent.Offer(PowerOf(power, kBatteryPercent), arrived);
-    voltage.Offer(PowerOf(power, kVoltage), arrived);
+void AddVitals(const TwinParts& parts, SeriesPage& page) {
+  const view::Vitals vitals = view::VitalsOf({.twin = &parts});
+  AddIf(page, kBatteryV, vitals.battery_v);
+  AddIf(page, kBatteryPct, vitals.battery_percent);
+  if (vitals.place) {
+    page.Add(kLatitudeDeg, vitals.place->latitude_deg);
+    page.Add(kLongitudeDeg, vitals.place->longitude_deg);
   }
-  if (const cyberwave::HeldReport* report = parts.reports.Find("battery")) {
-    percent.Offer(report->value.battery_percent, report->stamp.arrived.steady);
+  if (vitals.local_place) {
+    page.Add(kPositionXM, vitals.local_place->x_m);
+    page.Add(kPositionYM, vitals.local_place->y_m);
+    AddIf(page, kPositionZM, vitals.local_place->z_m);
   }
-  if (parts.battery) {
-    const cw::BatteryStatus& battery = parts.battery->value;
-    const SteadyTime arrived = parts.battery->stamp.arrived.steady;
-    if (battery.percentage && !IsAmbiguous(*battery.percentage)) {
-      percent.Offer(battery.percentage, arrived);
-    }
-    voltage.Offer(battery.voltage_v, arrived);
-  }
-  AddIf(page, kBatteryV, voltage.value());
-  AddIf(page, kBatteryPct, percent.value());
-  if (const auto minutes = PowerOf(power, kRuntimeMinutes)) {
-    AddFinite(page, kRuntimeRemainingS, *minutes * kSecondsPerMinute);
-  }
+  const auto minutes = view::MetricIn(parts.metrics.Find(view::kPowerCategory), kRuntimeMinutes);
+  if (minutes) AddFinite(page, kRuntimeRemainingS, *minutes * kSecondsPerMinute);
 }
 
-void AddPlace(const TwinParts& parts, SeriesPage& page) {
+void AddBearing(const TwinParts& parts, SeriesPage& page) {
   if (parts.gps) {
-    const cw::Gps& gps = parts.gps->value;
-    AddIf(page, kLatitudeDeg, gps.latitude_deg);
-    AddIf(page, kLongitudeDeg, gps.longitude_deg);
-    AddIf(page, kAltitudeM, gps.altitude_m);
-    AddIf(page, kHeadingDeg, gps.compass_heading_deg);
-  }
-  if (parts.position) {
-    page.Add(kPositionXM, parts.position->value.x_m);
-    page.Add(kPositionYM, parts.position->value.y_m);
-    page.Add(kPositionZM, parts.position->value.z_m);
+    // A receiver without a fix may know its altitude.
+    AddIf(page, kAltitudeM, parts.gps->value.altitude_m);
+    AddIf(page, kHeadingDeg, parts.gps->value.compass_heading_deg);
   }
   if (parts.rotation) page.Add(kPositionHeadingRad, HeadingOf(parts.rotation->value));
 }
@@ -181,7 +130,7 @@ void AddJoints(const TwinParts& parts, NamedSeries& series) {
 void AddMetrics(const TwinParts& parts, NamedSeries& series) {
   for (const auto& [category, sized] : parts.metrics.items()) {
     for (const cw::Metric& metric : sized.value.value) {
-      const std::array<std::optional<double>, 1> sample = {NumberOf(metric.value)};
+      const std::array<std::optional<double>, 1> sample = {view::NumberOf(metric.value)};
       if (!sample[0] || HasOwnSeries(metric)) continue;
       std::string key = "metrics/" + category;
       if (!metric.name.empty()) key.append("/").append(metric.name);
@@ -204,8 +153,8 @@ double HeadingOf(const cw::Rotation& rotation) {
 }
 
 void AddTwinBasic(const TwinParts& parts, SeriesPage& page) {
-  AddBattery(parts, page);
-  AddPlace(parts, page);
+  AddVitals(parts, page);
+  AddBearing(parts, page);
   if (const auto uptime_s = UptimeOf(parts)) {
     AddFinite(page, kUptimeMs, *uptime_s * kMillisPerSecond);
   }

@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "server/fleet/liveness.h"
-#include "server/rcan/fault_counts.h"
+#include "server/fleet/top_senders.h"
 #include "server/transport/options.h"
+#include "server/view/fault_counts.h"
 
 namespace uplink::run {
 namespace {
@@ -34,7 +35,8 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(kSnapshotEvery, std::move(work.ask_for_snapshot));
   every(kSpaceEvery, std::move(work.look_at_space));
   every(kClockEvery, std::move(work.look_at_clock));
-  every(rcan::kFaultCountsEvery, std::move(work.count_faults));
+  every(view::kFaultCountsEvery, std::move(work.count_faults));
+  every(fleet::kTopEvery, std::move(work.look_at_top));
   every(kDronesEvery, std::move(work.look_at_drones));
   every(fleet::kHandshakeEvery, std::move(work.ask_relay));
   every(kFeedEvery, std::move(work.feed_watchdog));

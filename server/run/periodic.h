@@ -26,6 +26,8 @@ struct PeriodicWork {
   std::function<void()> look_at_clock;
   /// Counts the robots' active faults, for their series.
   std::function<void()> count_faults;
+  /// Adds what the robots have sent since the last look.
+  std::function<void()> look_at_top;
   /// Lets go of drones that are silent.
   std::function<void()> look_at_drones;
   /// Asks our own relay for a handshake.

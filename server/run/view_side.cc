@@ -6,7 +6,8 @@
 namespace uplink::run {
 namespace {
 
-view::Queries::Sources QuerySources(const ViewSide::Context& context) {
+view::Queries::Sources QuerySources(const ViewSide::Context& context, view::FaultCounts& faults,
+                                    fleet::TopSenders& top) {
   return {.clock = context.clock,
           .fleet = context.fleet,
           .reader = *context.store.stores().reader,
@@ -18,7 +19,9 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context) {
           .robots_unread = [&store = context.store] { return store.robots_unread(); },
           .twins = &context.broker.twins(),
           .broker = [&broker = context.broker] { return broker.status(); },
-          .drones = &context.uncrew.drones()};
+          .drones = &context.uncrew.drones(),
+          .faults = &faults,
+          .top = &top};
 }
 
 std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
@@ -52,9 +55,10 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
 
 ViewSide::ViewSide(const Context& context)
     : context_(context),
-      queries_(QuerySources(context)),
-      page_sources_(PageSources(context)),
       fault_counts_(context.clock),
+      top_(context.clock, context.fleet),
+      queries_(QuerySources(context, fault_counts_, top_)),
+      page_sources_(PageSources(context)),
       robots_scrape_({.clock = context.clock,
                       .fleet = context.fleet,
                       .config = context.config.rcan,
@@ -70,6 +74,7 @@ ViewSide::ViewSide(const Context& context)
              robots_scrape_, context.logger}) {}
 
 void ViewSide::AddWork(PeriodicWork& work) {
+  work.look_at_top = [this] { top_.Look(); };
   work.count_faults = [this] {
     robots_scrape_.CountFaultsOn(context_.early.OnReads(), *context_.store.stores().reader);
   };

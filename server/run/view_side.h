@@ -56,9 +56,10 @@ class ViewSide final {
 
  private:
   const Context context_;
+  view::FaultCounts fault_counts_;
+  fleet::TopSenders top_;
   view::Queries queries_;
   const std::vector<metrics::PageSource> page_sources_;
-  rcan::FaultCounts fault_counts_;
   rcan::RobotScrape robots_scrape_;
   http::Site site_;
 };

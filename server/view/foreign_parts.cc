@@ -23,21 +23,23 @@ std::size_t PutForeign(const std::vector<std::string>& foreign,
                        const storage::Reader::LiveRows& live, std::vector<RobotView>& robots) {
   UPLINK_CHECK(live.complete >= 1 && live.complete <= foreign.size(),
                "the store looks at one robot at least");
-  std::unordered_map<std::string_view, robot::StateSnapshot*> by_ruri;
+  std::unordered_map<std::string_view, RobotView*> by_ruri;
   for (RobotView& robot : robots) {
-    if (robot.state.foreign) by_ruri.emplace(robot.id.ruri, &robot.state);
+    if (robot.state.foreign) by_ruri.emplace(robot.id.ruri, &robot);
   }
   schema::Judge judge(robot::JudgeLimitsOfLive());
   std::size_t complete = live.complete;
   std::size_t bytes = 0;
   for (const storage::LiveRow& row : live.rows) {
-    const auto state = by_ruri.find(row.ruri);
-    if (state == by_ruri.end()) continue;
+    const auto found = by_ruri.find(row.ruri);
+    if (found == by_ruri.end()) continue;
     robot::LiveRead read = robot::FromRow(row, judge);
-    state->second->parts = std::move(read.before.parts);
-    state->second->last_sign_of_life = read.before.last_sign_of_life;
-    state->second->clock_skew_ms = read.before.clock_skew_ms;
-    bytes += KeyedBytes(state->second->parts);
+    robot::StateSnapshot& state = found->second->state;
+    state.parts = std::move(read.before.parts);
+    state.last_sign_of_life = read.before.last_sign_of_life;
+    state.clock_skew_ms = read.before.clock_skew_ms;
+    found->second->glance.vitals = VitalsOf({.parts = &state.parts});
+    bytes += KeyedBytes(state.parts);
     if (bytes < storage::kPageBytesMax) continue;
     // Parsed parts take several times the bytes of their rows.
     const auto read_last = std::ranges::find(foreign, row.ruri);

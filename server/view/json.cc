@@ -9,7 +9,6 @@
 #include "server/view/list_text.h"
 #include "server/view/message_printer.h"
 #include "server/view/messages.h"
-#include "server/view/page_token.h"
 
 namespace uplink::view {
 namespace {
@@ -37,16 +36,38 @@ absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts)
   v1::ListRobotsResponse response;
   response.set_total(page.total);
   response.set_next_page_token(page.next_token);
+  response.set_unjudged(page.unjudged);
   ListText list;
   const RobotView* last = nullptr;
   for (const RobotView& robot : page.robots) {
     if (list.bytes() >= storage::kPageBytesMax) {
-      response.set_next_page_token(RobotsToken(last->id.ruri));
+      response.set_next_page_token(last->next_token);
       break;
     }
     const absl::Status added = list.Add(ToMessage(robot), TextsOf(robot, parts));
     if (!added.ok()) return added;
     last = &robot;
+  }
+  return list.TakeIn(response);
+}
+
+absl::StatusOr<std::string> ToJson(const FleetsPage& page) {
+  v1::ListFleetsResponse response;
+  response.set_next_page_token(page.next_token);
+  ListText list;
+  for (const FleetView& fleet : page.fleets) {
+    if (absl::Status added = list.Add(ToMessage(fleet), {}); !added.ok()) return added;
+  }
+  return list.TakeIn(response);
+}
+
+absl::StatusOr<std::string> ToJson(const std::vector<fleet::TopSenders::Sender>& senders,
+                                   std::string_view by) {
+  v1::ListTopResponse response;
+  response.set_by(std::string(by));
+  ListText list;
+  for (const fleet::TopSenders::Sender& sender : senders) {
+    if (absl::Status added = list.Add(ToMessage(sender), {}); !added.ok()) return added;
   }
   return list.TakeIn(response);
 }

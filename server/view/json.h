@@ -20,6 +20,10 @@ namespace uplink::view {
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts);
 /// The page ends, with its token, after the robot with which the answer passes kPageBytesMax.
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const FleetsPage& page);
+/// `by` is a word of fleet::kTopByNames.
+[[nodiscard]] absl::StatusOr<std::string> ToJson(
+    const std::vector<fleet::TopSenders::Sender>& senders, std::string_view by);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);
 

@@ -43,6 +43,25 @@ void SetAgent(const robot::StateSnapshot& state, v1::Robot& message) {
   SetTime(backlog, &v1::Backlog::mutable_said_at, state.backlog->said_at);
 }
 
+/// Battery, position, e-stop.
+void SetVitals(const Vitals& vitals, v1::Robot& message) {
+  if (vitals.battery_percent) message.set_battery_percent(*vitals.battery_percent);
+  if (vitals.estop) message.set_estop(*vitals.estop);
+  if (vitals.place) {
+    v1::Position& position = *message.mutable_position();
+    position.set_frame("wgs84");
+    position.set_latitude(vitals.place->latitude_deg);
+    position.set_longitude(vitals.place->longitude_deg);
+    if (vitals.place->altitude_m) position.set_altitude(*vitals.place->altitude_m);
+  } else if (vitals.local_place) {
+    v1::Position& position = *message.mutable_position();
+    position.set_frame("local");
+    position.set_x(vitals.local_place->x_m);
+    position.set_y(vitals.local_place->y_m);
+    if (vitals.local_place->z_m) position.set_z(*vitals.local_place->z_m);
+  }
+}
+
 void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMembers& texts) {
   if (wanted.Has(Part::kAgentInfo) && stored.agent_info) {
     texts.AddStored("agentInfo", *stored.agent_info);
@@ -112,6 +131,9 @@ v1::Robot ToMessage(const RobotView& robot) {
     message.clear_connected_since();
   }
   SetAgent(robot.state, message);
+  SetVitals(robot.glance.vitals, message);
+  message.set_agent_version(robot.glance.agent_version);
+  SetTime(message, &v1::Robot::mutable_certificate_not_after, robot.glance.certificate_not_after);
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);

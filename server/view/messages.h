@@ -18,6 +18,9 @@ namespace uplink::view {
 [[nodiscard]] v1::Robot ToMessage(const RobotView& robot);
 [[nodiscard]] TextMembers TextsOf(const RobotView& robot, const PartSet& parts);
 
+[[nodiscard]] v1::Fleet ToMessage(const FleetView& fleet);
+[[nodiscard]] v1::TopRobot ToMessage(const fleet::TopSenders::Sender& sender);
+
 // Rows of lists.
 [[nodiscard]] v1::Fault ToMessage(const storage::FaultRow& row);
 [[nodiscard]] v1::Event ToMessage(const storage::EventRow& row);

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -17,13 +19,20 @@
 #include "schema/model/ids.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/top_senders.h"
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "server/uncrew/drones.h"
 #include "server/view/brief_look.h"
 #include "server/view/broker_status.h"
+#include "server/view/fault_counts.h"
+#include "server/view/foreign_glances.h"
+#include "server/view/glance.h"
 #include "server/view/parts.h"
+#include "server/view/robots_filter.h"
+#include "server/view/robots_query.h"
+#include "server/view/sorted_robots.h"
 #include "server/view/stored_counts.h"
 #include "storage/reader.h"
 
@@ -58,17 +67,10 @@ struct RobotView {
   /// What its calls reported, copied at that moment. Null if it is not wanted, if the drone does
   /// not call this process, or if another one holds the robot.
   std::shared_ptr<const uncrew::LiveSamples> drone{};
-};
-
-/// Which robots, by RURI. Empty texts match everything.
-struct RobotsQuery {
-  std::string fleet;
-  std::optional<robot::Presence> presence;
-  /// 1 to storage::kPageSizeMax.
-  std::uint32_t page_size = storage::kPageSizeDefault;
-  std::string page_token;
-  /// Live parts are copied, and the store is asked for its own, only if one of them is wanted.
-  PartSet parts = PartSet::OfLists();
+  /// As lists filter by it.
+  Glance glance{};
+  /// Of the page after the one that ends with it.
+  std::string next_token{};
 };
 
 struct RobotsPage {
@@ -79,6 +81,40 @@ struct RobotsPage {
   std::string next_token;
   /// Robots that match, on all pages.
   std::int64_t total = 0;
+  /// Robots of other processes that may match: the store has not told what the filter asks about.
+  std::int64_t unjudged = 0;
+};
+
+/// Versions of one fleet that are named; the rest count as kOtherVersions.
+inline constexpr std::size_t kVersionsMax = 20;
+inline constexpr std::string_view kOtherVersions = "_other";
+
+/// One fleet in figures. A value.
+struct FleetView {
+  std::string fleet;
+  std::int64_t robots = 0;
+  fleet::PresenceTally presence{};
+  /// By FaultSeverity, the last of any other. Empty: unknown, since the store is away.
+  std::optional<FaultCounts::BySeverity> active_faults{};
+  /// Robots whose e-stop is engaged.
+  std::int64_t estops = 0;
+  /// Robots by version; one that did not tell any is in none.
+  std::map<std::string, std::int64_t> agent_versions{};
+  std::map<std::string, std::int64_t> software_versions{};
+};
+
+/// Which fleets, by name. A value.
+struct FleetsQuery {
+  /// Empty: all.
+  std::string fleet{};
+  std::uint32_t page_size = storage::kPageSizeDefault;
+  std::string page_token{};
+};
+
+struct FleetsPage {
+  std::vector<FleetView> fleets;
+  /// Empty when this page is the last.
+  std::string next_token;
 };
 
 /// Rows of quarantine. A value.
@@ -138,10 +174,19 @@ class Queries final {
     std::function<std::optional<BrokerStatus>()> broker{};
     /// The drones that call; null: none do.
     const uncrew::Drones* drones = nullptr;
+    /// The active faults of all robots; null: unknown.
+    FaultCounts* faults = nullptr;
+    /// Null: no robot is named.
+    fleet::TopSenders* top = nullptr;
   };
   explicit Queries(Sources sources);
 
   [[nodiscard]] absl::StatusOr<RobotsPage> Robots(const RobotsQuery& query);
+  /// Never waits for long, and succeeds while the store is away.
+  [[nodiscard]] absl::StatusOr<FleetsPage> Fleets(const FleetsQuery& query);
+  /// The robots that send most to this process. Never waits.
+  [[nodiscard]] std::vector<fleet::TopSenders::Sender> Top(fleet::TopBy by, std::size_t count,
+                                                           const std::string& fleet) const;
   /// With all parts.
   [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri);
   /// A list of storage::Reader, such as `&storage::Reader::Events`: of all robots or of those that
@@ -163,14 +208,29 @@ class Queries final {
 
  private:
   struct Lookup;
+  /// What a list looks at: it stays while the list is made.
+  struct Seen {
+    std::shared_ptr<const ForeignGlances::Map> foreign;
+    std::shared_ptr<const FaultCounts::Map> faults;
+  };
 
   /// The error for a robot that is not in memory.
   [[nodiscard]] absl::Status Unknown(const std::string& ruri) const;
+  /// Asks the store what is not in memory, if it answers soon; else as it was last read.
+  [[nodiscard]] Seen See(bool with_faults);
+  [[nodiscard]] FilterSources FilterSourcesOf(const Seen& seen) const;
+  /// One robot, with the parts that are in memory.
+  [[nodiscard]] RobotView Look(const robot::Robot& robot, const PartSet& parts) const;
+  /// Copies what twins and drones report. Returns about how many bytes the large parts take.
+  std::size_t CopyLarge(RobotView& view, const PartSet& parts) const;
+  /// Adds what the store has. Errors: of the reader, only if stored parts are wanted.
+  [[nodiscard]] absl::Status FillPage(RobotsPage& page, const PartSet& parts);
+  void FillRobot(std::vector<RobotView>& one);
   /// Adds the store's part to a list without stored parts, if the store answers soon.
-  void FillBriefly(RobotsPage& page, const PartSet& parts);
+  void FillBriefly(RobotsPage& page);
   /// Reads the live parts of robots that other processes hold. Returns how many of `robots`, from
   /// the first, are complete.
-  [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots);
+  [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots) const;
   /// False if the store did not answer; the numbers are then the last that were read.
   bool FillCounts(std::vector<RobotView>& robots);
   /// Fills the stored parts in `parts`. Returns how many of `robots`, from the first, are complete.
@@ -180,6 +240,8 @@ class Queries final {
   Sources sources_;
   const SystemTime started_at_;
   StoredCounts counts_;
+  ForeignGlances foreign_;
+  SortedRobots sorted_;
   BriefLook brief_look_;
 };
 

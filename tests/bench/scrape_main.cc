@@ -98,7 +98,7 @@ class ArmFleet {
                       log::Level::kError};
   fleet::Fleet fleet_;
   config::RcanConfig config_;
-  rcan::FaultCounts faults_{clock_};
+  view::FaultCounts faults_{clock_};
   rcan::RcanProbe probe_;
   rcan::RobotScrape scrape_{{clock_, fleet_, config_, faults_, probe_, logger_}};
 };

@@ -18,7 +18,7 @@ ANSWERS = SOURCE / "tests/fixtures/api"
 # By operation its RPC.
 RPCS = {
     "status": "GetStatus", "robots": "ListRobots", "robot": "GetRobot", "robot_by_ruri": "GetRobot",
-    "events": "ListEvents", "messages": "ListMessages", "presence": "ListPresenceChanges",
+    "fleets": "ListFleets", "top": "ListTop", "events": "ListEvents", "messages": "ListMessages", "presence": "ListPresenceChanges",
     "quarantine": "ListQuarantine", "gaps": "ListGaps", "scope_updates": "ListScopeUpdates", "faults": "ListFaults",
     "missions": "ListMissions", "mission_reports": "ListMissionReports", "operator_requests": "ListOperatorRequests",
     "shapes": "ListShapes", "objects": "ListObjects",

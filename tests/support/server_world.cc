@@ -34,13 +34,22 @@ ServerWorld::ServerWorld(std::size_t robots_max)
               .journal_over_half = [] { return false; },
               .random = [] { return 0U; },
               .allowances = allowances}),
-      queries({clock, fleet, reader, shards, ledgers, sessions.streams, "9.9.9",
-               [this](auto job) {
-                 if (to_store_thread) return to_store_thread(std::move(job));
-                 job();
-                 return true;
-               },
-               [this] { return robots_unread; }}),
+      queries({.clock = clock,
+               .fleet = fleet,
+               .reader = reader,
+               .journals = shards,
+               .ledgers = ledgers,
+               .streams = sessions.streams,
+               .version = "9.9.9",
+               .to_store_thread =
+                   [this](auto job) {
+                     if (to_store_thread) return to_store_thread(std::move(job));
+                     job();
+                     return true;
+                   },
+               .robots_unread = [this] { return robots_unread; },
+               .faults = &fault_counts,
+               .top = &top}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),

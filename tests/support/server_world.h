@@ -99,10 +99,11 @@ class ServerWorld {
   /// Where lists look into the store briefly; empty: on the thread that asks.
   view::BriefLook::Post to_store_thread;
   bool robots_unread = false;
+  view::FaultCounts fault_counts{clock};
+  fleet::TopSenders top{clock, fleet};
   view::Queries queries;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
-  rcan::FaultCounts fault_counts{clock};
   rcan::RobotScrape robots_scrape;
   http::Site site;
 

@@ -20,9 +20,9 @@ TEST(Routes, HaveTheLabelsOfTheMetrics) {
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
   EXPECT_THAT(names,
               ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "robots",
-                          "robot", "robot_by_ruri", "events", "messages", "presence", "quarantine",
-                          "gaps", "scope_updates", "faults", "missions", "mission_reports",
-                          "operator_requests", "shapes", "objects", "other"));
+                          "robot", "robot_by_ruri", "fleets", "top", "events", "messages",
+                          "presence", "quarantine", "gaps", "scope_updates", "faults", "missions",
+                          "mission_reports", "operator_requests", "shapes", "objects", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

@@ -65,7 +65,7 @@ class RobotNamesTest : public ::testing::Test {
                       log::Level::kInfo};
   fleet::Fleet fleet_{clock_, 100, {}};
   config::RcanConfig config_;
-  FaultCounts faults_{clock_};
+  view::FaultCounts faults_{clock_};
   RcanProbe probe_;
   RobotScrape scrape_{{clock_, fleet_, config_, faults_, probe_, logger_, {1, 2}}};
 };

@@ -61,7 +61,7 @@ class ScrapeTest : public ::testing::Test {
                       log::Level::kInfo};
   fleet::Fleet fleet_{clock_, 100, {}};
   config::RcanConfig config_;
-  FaultCounts faults_{clock_};
+  view::FaultCounts faults_{clock_};
   cyberwave::Twins twins_{10};
   RcanProbe probe_;
   const std::string twin_ruri_ = "rcan://local.rcan/cyberwave/twin/" + std::string(test::kTwin);

@@ -53,7 +53,7 @@ class SeriesTest : public ::testing::Test {
   robot::PresenceLimits limits_;
   robot::RobotState state_{clock_.Steady(), clock_.Steady(), clock_.System()};
   std::vector<std::string> extras_;
-  const FaultCounts::Map* faults_ = nullptr;
+  const view::FaultCounts::Map* faults_ = nullptr;
   std::size_t robot_series_max_ = 1000;
 };
 
@@ -292,7 +292,7 @@ TEST_F(SeriesTest, ReportsGiveBootProgressAndHealth) {
 TEST_F(SeriesTest, ActiveFaultsAreZeroWhereThereAreNoneAndAbsentWhereNobodyKnows) {
   Hear();
   EXPECT_THAT(Text(), Not(HasSubstr("active_faults")));
-  FaultCounts::Map faults;
+  view::FaultCounts::Map faults;
   faults_ = &faults;
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_active_faults{severity=\"critical\",ruri=\"r\"} 0\n"));
   EXPECT_THAT(Text(), Not(HasSubstr("unrecognized")));
@@ -334,7 +334,7 @@ TEST_F(SeriesTest, WhatHasNoWordOfTheRobotsHasItsPlaceWhateverElseItSays) {
   run.progress_x100 = 1;
   run.status = model::MissionStatus::kRunning;
   state_.KeepReport(run, clock_.System());
-  FaultCounts::Map faults;
+  view::FaultCounts::Map faults;
   faults["r"] = {0, 2, 0, 1, 4};
   faults_ = &faults;
   // The smallest that rcan.robot_series_max can be.

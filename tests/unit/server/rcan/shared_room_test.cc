@@ -83,7 +83,7 @@ class SharedRoomTest : public ::testing::Test {
                       log::Level::kInfo};
   fleet::Fleet fleet_{clock_, 2000, {}};
   config::RcanConfig config_;
-  FaultCounts faults_{clock_};
+  view::FaultCounts faults_{clock_};
   cyberwave::Twins twins_{10};
   RcanProbe probe_;
   SilentInbox inbox_;

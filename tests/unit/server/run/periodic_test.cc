@@ -31,6 +31,7 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .look_at_space = [&now] { now = "space"; },
        .look_at_clock = [&now] { now = "clock"; },
        .count_faults = [&now] { now = "faults"; },
+       .look_at_top = [&now] { now = "top"; },
        .look_at_drones = [&now] { now = "drones"; },
        .ask_relay = [&now] { now = "relay"; },
        .feed_watchdog = [&now] { now = "watchdog"; }});
@@ -41,8 +42,8 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
           Pair(std::chrono::seconds(1), "store"), Pair(milliseconds(500), "robots"),
           Pair(std::chrono::seconds(10), "snapshot"), Pair(std::chrono::seconds(2), "space"),
           Pair(std::chrono::seconds(5), "clock"), Pair(std::chrono::seconds(10), "faults"),
-          Pair(std::chrono::seconds(1), "drones"), Pair(std::chrono::seconds(2), "relay"),
-          Pair(std::chrono::seconds(10), "watchdog")));
+          Pair(std::chrono::seconds(5), "top"), Pair(std::chrono::seconds(1), "drones"),
+          Pair(std::chrono::seconds(2), "relay"), Pair(std::chrono::seconds(10), "watchdog")));
 }
 
 }  // namespace

@@ -168,11 +168,11 @@ TEST_F(QueriesTest, FiltersByFleetAndPresence) {
   online.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
                           world_.fleet.presence_limits());
   RobotsQuery query;
-  query.fleet = "north";
+  query.filter.fleet = "north";
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://a", "rcan://b"));
-  query.presence = robot::Presence::kOnline;
+  query.filter.presence = robot::Presence::kOnline;
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://b"));
-  query.fleet = "south";
+  query.filter.fleet = "south";
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre());
 }
 

@@ -241,6 +241,7 @@ TEST(RowsJson, APageOfRobotsEndsOnceItsTextIsLargeAndGoesOnByToken) {
     RobotView& robot = page.robots.emplace_back();
     robot.id = {ruri, "f"};
     robot.stored.settings = settings;
+    robot.next_token = RobotsToken(ruri);
   }
   page.next_token = RobotsToken("rcan://e");
   const auto json = test::ParseExact(*ToJson(page, PartSet::All()));

@@ -1,11 +1,11 @@
-#include "server/rcan/fault_counts.h"
+#include "server/view/fault_counts.h"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
-namespace uplink::rcan {
+namespace uplink::view {
 
 absl::Status FaultCounts::Refresh(const fleet::Fleet& fleet, storage::Reader& reader) {
   std::vector<std::string> ruris;
@@ -32,6 +32,12 @@ void FaultCounts::RefreshOn(const loop::Post& post, const fleet::Fleet& fleet,
   });
 }
 
+bool FaultCounts::fresh() const {
+  const SteadyTime now = clock_.Steady();
+  const std::lock_guard lock(mutex_);
+  return counts_ != nullptr && now - counted_at_ < kFaultCountsFresh;
+}
+
 std::shared_ptr<const FaultCounts::Map> FaultCounts::counts() const {
   const SteadyTime now = clock_.Steady();
   const std::lock_guard lock(mutex_);
@@ -39,4 +45,4 @@ std::shared_ptr<const FaultCounts::Map> FaultCounts::counts() const {
   return counts_;
 }
 
-}  // namespace uplink::rcan
+}  // namespace uplink::view

@@ -14,10 +14,12 @@
 #include "server/loop/one_at_a_time.h"
 #include "storage/reader.h"
 
-namespace uplink::rcan {
+namespace uplink::view {
 
 /// How often the active faults are counted, while the robots' series are scraped.
 inline constexpr std::chrono::seconds kFaultCountsEvery{10};
+/// An answer that filters by faults asks the store again if the counts are as old as that.
+inline constexpr std::chrono::seconds kFaultCountsFresh{2};
 /// Older counts are not shown.
 inline constexpr std::chrono::seconds kFaultCountsAgeMax{60};
 /// Robots of one question to the store.
@@ -39,6 +41,8 @@ class FaultCounts final {
   /// references outlive the thread.
   void RefreshOn(const loop::Post& post, const fleet::Fleet& fleet, storage::Reader& reader);
 
+  /// Counted within kFaultCountsFresh.
+  [[nodiscard]] bool fresh() const;
   /// The robots that have active faults; null if that is unknown now.
   [[nodiscard]] std::shared_ptr<const Map> counts() const;
 
@@ -50,4 +54,4 @@ class FaultCounts final {
   loop::OneAtATime refreshes_;
 };
 
-}  // namespace uplink::rcan
+}  // namespace uplink::view

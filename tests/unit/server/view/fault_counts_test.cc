@@ -1,10 +1,10 @@
-#include "server/rcan/fault_counts.h"
+#include "server/view/fault_counts.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/support/server_world.h"
 
-namespace uplink::rcan {
+namespace uplink::view {
 namespace {
 
 class FaultCountsTest : public ::testing::Test {
@@ -83,4 +83,4 @@ TEST_F(FaultCountsTest, NoneIsAskedForUnlessARobotWasScraped) {
 }
 
 }  // namespace
-}  // namespace uplink::rcan
+}  // namespace uplink::view
