@@ -125,6 +125,23 @@ TEST(Parameters, AreNotEmpty) {
   }
 }
 
+TEST(Parameters, ReadsDecimalsAndFlagsThatMayBeAbsent) {
+  Parameters good("box=-1.5,2e1&one=0.25&yes=true&no=false");
+  EXPECT_THAT(good.Decimals("box", 2), ::testing::ElementsAre(-1.5, 20));
+  EXPECT_THAT(good.Decimals("one", 1), ::testing::ElementsAre(0.25));
+  EXPECT_TRUE(good.Decimals("absent", 1).empty());
+  EXPECT_EQ(good.MaybeFlag("yes"), true);
+  EXPECT_EQ(good.MaybeFlag("no"), false);
+  EXPECT_EQ(good.MaybeFlag("other"), std::nullopt);
+  EXPECT_FALSE(good.Problem());
+  for (const char* query :
+       {"a=1", "a=1,2,3", "a=1,", "a=,1", "a=1,x", "a=1,inf", "a=nan,1", "a="}) {
+    Parameters bad(query);
+    EXPECT_TRUE(bad.Decimals("a", 2).empty()) << query;
+    EXPECT_TRUE(bad.Problem()) << query;
+  }
+}
+
 TEST(Parameters, BoundsTheirNumber) {
   std::string query;
   for (std::size_t i = 0; i < kParametersMax; ++i) query += "p" + std::to_string(i) + "=x&";

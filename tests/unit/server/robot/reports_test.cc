@@ -40,6 +40,20 @@ TEST(ReportsTest, UptimeSaysWhenTheComputerBooted) {
   EXPECT_EQ(reports.reported().booted_at, now - std::chrono::seconds(60)) << "it has no clock";
 }
 
+TEST(ReportsTest, VersionsAreTheLastReportedAndOlderOnesAreRestoredBeforeThat) {
+  Reports reports;
+  Reported stored;
+  stored.agent_version = "1";
+  stored.software_version = "2";
+  reports.Restore(stored);
+  EXPECT_EQ(reports.reported().agent_version, "1");
+  EXPECT_EQ(reports.reported().software_version, "2");
+  reports.Add(model::AgentInfo{.agent_version = "3"}, SystemTime());
+  reports.Restore(stored);
+  EXPECT_EQ(reports.reported().agent_version, "3");
+  EXPECT_EQ(reports.reported().software_version, "") << "the robot tells none any more";
+}
+
 TEST(ReportsTest, ARunIsOpenUntilItEnds) {
   Reports reports;
   reports.Add(RunOf("r", model::MissionStatus::kUnknown), {});

@@ -155,7 +155,7 @@ TEST_F(RestoreTest, RobotsComeWithWhatTheirReportsSay) {
     ASSERT_TRUE(store_.Commit(batch).ok());
     clock_.Advance(std::chrono::seconds(1));
   };
-  model::AgentInfo info;
+  model::AgentInfo info{.agent_version = "1.2", .software_version = "7"};
   info.uptime_s = 100;
   const SystemTime told_at = clock_.System();
   commit(1, info);
@@ -175,6 +175,8 @@ TEST_F(RestoreTest, RobotsComeWithWhatTheirReportsSay) {
   ASSERT_TRUE(restore_.Run().ok());
   fleet_.Find("rcan://a")->state.LookAt([&](const robot::StateView& view) {
     EXPECT_EQ(view.reported.booted_at, told_at - std::chrono::seconds(100));
+    EXPECT_EQ(view.reported.agent_version, "1.2");
+    EXPECT_EQ(view.reported.software_version, "7");
     const auto& runs = view.reported.open_runs.items();
     ASSERT_EQ(runs.size(), 2U);
     EXPECT_EQ(runs.back().first, "m/first") << "the latest report, not the latest run";
