@@ -16,6 +16,7 @@ std::vector<std::string> ForeignOf(const std::vector<RobotView>& robots) {
   for (const RobotView& robot : robots) {
     if (robot.state.foreign) ruris.push_back(robot.id.ruri);
   }
+  std::ranges::sort(ruris);
   return ruris;
 }
 
@@ -47,8 +48,9 @@ std::size_t PutForeign(const std::vector<std::string>& foreign,
     break;
   }
   if (complete == foreign.size()) return robots.size();
-  const auto next = std::ranges::find(robots, foreign[complete],
-                                      [](const RobotView& robot) { return robot.id.ruri; });
+  const auto next = std::ranges::find_if(robots, [&](const RobotView& robot) {
+    return robot.state.foreign && robot.id.ruri >= foreign[complete];
+  });
   return static_cast<std::size_t>(next - robots.begin());
 }
 

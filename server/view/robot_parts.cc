@@ -1,4 +1,5 @@
 // What the store adds to robots: counts, stored parts, and the parts of robots that others hold.
+#include <algorithm>
 #include <memory>
 #include <string_view>
 #include <unordered_map>
@@ -66,7 +67,10 @@ absl::Status Queries::FillPage(RobotsPage& page, const PartSet& parts) {
   // While the store is away robots of others come without live parts, so that the list shows the
   // rest.
   const absl::StatusOr<std::size_t> live = FillForeign(page.robots);
-  if (live.ok()) EndPageAfter(*live, page);
+  if (live.ok()) {
+    EndPageAfter(std::max<std::size_t>(*live, 1), page);
+    if (*live == 0) static_cast<void>(FillForeign(page.robots));
+  }
   const absl::StatusOr<std::size_t> filled = FillStored(page.robots, parts);
   if (!filled.ok()) return filled.status();
   EndPageAfter(*filled, page);
@@ -92,7 +96,9 @@ void Queries::FillBriefly(RobotsPage& page) {
   });
   // A late look may still be writing its answer: do not read that.
   if (in_time && look->live.ok()) {
-    EndPageAfter(PutForeign(look->foreign, *look->live, page.robots), page);
+    const std::size_t complete = PutForeign(look->foreign, *look->live, page.robots);
+    EndPageAfter(std::max<std::size_t>(complete, 1), page);
+    if (complete == 0) return FillBriefly(page);
   }
   counts_.Fill(page.robots);
 }

@@ -1,4 +1,5 @@
 // The list's filters and orders, each with a robot of every source.
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -317,6 +318,44 @@ TEST_F(RobotFiltersTest, OthersRobotsAreJudgedByWhatTheStoreHasOrCountAsUnjudged
   EXPECT_EQ(Shown("rcan://other").battery_percent(), 5);
   query.filter.held_back = false;
   EXPECT_EQ(Page(query).unjudged, 1) << "its stream is not here";
+}
+
+TEST_F(RobotFiltersTest, OthersRobotsAreWalkedInAnyOrderWithTheirLargeParts) {
+  robot::LiveChanges changes;
+  for (const storage::LivePart part : {storage::LivePart::kStatus, storage::LivePart::kExtras}) {
+    changes.changed.set(static_cast<std::size_t>(part));
+  }
+  for (int i = 0; i < 1000; ++i) changes.parts.extras.Put(std::to_string(i), {.value = true});
+  constexpr std::size_t kRobots = 70;
+  ASSERT_GT(kRobots * KeyedBytes(changes.parts), storage::kPageBytesMax);
+  testing::ServerWorld world(100);
+  for (std::size_t i = 0; i < kRobots; ++i) {
+    const std::string ruri = fmt::format("rcan://{:02}", i);
+    robot::Robot& robot = world.AddRobot(ruri);
+    const storage::OpenRequest open{.robot = robot.id(), .at = world.clock.System()};
+    const auto opened = world.store.OpenStreams({&open, 1});
+    changes.parts.status = model::StatusTelemetry();
+    changes.parts.status->battery =
+        model::BatteryStatus{.soc_pct = static_cast<float>(kRobots - i)};
+    storage::LiveRow row = robot::ToRow(ruri, changes);
+    row.held_since = opened->front().held_since;
+    ASSERT_TRUE(world.store.Checkpoint({&row, 1}).ok());
+    robot.state.FollowHolder({.held_by = "b:2"}, {model::Presence::kOnline, {}});
+  }
+  RobotsQuery query{.order = {.by = RobotsBy::kBattery}, .page_size = storage::kPageSizeMax};
+  query.parts.Add(Part::kExtras);
+  std::vector<double> batteries;
+  do {
+    const auto page = world.queries.Robots(query);
+    ASSERT_TRUE(page.ok() && !page->robots.empty());
+    for (const RobotView& robot : page->robots) {
+      batteries.push_back(robot.glance.vitals.battery_percent.value_or(-1));
+      EXPECT_EQ(robot.state.parts.extras.items().size(), 1000U) << robot.id.ruri;
+    }
+    query.page_token = page->next_token;
+  } while (!query.page_token.empty() && batteries.size() <= kRobots);
+  EXPECT_EQ(batteries.size(), kRobots);
+  EXPECT_TRUE(std::ranges::is_sorted(batteries));
 }
 
 TEST_F(RobotFiltersTest, ARobotThatLeftAndOneThatCameAreSeenAtOnce) {
