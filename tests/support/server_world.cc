@@ -64,6 +64,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
   static constexpr http::ConnectionsMax kConnectionsMax{4, 2};
   return {
       [this](auto& page) { page.AddLedger(ledgers.Sum(model::MessageSource::kUplink)); },
+      [this](auto& page) { page.AddAges(ledgers); },
       [this](auto& page) { session::AddSamples(sessions, page); },
       [this](auto& page) { fleet::AddSamples(fleet, page); },
       [this](auto& page) { fleet::AddSamples(live_budget, page); },
