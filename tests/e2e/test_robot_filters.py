@@ -121,7 +121,7 @@ class RobotFilters(MessageTest):
             self.assert_finds(lambda robot, word=word: bool(robot["heldBack"]) == word, heldBack=word)
         for presence in ("online", "offline", "unknown"):
             self.assert_finds(lambda robot, presence=presence: robot["presence"] == presence, presence=presence)
-        for q, of in (("UAV/D1", ROOT + "d1"), (A[:20].upper(), twin(A))):
+        for q, of in (("UAV/D1", ROOT + "d1"), (A.upper(), twin(A))):
             self.assert_finds(lambda robot, of=of: robot["ruri"] == of, q=q)
         versions = {robot["agentVersion"] for robot in self.robots} - {""}
         self.assertTrue(versions)

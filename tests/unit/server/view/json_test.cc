@@ -91,7 +91,7 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
     "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0",
     "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
     "heldBy": "", "heldBack": "", "contested": false, "gateway": "",
-    "rateLimited": {}})");
+    "agentVersion": "", "rateLimited": {}})");
 }
 
 TEST(Json, ARobotShowsHowFarBehindItIs) {
@@ -153,7 +153,7 @@ TEST(Json, ARobotWithEveryPart) {
     "connectedSince": "1970-01-01T00:00:01.500Z", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
     "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "",
-    "heldBack": "", "contested": false, "gateway": "", "rateLimited": {},
+    "heldBack": "", "contested": false, "gateway": "", "agentVersion": "", "rateLimited": {},
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
     "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,
@@ -349,8 +349,10 @@ TEST(Parts, TheReferenceOfRequestsHasEachOne) {
   std::ranges::replace(list_text, ',', ' ');
   std::istringstream words(list_text);
   std::size_t found = 0;
-  for (std::string word; words >> word; ++found) EXPECT_TRUE(PartFromText(word)) << word;
-  EXPECT_EQ(found, kParts);
+  for (std::string word; words >> word; ++found) {
+    EXPECT_TRUE(word == "none" || PartFromText(word)) << word;
+  }
+  EXPECT_EQ(found, kParts + 1) << "each part, and none";
 }
 
 }  // namespace

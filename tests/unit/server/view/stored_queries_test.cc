@@ -112,7 +112,7 @@ TEST_F(StoredQueriesTest, WhileTheStoreIsAwayAListThatNamesAStoredPartIsUnavaila
   live.parts = Parts({Part::kMotion, Part::kHealth});
   EXPECT_TRUE(world_.queries.Robots(live).ok());
   // Nothing to ask for: the page is empty.
-  live.fleet = "other";
+  live.filter.fleet = "other";
   live.parts = Parts({Part::kSettings});
   EXPECT_TRUE(world_.queries.Robots(live).ok());
 }
