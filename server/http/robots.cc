@@ -24,6 +24,8 @@ namespace {
 /// Robots that /api/v1/top names unless it is asked for another number.
 constexpr std::uint32_t kTopDefault = 10;
 constexpr double kPercentMax = 100;
+/// In place of the parts that a list has by default: it adds none.
+constexpr std::string_view kNoPart = "none";
 
 std::optional<robot::Presence> ReadPresence(Parameters& parameters) {
   const std::string text = parameters.Text("presence");
@@ -37,9 +39,9 @@ std::optional<robot::Presence> ReadPresence(Parameters& parameters) {
 view::PartSet ReadParts(Parameters& parameters) {
   const std::vector<std::string> words = parameters.Words("parts");
   if (words.empty()) return view::PartSet::OfLists();
-  if (words.size() == 1 && words.front() == "none") return {};
   view::PartSet parts;
   for (const std::string& word : words) {
+    if (word == kNoPart) continue;
     const std::optional<view::Part> part = view::PartFromText(word);
     if (part) {
       parts.Add(*part);

@@ -24,6 +24,8 @@ WRONG = {"integer": ["0x1", "-1", "1.5"], "boolean": ["1", "TRUE"], "array": ["w
 # One that is taken, for those whose schema does not name any.
 GOOD = {"ruri": "rcan://a", "fleet": "default", "missionId": "m", "runId": "r", "parts": "health,settings",
         "id": "5b1f0c2e-7d0b-4a6f-9d57-0c6a2f1f3b11", "kind": "estopEngaged", "faultId": "f", "source": "arm",
+        "q": "a", "bbox": "-1,-2,3,4.5", "software": "1", "offlineBefore": "2026-05-01T12:00:00Z",
+        "certificateExpiresBefore": "2026-05-01T12:00:00Z", "batteryBelow": "20.5",
         "from": "2026-05-01T12:00:00Z", "to": "2026-05-01T14:00:00+02:00"}  # fmt: skip
 # Bodies of the vectors that answers show as they are.
 BODIES = {

@@ -84,7 +84,7 @@ class RobotFilters(MessageTest):
     def find(self, **filters):
         """The robots of a filter, page by page."""
         words = {name: str(value).lower() if isinstance(value, bool) else value for name, value in filters.items()}
-        query, found = urllib.parse.urlencode({**words, "parts": "none", "pageSize": 3}), []
+        query, found = urllib.parse.urlencode({**words, "parts": "none", "pageSize": 3}, quote_via=urllib.parse.quote), []
         token = ""
         while True:
             page = self.ask(f"robots?{query}&pageToken={token}")

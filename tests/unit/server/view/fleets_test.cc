@@ -119,7 +119,8 @@ TEST_F(FleetsTest, TheSitesListOfRobotsTakesEachFilter) {
   for (const char* good :
        {"q=A", "offlineBefore=2026-05-01T00:00:00Z", "batteryBelow=20.5", "bbox=-1,-2,3,4.5",
         "software=1", "heldBack=true", "estop=false", "faulted=true", "orderBy=battery",
-        "orderBy=-lastHeard", "certificateExpiresBefore=2026-05-01T00:00:00Z", "parts=none"}) {
+        "orderBy=-lastHeard", "certificateExpiresBefore=2026-05-01T00:00:00Z", "parts=none",
+        "parts=none,motion"}) {
     EXPECT_EQ(world_.Get(std::string("/api/v1/robots?") + good).status, 200) << good;
   }
   for (const char* bad : {"q=",
@@ -139,7 +140,7 @@ TEST_F(FleetsTest, TheSitesListOfRobotsTakesEachFilter) {
                           "faulted=1",
                           "orderBy=name",
                           "orderBy=--battery",
-                          "parts=none,motion",
+                          "parts=nothing",
                           "certificateExpiresBefore=1",
                           "short=a"}) {
     EXPECT_EQ(world_.Get(std::string("/api/v1/robots?") + bad).status, 400) << bad;
