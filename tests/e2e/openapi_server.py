@@ -8,7 +8,7 @@ from openapi import Document, request, target
 WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
-    "robots": "robots", "events": "events", "messages": "messages", "presence": "presenceChanges",
+    "robots": "robots", "fleets": "fleets", "events": "events", "messages": "messages", "presence": "presenceChanges",
     "quarantine": "quarantined", "gaps": "gaps", "mission_reports": "missionReports",
     "scope_updates": "scopeUpdates", "faults": "faults", "missions": "missions",
     "shapes": "shapes", "objects": "objects",
