@@ -47,6 +47,9 @@ CREATE INDEX connections_open_by_process ON connections (process) WHERE is_open;
 -- Why the last connection of a robot that goes offline ended, as ended_why; NULL where that is unknown.
 ALTER TABLE presence_changes ADD COLUMN why integer;
 
+-- Until when the robot is parked, as it said with its Goodbye; NULL if it is not.
+ALTER TABLE presence_latest ADD COLUMN parked_until timestamptz;
+
 -- Raises every sequence above what rows name of it, where it is left behind: logical replication copies
 -- rows and no sequences. An entry below its session's first hides a Reject, an epoch that was given before
 -- has a holder, and a number of a request that is there already is refused. Returns whether anything was

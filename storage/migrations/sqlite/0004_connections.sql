@@ -46,3 +46,6 @@ CREATE INDEX connections_open_by_process ON connections (process) WHERE is_open;
 
 -- Why the last connection of a robot that goes offline ended, as ended_why; NULL where that is unknown.
 ALTER TABLE presence_changes ADD COLUMN why INTEGER;
+
+-- Until when the robot is parked, as it said with its Goodbye; NULL if it is not.
+ALTER TABLE presence_latest ADD COLUMN parked_until INTEGER;
