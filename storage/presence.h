@@ -15,11 +15,14 @@ namespace uplink::storage {
 struct StoredPresence {
   model::Presence presence = model::Presence::kUnknown;
   SystemTime since;
+  /// Until when the robot is parked, to the millisecond; it may have passed. Empty: it is not.
+  std::optional<SystemTime> parked_until{};
 
   friend bool operator==(const StoredPresence&, const StoredPresence&) = default;
 };
 
-/// The presence of a robot changed: a record that the server makes itself.
+/// The presence of a robot changed, or until when it is parked: a record that the server makes
+/// itself.
 struct PresenceItem {
   RobotRef robot;
   model::Presence presence = model::Presence::kUnknown;
@@ -31,6 +34,11 @@ struct PresenceItem {
   /// Of a robot that goes offline: why its last connection ended. Nothing if that is unknown, and
   /// of other presences.
   std::optional<model::ConnectionEnd> why{};
+  /// As StoredPresence's.
+  std::optional<SystemTime> parked_until{};
+  /// False: the presence, and since when, are those before, and only parked_until differs. Then no
+  /// row of a history is written.
+  bool changes_presence = true;
 };
 
 }  // namespace uplink::storage

@@ -29,11 +29,13 @@ template <typename Row>
   return static_cast<std::uint64_t>(row.Int(column));
 }
 
-/// Presence and since when; nothing if there is none.
+/// Presence, since when, and until when it is parked; nothing if there is no presence.
 template <typename Row>
 [[nodiscard]] std::optional<StoredPresence> PresenceIn(const Row& row, int column) {
   if (row.Null(column)) return std::nullopt;
-  return StoredPresence{PresenceOf(row.Int(column)), row.Time(column + 1)};
+  StoredPresence stored{PresenceOf(row.Int(column)), row.Time(column + 1)};
+  if (!row.Null(column + 2)) stored.parked_until = row.Time(column + 2);
+  return stored;
 }
 
 /// Owner and epoch; nothing if there is no robot.
@@ -68,12 +70,13 @@ template <typename Row>
   RobotRow robot{.robot = {TextIn(row, 0), TextIn(row, 1)},
                  .first_seen = row.Time(2),
                  .last_seen = row.Time(3),
-                 .last_session = SessionIn(row, 6),
-                 .holder = row.Uuid(8).bytes(),
-                 .was_claimed = row.Int(9) != 0};
+                 .last_session = SessionIn(row, 7),
+                 .holder = row.Uuid(9).bytes(),
+                 .was_claimed = row.Int(10) != 0};
   if (const auto presence = PresenceIn(row, 4)) {
     robot.last_presence = presence->presence;
     robot.presence_since = presence->since;
+    robot.parked_until = presence->parked_until;
   }
   return robot;
 }

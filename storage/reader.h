@@ -170,6 +170,8 @@ struct RobotRow {
   std::optional<model::Presence> last_presence;
   /// When that change was; means nothing without one.
   SystemTime presence_since;
+  /// As StoredPresence's.
+  std::optional<SystemTime> parked_until{};
   /// The session that was used last; of several at one time, the one with the highest id. It is
   /// settled up to its last committed durable number, or up to where the last checkpoint says.
   std::optional<SettledSession> last_session;

@@ -161,6 +161,11 @@ struct PresenceConfig {
   milliseconds timeout = std::chrono::seconds(10);
   milliseconds startup_grace = std::chrono::minutes(2);
   milliseconds adopted_grace = std::chrono::hours(1);
+  /// How long a robot counts as parked at most.
+  milliseconds parked_max = std::chrono::hours(12);
+  /// So many changes between online and offline within flap_window flag a robot.
+  std::size_t flap_changes = 6;
+  milliseconds flap_window = std::chrono::minutes(5);
 };
 
 struct ForwardConfig {

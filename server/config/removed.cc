@@ -6,21 +6,11 @@
 namespace uplink::config {
 namespace {
 
-constexpr std::string_view kNeverDidAnything = "removed; it never did anything";
-
 constexpr auto kRemoved = std::to_array<Removed>({
     {.section = "listen",
      .key = "transport",
      .variable = "UPLINKD_LISTEN_TRANSPORT",
      .text = "removed; there is only one transport now"},
-    {.section = "presence",
-     .key = "flap_changes",
-     .variable = "UPLINKD_PRESENCE_FLAP_CHANGES",
-     .text = kNeverDidAnything},
-    {.section = "presence",
-     .key = "flap_window",
-     .variable = "UPLINKD_PRESENCE_FLAP_WINDOW",
-     .text = kNeverDidAnything},
 });
 
 template <typename Predicate>

@@ -108,7 +108,11 @@ void Committing::FinishPresence(std::span<const storage::Outcome> outcomes) {
     const bool refused = outcomes[i].kind == storage::OutcomeKind::kFenced;
     metrics::Cell& written =
         context_.probe.presence_changes[static_cast<std::size_t>(items[i].presence)];
-    (refused ? context_.probe.presence_refused : written).Add();
+    if (refused) {
+      context_.probe.presence_refused.Add();
+    } else if (items[i].changes_presence) {
+      written.Add();
+    }
     // No other step may notice it: nothing is committed of a robot that sends only live messages.
     if (refused) holds_.LoseSince(items[i].robot->ruri, items[i].held_since).Wake();
   }

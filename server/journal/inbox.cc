@@ -108,10 +108,11 @@ void Inbox::WhenCommitted(loop::StreamRef stream) {
 }
 
 void Inbox::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-                         std::optional<model::ConnectionEnd> why) {
+                         std::optional<model::ConnectionEnd> why,
+                         std::optional<SystemTime> parked_until) {
   {
     const std::lock_guard lock(mutex_);
-    presence_.Note(robot, presence, at, why);
+    presence_.Note(robot, presence, at, why, parked_until);
   }
   work_.notify_one();
 }

@@ -59,7 +59,8 @@ class Inbox final {
   void Remember(storage::Deliveries deliveries);
   void WhenCommitted(loop::StreamRef stream);
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-                    std::optional<model::ConnectionEnd> why = {});
+                    std::optional<model::ConnectionEnd> why = {},
+                    std::optional<SystemTime> parked_until = {});
   /// False if too many wait.
   [[nodiscard]] bool NoteConnection(storage::ConnectionItem item);
   void Adopt(AdoptEntry entry);

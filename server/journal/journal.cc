@@ -63,8 +63,9 @@ void Journal::AppendGap(robot::CommitClient& client, const AppendedBy& by, stora
 void Journal::Remember(storage::Deliveries deliveries) { inbox_.Remember(std::move(deliveries)); }
 
 void Journal::NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-                           std::optional<model::ConnectionEnd> why) {
-  inbox_.NotePresence(robot, presence, at, why);
+                           std::optional<model::ConnectionEnd> why,
+                           std::optional<SystemTime> parked_until) {
+  inbox_.NotePresence(robot, presence, at, why, parked_until);
 }
 
 void Journal::NoteConnection(storage::ConnectionItem item) {

@@ -5,6 +5,14 @@
 #include <utility>
 
 namespace uplink::journal {
+namespace {
+
+/// Since when is left out: it may be what a former holder wrote by another clock.
+bool Same(const storage::StoredPresence& one, const storage::StoredPresence& other) {
+  return one.presence == other.presence && one.parked_until == other.parked_until;
+}
+
+}  // namespace
 
 void PresenceLog::Hold(const std::string& ruri, storage::Epoch since,
                        const std::optional<storage::StoredPresence>& stored) {
@@ -29,15 +37,16 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
     return item.robot->ruri == robot->ruri;
   });
   if (put_back != put_back_.end()) return FollowPutBack(put_back, stored, to);
-  if (stored && stored->presence == handed->second.presence) return false;
+  if (stored && Same(*stored, handed->second)) return false;
   const storage::StoredPresence told = handed->second;
   handed_.erase(handed);
   if (stored) handed_[robot->ruri] = *stored;
   const auto waits = waiting_.find(robot->ruri);
   if (waits == waiting_.end()) {
-    Note(robot, told.presence, told.since);
+    Note(robot, told.presence, told.since, {}, told.parked_until);
   } else {
-    Note(robot, waits->second.presence, waits->second.at, waits->second.why);
+    const storage::PresenceItem item = waits->second;
+    Note(robot, item.presence, item.at, item.why, item.parked_until);
   }
   return true;
 }
@@ -45,7 +54,7 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
 bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put_back,
                                 const std::optional<storage::StoredPresence>& stored,
                                 Reconnected to) {
-  const bool same = stored && stored->presence == put_back->presence;
+  const bool same = stored && Same(*stored, {put_back->presence, put_back->at, put_back->parked_until});
   // It was committed, and the answer was lost.
   if (same && UnixMs(stored->since) == UnixMs(put_back->at)) return false;
   // The change that was handed over is what the same server will have.
@@ -60,22 +69,34 @@ bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put
   // A later change may be none any more.
   const auto waits = waiting_.find(item.robot->ruri);
   const storage::PresenceItem last = waits == waiting_.end() ? item : waits->second;
-  Note(last.robot, last.presence, last.at, last.why);
+  Note(last.robot, last.presence, last.at, last.why, last.parked_until);
   return false;
 }
 
 void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-                       std::optional<model::ConnectionEnd> why) {
+                       std::optional<model::ConnectionEnd> why,
+                       std::optional<SystemTime> parked_until) {
   const auto held = held_.find(robot->ruri);
   if (held == held_.end()) return;
-  const auto handed = handed_.find(robot->ruri);
-  if (handed != handed_.end() && handed->second.presence == presence) {
+  const auto found = handed_.find(robot->ruri);
+  // A robot that was never reported is unknown.
+  const storage::StoredPresence handed =
+      found == handed_.end() ? storage::StoredPresence{.since = at} : found->second;
+  const bool changes =
+      presence != handed.presence || (found == handed_.end() && !parked_until);
+  if (!changes && handed.parked_until == parked_until) {
     uncommitted_.fetch_sub(waiting_.erase(robot->ruri));
     return;
   }
-  if (handed != handed_.end()) at = std::max(at, handed->second.since);
+  at = changes ? std::max(at, handed.since) : handed.since;
+  // Why it went offline is said with the change alone.
+  const auto waits = waiting_.find(robot->ruri);
+  if (!why && waits != waiting_.end() && waits->second.presence == presence) {
+    why = waits->second.why;
+  }
   const auto [item, first] = waiting_.insert_or_assign(
-      robot->ruri, storage::PresenceItem{robot, presence, at, 0, held->second, why});
+      robot->ruri,
+      storage::PresenceItem{robot, presence, at, 0, held->second, why, parked_until, changes});
   if (first) uncommitted_.fetch_add(1);
 }
 
@@ -92,7 +113,8 @@ std::vector<storage::PresenceItem> PresenceLog::Take(std::size_t items_max) {
   while (!waiting_.empty() && items.size() < items_max) {
     auto first = waiting_.extract(waiting_.begin());
     first.mapped().number = ++last_number_;
-    handed_[first.key()] = {first.mapped().presence, first.mapped().at};
+    const storage::PresenceItem& item = first.mapped();
+    handed_[first.key()] = {item.presence, item.at, item.parked_until};
     items.push_back(std::move(first.mapped()));
   }
   return items;

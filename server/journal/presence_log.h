@@ -16,8 +16,8 @@
 
 namespace uplink::journal {
 
-/// The changes of presence that are not committed. At most one per robot waits, the latest. A
-/// change back to what was last handed over does not wait.
+/// The changes of presence, and of until when robots are parked, that are not committed. At most one
+/// per robot waits, the latest. A change back to what was last handed over does not wait.
 ///
 /// Limits: one entry per robot, which the fleet bounds (limits.robots_max), and what halved batches
 ///         put back.
@@ -43,9 +43,11 @@ class PresenceLog final {
   /// Notes a change; dropped if the robot is not held. If it is dated before the last one that was
   /// handed over, or that a former holder wrote by another clock, it gets that date: the latest row
   /// is the one with the latest date.
-  /// `why` is PresenceItem::why.
+  /// `why` and `parked_until` are PresenceItem's. What differs in parked_until alone changes no
+  /// presence.
   void Note(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-            std::optional<model::ConnectionEnd> why = {});
+            std::optional<model::ConnectionEnd> why = {},
+            std::optional<SystemTime> parked_until = {});
 
   /// Hands over at most `items_max` changes, numbered; changes that were put back go alone. The
   /// caller commits them in order, or puts them back, before it takes more.

@@ -24,8 +24,9 @@ class Shards final {
 
   // As Journal's, in the robot's journal.
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
-                    std::optional<model::ConnectionEnd> why = {}) const {
-    Of(robot->ruri).NotePresence(robot, presence, at, why);
+                    std::optional<model::ConnectionEnd> why = {},
+                    std::optional<SystemTime> parked_until = {}) const {
+    Of(robot->ruri).NotePresence(robot, presence, at, why, parked_until);
   }
   void NoteConnection(storage::ConnectionItem item) const {
     Journal& journal = Of(item.robot->ruri);

@@ -5,6 +5,7 @@
 #include "schema/base/clock.h"
 #include "schema/model/presence.h"
 #include "server/config/config.h"
+#include "server/robot/flaps.h"
 
 namespace uplink::robot {
 
@@ -17,6 +18,9 @@ struct PresenceLimits {
   milliseconds timeout = config::PresenceConfig().timeout;
   /// How long after a start a robot that was not heard is unknown (presence.startup_grace).
   milliseconds startup_grace = config::PresenceConfig().startup_grace;
+  /// How long a robot is parked at most (presence.parked_max).
+  milliseconds parked_max = config::PresenceConfig().parked_max;
+  Flaps::Limits flaps{};
 };
 
 /// All that presence depends on, on the server's monotonic clock.

@@ -6,6 +6,15 @@
 #include "server/robot/mutation.h"
 
 namespace uplink::robot {
+namespace {
+
+/// Unknown is the server's doing, and no change of the robot's.
+bool CrossesOffline(Presence from, Presence to) {
+  return (from == Presence::kOnline && to == Presence::kOffline) ||
+         (from == Presence::kOffline && to == Presence::kOnline);
+}
+
+}  // namespace
 
 void PresenceTrack::BeginListening(SteadyTime now) {
   server_started_ = now;
@@ -16,6 +25,7 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
                                            const PresenceLimits& limits) {
   if (foreign_) return Sign::kOlder;
   Sign sign = Sign::kOlder;
+  const bool came_back = parking_.AddSign(steady);
   if (presence_ == Presence::kOffline && stall_while_offline_) {
     held_back_until_ = std::max(held_back_until_, std::exchange(stall_while_offline_, {}));
   }
@@ -28,8 +38,24 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
     sign = Sign::kLatest;
   }
   Reach(steady, system);
+  const SystemTime since = since_;
   Update(limits);
+  if (came_back && since_ == since) Tell();
   return sign;
+}
+
+void PresenceTrack::Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now) {
+  if (foreign_) return;
+  parking_.Begin(until, signs_count_from);
+  parking_said_ = now;
+  Tell();
+}
+
+void PresenceTrack::SweepAround(SteadyTime steady, SystemTime system,
+                                const PresenceLimits& limits) {
+  Reach(steady, system);
+  parking_.Reach({steady, system}, limits.parked_max);
+  flaps_.Reach(steady, limits.flaps);
 }
 
 void PresenceTrack::SetReading(Reading reading, SteadyTime now) {
@@ -95,14 +121,23 @@ void PresenceTrack::Restore(std::optional<SystemTime> last_sign) {
 void PresenceTrack::Claim(const storage::StoredPresence& stored, SteadyTime now) {
   foreign_ = false;
   known_since_ = now;
+  FollowParking(stored);
   if (!HeardInTime(now)) {
     BeginFrom(stored);
     claimed_ = {stored.presence, now};
-    return;
+  } else {
+    GoOnFrom(stored);
+    // The stream here may be the rest of one that the robot gave up to go there.
+    if (stored.presence == Presence::kOnline) claimed_ = {stored.presence, now};
   }
-  GoOnFrom(stored);
-  // The stream here may be the rest of one that the robot gave up to go there.
-  if (stored.presence == Presence::kOnline) claimed_ = {stored.presence, now};
+  if (parking_.until() != stored.parked_until) Tell();
+}
+
+void PresenceTrack::FollowParking(const storage::StoredPresence& stored) {
+  const SteadyTime stream = stream_began_.value_or(SteadyTime::max());
+  const bool said_here = parking_said_ && *parking_said_ >= stream;
+  const bool heard_here = last_sign_ && *last_sign_ >= stream;
+  if (!said_here && !heard_here) parking_.Follow(stored.parked_until);
 }
 
 bool PresenceTrack::HeardInTime(SteadyTime now) const { return last_sign_ && now <= online_until_; }
@@ -134,6 +169,7 @@ void PresenceTrack::BeginFrom(const storage::StoredPresence& stored) {
 void PresenceTrack::Adopt(const Adoption& adoption) {
   foreign_ = false;
   known_since_ = adoption.now;
+  parking_.Follow(adoption.stored.parked_until);
   if (HeardInTime(adoption.now)) {
     GoOnFrom(adoption.stored);
     // Its holder may have heard it later than we did.
@@ -163,6 +199,8 @@ void PresenceTrack::Follow(const storage::StoredPresence& stored) {
   unanswered_until_.reset();
   // If the robot is ours again at once, signs of life heard here stay valid.
   const std::optional<SteadyTime> heard = last_sign_;
+  if (CrossesOffline(presence_, stored.presence)) flaps_.Add(reached_.value_or(server_started_));
+  parking_.Follow(stored.parked_until);
   BeginFrom(stored);
   last_sign_ = heard;
 }
@@ -173,8 +211,13 @@ void PresenceTrack::Show(Presence presence, SystemTime since) {
 }
 
 void PresenceTrack::Change(Presence presence, SystemTime at) {
+  if (CrossesOffline(presence_, presence)) flaps_.Add(reached_.value_or(server_started_));
   Show(presence, at);
-  if (changed_) changed_(presence, at);
+  Tell();
+}
+
+void PresenceTrack::Tell() const {
+  if (changed_) changed_(now());
 }
 
 void PresenceTrack::Reach(SteadyTime steady, SystemTime system) {

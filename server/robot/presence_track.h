@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "schema/base/clock.h"
+#include "server/robot/flaps.h"
+#include "server/robot/parking.h"
 #include "server/robot/presence.h"
 #include "storage/adopt.h"
 #include "storage/presence.h"
@@ -16,9 +18,9 @@ namespace uplink::robot {
 /// lock.
 class PresenceTrack final {
  public:
-  /// Called for each change, in order, under the owner's lock. It must be short, and take no lock
-  /// that is held while the owner is called.
-  using Changed = std::function<void(Presence presence, SystemTime at)>;
+  /// Called for each change of presence, and of until when the robot is parked, in order, under the
+  /// owner's lock. It must be short, and take no lock that is held while the owner is called.
+  using Changed = std::function<void(const storage::StoredPresence& now)>;
 
   /// `known_since` and `system_now` are the same moment.
   PresenceTrack(SteadyTime server_started, SteadyTime known_since, SystemTime system_now,
@@ -65,6 +67,14 @@ class PresenceTrack final {
   /// Earlier signs of life no longer count: a robot that was online is unknown until it is heard
   /// again, and at most until `unknown_until`.
   void ForgetSigns(SteadyTime unknown_until, SystemTime system_now);
+  /// The robot says that it leaves until `until`; signs of life before `signs_count_from` were on
+  /// their way (Parking::Begin).
+  void Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now);
+  /// As Parking::EndStream.
+  void EndParkingStream(SteadyTime now) { parking_.EndStream(now); }
+  /// Until when it is parked, and whether it comes and goes. Holds for a robot that another process
+  /// judges, too.
+  void SweepAround(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   /// Updates presence and returns it.
   Presence Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   /// The last sign of life before the server's start; changes no presence.
@@ -96,6 +106,11 @@ class PresenceTrack final {
 
   [[nodiscard]] Presence presence() const { return presence_; }
   [[nodiscard]] SystemTime since() const { return since_; }
+  /// Empty: it is not parked. As of the last call of SweepAround.
+  [[nodiscard]] std::optional<SystemTime> parked_until() const { return parking_.until(); }
+  [[nodiscard]] bool flapping() const { return flaps_.flapping(); }
+  /// What a store that follows has of it.
+  [[nodiscard]] storage::StoredPresence now() const { return {presence_, since_, parking_.until()}; }
   [[nodiscard]] std::optional<SystemTime> last_sign() const { return last_sign_system_; }
   /// The robot's own stream is not read now; or when that ended.
   [[nodiscard]] bool held_back() const { return held_back_; }
@@ -107,6 +122,10 @@ class PresenceTrack final {
   void Reach(SteadyTime steady, SystemTime system);
   void Update(const PresenceLimits& limits);
   void Show(Presence presence, SystemTime since);
+  void Tell() const;
+  /// Takes over until when it is parked, unless its present stream here has said or shown more.
+  /// Call it before signs of life here are forgotten.
+  void FollowParking(const storage::StoredPresence& stored);
   /// Shows and tells it.
   void Change(Presence presence, SystemTime at);
   /// The facts, without silence that needs an answer of the peer.
@@ -149,6 +168,10 @@ class PresenceTrack final {
   std::optional<SteadyTime> unknown_until_;
   /// Since when unknown stands for the offline that the store has, until the robot is heard.
   std::optional<SystemTime> offline_since_;
+  Parking parking_;
+  /// When this process last learned from the robot itself that it leaves.
+  std::optional<SteadyTime> parking_said_;
+  Flaps flaps_;
   /// Another process judges it.
   bool foreign_ = false;
 };

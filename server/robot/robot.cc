@@ -11,8 +11,8 @@ namespace uplink::robot {
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
              const PresenceChanged& changed)
     : state(server_started, clock.Steady(), clock.System(),
-            [this, &changed](Presence presence, SystemTime at) {
-              if (changed) changed(this->id(), presence, at);
+            [this, &changed](const storage::StoredPresence& now) {
+              if (changed) changed(this->id(), now);
             }),
       sessions(SourceOf(id->ruri)),
       clock_(clock),

@@ -27,10 +27,11 @@
 
 namespace uplink::robot {
 
-/// Called for each change of a robot's presence, in order for one robot, on any thread, under a
-/// lock of the robot. It must be short, and never call back into the fleet.
+/// Called for each change of a robot's presence, and of until when it is parked, in order for one
+/// robot, on any thread, under a lock of the robot. It must be short, and never call back into the
+/// fleet.
 using PresenceChanged =
-    std::function<void(const storage::RobotRef& robot, Presence presence, SystemTime at)>;
+    std::function<void(const storage::RobotRef& robot, const storage::StoredPresence& now)>;
 
 /// One robot that this process knows. Shared: a pointer keeps it alive beyond one look. Its parts
 /// are thread-safe. As a CommitClient it passes the journal's calls to its sessions, and news of

@@ -108,6 +108,26 @@ void RobotState::ForgetSigns(SteadyTime unknown_until, SystemTime system_now) {
   presence_.ForgetSigns(unknown_until, system_now);
 }
 
+void RobotState::Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  presence_.Park(until, signs_count_from, now);
+}
+
+void RobotState::EndParkingStream(SteadyTime now) {
+  const std::lock_guard lock(mutex_);
+  presence_.EndParkingStream(now);
+}
+
+std::optional<SystemTime> RobotState::parked_until() const {
+  const std::lock_guard lock(mutex_);
+  return presence_.parked_until();
+}
+
+bool RobotState::flapping() const {
+  const std::lock_guard lock(mutex_);
+  return presence_.flapping();
+}
+
 void RobotState::NoteBatch(const BatchHead& head, SteadyTime now, SystemTime system_now) {
   const std::optional<Backlog> backlog = BacklogOf(head, system_now);
   if (head.sent_unix_ms <= 0 && !backlog) return;
@@ -132,7 +152,7 @@ void RobotState::Claim(SteadyTime now) {
   if (claim_ended_unheld_) Forget();
   if (!foreign_) return;
   foreign_.reset();
-  presence_.Claim({presence_.presence(), presence_.since()}, now);
+  presence_.Claim(presence_.now(), now);
 }
 
 void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime system_now) {
@@ -181,7 +201,7 @@ void RobotState::Lose() {
   claimed_ = false;
   needs_restore_ = false;
   foreign_ = Foreign();
-  presence_.Follow({presence_.presence(), presence_.since()});
+  presence_.Follow(presence_.now());
 }
 
 void RobotState::FollowHolder(Foreign foreign, const storage::StoredPresence& presence) {
@@ -249,6 +269,7 @@ void RobotState::Restore(LiveBefore before, storage::Epoch held_since) {
 std::optional<Presence> RobotState::Sweep(SteadyTime steady, SystemTime system,
                                           const PresenceLimits& limits) {
   const std::lock_guard lock(mutex_);
+  presence_.SweepAround(steady, system, limits);
   if (foreign_) return std::nullopt;
   return presence_.Sweep(steady, system, limits);
 }
@@ -274,6 +295,8 @@ StateSnapshot RobotState::Snapshot(Parts parts) const {
                          .presence = presence_.presence(),
                          .presence_since = presence_.since(),
                          .last_sign_of_life = presence_.last_sign(),
+                         .parked_until = presence_.parked_until(),
+                         .flapping = presence_.flapping(),
                          .clock_skew_ms = clock_skew_.estimate_ms(),
                          .backlog = backlog_,
                          .fields_dropped = fields_dropped_,

@@ -31,6 +31,9 @@ struct StateSnapshot {
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
+  /// As RobotState's.
+  std::optional<SystemTime> parked_until{};
+  bool flapping = false;
   std::optional<std::int64_t> clock_skew_ms;
   std::optional<Backlog> backlog{};
   std::int64_t fields_dropped = 0;
@@ -123,6 +126,21 @@ class RobotState final {
   void BeginStream();
   void CountDropped(std::size_t fields);
 
+  // --- Whether it is parked ---
+
+  /// The robot's stream says that it leaves until `until`, which is to the millisecond. Signs of life
+  /// of that stream end nothing (EndParkingStream).
+  void Park(SystemTime until, SteadyTime now) { Park(until, SteadyTime::max(), now); }
+  /// Signs of life before `signs_count_from` were on their way when it said so.
+  void Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now);
+  /// The stream on which it said so has ended: from now on a sign of life ends the parking.
+  void EndParkingStream(SteadyTime now);
+  /// Until when it is parked, as of the last sweep; empty: it is not. Of a robot that another process
+  /// holds, what that one wrote.
+  [[nodiscard]] std::optional<SystemTime> parked_until() const;
+  /// It comes and goes (Flaps), as of the last sweep.
+  [[nodiscard]] bool flapping() const;
+
   /// Memory of its live parts.
   [[nodiscard]] std::size_t live_bytes() const;
   [[nodiscard]] LivePartBytes live_part_bytes() const;
@@ -187,7 +205,8 @@ class RobotState final {
   /// It was restored under this hold.
   void SetRestored(storage::Epoch held_since);
 
-  /// Updates presence and returns it; empty if another process judges it.
+  /// Updates whether it is parked and flaps, and its presence, which it returns; empty if another
+  /// process judges it.
   std::optional<Presence> Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
   [[nodiscard]] SystemTime presence_since() const;

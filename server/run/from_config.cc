@@ -62,12 +62,16 @@ journal::JournalLimits JournalLimitsOf(const config::JournalConfig& journal) {
 }
 
 robot::PresenceLimits PresenceLimitsOf(const config::PresenceConfig& presence) {
-  return {.timeout = presence.timeout, .startup_grace = presence.startup_grace};
+  return {.timeout = presence.timeout,
+          .startup_grace = presence.startup_grace,
+          .parked_max = presence.parked_max,
+          .flaps = {.changes = presence.flap_changes, .window = presence.flap_window}};
 }
 
 robot::PresenceLimits TwinPresenceLimitsOf(const config::Config& config) {
-  return {.timeout = config.cyberwave.presence_timeout,
-          .startup_grace = config.presence.startup_grace};
+  robot::PresenceLimits limits = PresenceLimitsOf(config.presence);
+  limits.timeout = config.cyberwave.presence_timeout;
+  return limits;
 }
 
 schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {

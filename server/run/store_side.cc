@@ -63,8 +63,10 @@ store::Writers::Context StoreSide::WritersContext() {
 }
 
 void StoreSide::ReadRobots() {
-  context_.fleet.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                                   SystemTime at) { journals_.NotePresence(robot, presence, at); });
+  context_.fleet.OnPresence(
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+        journals_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+      });
   health_log_.LookAtFacts();
   if (stores_.away.ok()) clock_rounds_.Round();
   robot_load_rounds_.Begin(stores_.away);

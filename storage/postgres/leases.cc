@@ -35,7 +35,7 @@ constexpr std::string_view kRead =
     " greatest(0, extract(epoch FROM clock_timestamp() - renewed_at))::int8"
     " FROM uplinkd.processes ORDER BY renewed_at DESC, process LIMIT $1::bigint";
 constexpr std::string_view kRobotsOfOthers =
-    "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at,"
+    "SELECT r.ruri, r.fleet, r.owner, r.held_since, p.presence, p.changed_at, p.parked_until,"
     " greatest(p.changed_at, l.written_at), coalesce(s.session, l.session),"
     " CASE WHEN s.session IS NULL OR s.session = l.session"
     " THEN greatest(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END FROM uplinkd.robots AS r"
@@ -63,8 +63,8 @@ ForeignRobot ForeignIn(const ResultRow& row) {
                      .holder = row.Uuid(2).bytes(),
                      .held_since = NumberIn(row, 3),
                      .presence = PresenceIn(row, 4),
-                     .last_session = SessionIn(row, 7)};
-  if (!row.Null(6)) robot.written_at = row.Time(6);
+                     .last_session = SessionIn(row, 8)};
+  if (!row.Null(7)) robot.written_at = row.Time(7);
   return robot;
 }
 

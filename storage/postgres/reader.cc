@@ -34,7 +34,7 @@ constexpr std::size_t kRobotsPerTrip = 16;
 constexpr std::string_view kRobots =
     "SELECT r.ruri, r.fleet, r.first_seen,"
     " greatest(r.last_seen, s.last_used, l.last_sign_at, c.last_used) AS heard_at, p.presence,"
-    " p.changed_at, s.session, greatest(s.cursor_seq,"
+    " p.changed_at, p.parked_until, s.session, greatest(s.cursor_seq,"
     " CASE WHEN l.session = s.session THEN l.settled_seq END), r.owner,"
     " (c.ruri IS NOT NULL)::int"
     " FROM uplinkd.robots AS r LEFT JOIN uplinkd.presence_latest AS p ON p.ruri = r.ruri"

@@ -148,7 +148,8 @@ absl::Status BatchCommit::WritePresence(const Batch& batch, std::vector<Outcome>
     outcomes.push_back({*outcome, std::nullopt});
     if (*outcome != OutcomeKind::kStored) continue;
     const PresenceChange change = {&item, next_entry_++};
-    absl::Status written = tables_.rows.Write<kPresenceChangesTable>(change);
+    absl::Status written;
+    if (item.changes_presence) written = tables_.rows.Write<kPresenceChangesTable>(change);
     if (written.ok()) written = tables_.rows.Write<kLatestPresenceTable>(change);
     if (!written.ok()) return written;
   }

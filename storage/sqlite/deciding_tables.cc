@@ -42,7 +42,8 @@ absl::Status DecidingTables::Prepare(Database& database) {
                " held_since = iif(owner = ?3, held_since, ?5),"
                " holder_silent = max(holder_silent, ?4 AND owner <> ?3), owner = ?3"
                " WHERE ruri = ?1 AND owner IN (?2, ?3) RETURNING held_since, holder_silent");
-  prepare.Into(presence_, "SELECT presence, changed_at FROM presence_latest WHERE ruri = ?");
+  prepare.Into(presence_,
+               "SELECT presence, changed_at, parked_until FROM presence_latest WHERE ruri = ?");
   prepare.Into(latest_kinds_, "SELECT kind FROM latest WHERE ruri = ?");
   prepare.Into(hold_, "SELECT owner, held_since FROM robots WHERE ruri = ?");
   prepare.Into(fleet_, "SELECT fleet FROM robots WHERE ruri = ?");

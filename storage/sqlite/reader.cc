@@ -94,7 +94,8 @@ absl::StatusOr<std::vector<RobotRow>> SqliteReader::Robots(std::uint32_t robots_
   constexpr std::string_view kSql =
       "SELECT r.ruri, r.fleet, r.first_seen, max(r.last_seen, coalesce(s.last_used, 0),"
       " coalesce(l.last_sign_at, 0), coalesce(c.last_used, 0)) AS heard_ms,"
-      " p.presence, p.changed_at, s.session, CASE WHEN l.session = s.session THEN"
+      " p.presence, p.changed_at, p.parked_until, s.session,"
+      " CASE WHEN l.session = s.session THEN"
       " max(s.cursor_seq, l.settled_seq) ELSE s.cursor_seq END, r.owner, c.ruri IS NOT NULL"
       " FROM robots AS r"
       " LEFT JOIN presence_latest AS p ON p.ruri = r.ruri"

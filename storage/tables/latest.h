@@ -65,14 +65,15 @@ inline constexpr Table<PresenceChange, PresenceRow, 6> kPresenceChangesTable = {
         Col<&PresenceRow::why>("why", [](const auto& row) { return row.item->why; }),
     }};
 
-inline constexpr Table<PresenceChange, Unlisted, 3> kLatestPresenceTable = {
+inline constexpr Table<PresenceChange, Unlisted, 4> kLatestPresenceTable = {
     "presence_latest",
     Writes::kUpserts,
     {},
-    std::array<Column<PresenceChange, Unlisted>, 3>{
+    std::array<Column<PresenceChange, Unlisted>, 4>{
         kRobotRuri.Key(),
         Col("presence", [](const auto& row) { return row.item->presence; }),
         Col("changed_at", [](const auto& row) { return row.item->at; }),
+        Col("parked_until", [](const auto& row) { return row.item->parked_until; }),
     }};
 
 }  // namespace uplink::storage

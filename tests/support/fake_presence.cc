@@ -21,8 +21,9 @@ std::vector<storage::Outcome> FakePresence::Write(const storage::Batch& batch,
       continue;
     }
     session.cursor = item.number;
+    last_[item.robot->ruri] = {item.presence, item.at, item.parked_until};
+    if (!item.changes_presence) continue;
     changes_.push_back({item.at, ++entries, {*item.robot, item.presence, item.at, item.why}});
-    last_[item.robot->ruri] = changes_.back().row;
   }
   session.last_used = entries;
   if (sessions_.size() > storage::kServerSessionsMax) {
@@ -35,7 +36,7 @@ std::vector<storage::Outcome> FakePresence::Write(const storage::Batch& batch,
 std::optional<storage::StoredPresence> FakePresence::Last(std::string_view ruri) const {
   const auto found = last_.find(ruri);
   if (found == last_.end()) return std::nullopt;
-  return storage::StoredPresence{found->second.presence, found->second.at};
+  return found->second;
 }
 
 std::optional<model::Seq> FakePresence::Cursor(const model::SessionId& session) const {

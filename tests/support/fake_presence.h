@@ -52,7 +52,7 @@ class FakePresence final {
 
   std::vector<FakeEntry<storage::PresenceRow>> changes_;
   /// What Retain leaves.
-  std::map<std::string, storage::PresenceRow, std::less<>> last_;
+  std::map<std::string, storage::StoredPresence, std::less<>> last_;
   std::map<model::SessionId, Session> sessions_;
 };
 

@@ -75,6 +75,7 @@ absl::StatusOr<std::vector<storage::RobotRow>> FakeReader::Robots(std::uint32_t 
     if (const auto last = database_.presence_.Last(ruri)) {
       row.last_presence = last->presence;
       row.presence_since = last->since;
+      row.parked_until = last->parked_until;
     }
     // In order of their ids.
     SystemTime used;

@@ -149,7 +149,9 @@ void BatchRows::AddGap(const GapItem& gap, std::int32_t place) {
 
 void BatchRows::AddPresence(const PresenceItem& item, const model::SessionId& session,
                             std::int32_t place) {
-  latest_presence_[item.robot->ruri] = presence_.emplace_back(PresenceChange{&item, place});
+  const PresenceChange change{&item, place};
+  if (item.changes_presence) presence_.push_back(change);
+  latest_presence_[item.robot->ruri] = change;
   Raise(kServerRuri, session, item.number, item.at);
 }
 

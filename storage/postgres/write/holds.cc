@@ -13,7 +13,8 @@ namespace uplink::storage::postgres {
 namespace {
 
 constexpr std::string_view kReadPresence =
-    "SELECT ruri, presence, changed_at FROM uplinkd.presence_latest WHERE ruri = ANY($1::text[])";
+    "SELECT ruri, presence, changed_at, parked_until FROM uplinkd.presence_latest"
+    " WHERE ruri = ANY($1::text[])";
 
 // In order of the keys, as every transaction locks robots. A row that another changed while this
 // waited for it is looked at again as it stands then, so one of several processes succeeds.

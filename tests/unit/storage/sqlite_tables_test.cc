@@ -13,9 +13,10 @@ TEST(SqliteInsertSql, NamesEachColumnInTheOrderOfItsParameters) {
 
 TEST(SqliteInsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {
   EXPECT_EQ(InsertSql(kLatestPresenceTable).view(),
-            "INSERT INTO presence_latest AS t (ruri, presence, changed_at) VALUES (?, ?, ?)"
+            "INSERT INTO presence_latest AS t (ruri, presence, changed_at, parked_until)"
+            " VALUES (?, ?, ?, ?)"
             " ON CONFLICT (ruri) DO UPDATE SET presence = excluded.presence,"
-            " changed_at = excluded.changed_at");
+            " changed_at = excluded.changed_at, parked_until = excluded.parked_until");
 }
 
 }  // namespace

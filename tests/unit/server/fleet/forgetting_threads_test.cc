@@ -30,8 +30,10 @@ struct NoInbox final : loop::WakeInbox {
 
 struct World {
   World() {
-    fleet.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                            SystemTime at) { journals.NotePresence(robot, presence, at); });
+    fleet.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+          journals.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+        });
   }
 
   testing::ManualClock clock;

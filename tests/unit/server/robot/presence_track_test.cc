@@ -33,7 +33,9 @@ class PresenceTrackTest : public ::testing::Test {
   std::vector<std::pair<Presence, SystemTime>> changes_;
   PresenceTrack track_{
       clock_.Steady(), clock_.Steady(), clock_.System(),
-      [this](Presence presence, SystemTime at) { changes_.emplace_back(presence, at); }};
+      [this](const storage::StoredPresence& now) {
+        changes_.emplace_back(now.presence, now.since);
+      }};
 };
 
 TEST_F(PresenceTrackTest, ASignOfLifeMakesARobotOnlineAndIsToldOnce) {

@@ -24,8 +24,10 @@ inline constexpr storage::ProcessId kThird{3};
 class LeaseRoundsTest : public ::testing::Test {
  protected:
   LeaseRoundsTest() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, model::Presence presence,
-                             SystemTime at) { journals_.NotePresence(robot, presence, at); });
+    fleet_.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+          journals_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+        });
     auto leases = std::make_unique<testing::FakeLeases>(database_, kSelf);
     leases_ = leases.get();
     rounds_ = std::make_unique<LeaseRounds>(
