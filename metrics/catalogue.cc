@@ -48,6 +48,13 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Robots that this server holds, or that have a stream here, by presence.", kByPresence},
     {kRobotsElsewhere, "uplinkd_robots_elsewhere", kGauge, "robots",
      "Known robots that another server holds, by presence as that one wrote it.", kByPresence},
+    {kRobotsParked, "uplinkd_robots_parked", kGauge, "robots",
+     "Offline robots that are parked: they said Goodbye. held: by this server, or by another.",
+     kByHeld, "0.2.0"},
+    {kRobotsFlapping, "uplinkd_robots_flapping", kGauge, "robots",
+     "Robots that changed between online and offline presence.flap_changes times within "
+     "presence.flap_window. held: as above.",
+     kByHeld, "0.2.0"},
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
     {kRobotsLeaving, "uplinkd_robots_leaving", kGauge, "robots",

@@ -30,6 +30,8 @@ enum class MetricId : std::uint8_t {
   kControlCharacters,
   kRobots,
   kRobotsElsewhere,
+  kRobotsParked,
+  kRobotsFlapping,
   kRobotsLimit,
   kRobotsLeaving,
   kRobotsForgotten,

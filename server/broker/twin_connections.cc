@@ -47,6 +47,7 @@ void TwinConnections::Hear(robot::ConnectionReports& reports, robot::Robot& robo
                            const Heard& heard) {
   robot.traffic.CountMessages(1);
   robot.traffic.CountBytes(heard.bytes);
+  if (heard.live && last_live_ != heard.session) last_live_ = heard.session;
   if (heard.mark != nullptr) TakeMark(reports, robot, heard);
   Ones::iterator one = Find(heard.session);
   if (one == ones_.end() && heard.live) one = Begin(reports, robot, heard);
@@ -89,6 +90,10 @@ TwinConnections::Ones::iterator TwinConnections::Begin(robot::ConnectionReports&
 void TwinConnections::TakeMark(robot::ConnectionReports& reports, robot::Robot& robot,
                                const Heard& heard) {
   const Ones::iterator one = Find(heard.session);
+  if (heard.mark->kind == MarkKind::kDisconnected && last_live_ == heard.session) {
+    robot.state.Park(heard.arrived.system + heard.parked_max,
+                     heard.arrived.steady + kTwinReturnsAfter, heard.arrived.steady);
+  }
   if (heard.mark->kind == MarkKind::kConnected) {
     if (const auto left = FindMark(left_, heard.session); left != left_.end()) left_.erase(left);
     if (one == ones_.end()) NoteMark(came_, heard.session, heard.arrived);

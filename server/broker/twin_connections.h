@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <deque>
 #include <list>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "schema/base/clock.h"
 #include "schema/model/cyberwave/reports.h"
+#include "server/config/config.h"
 #include "server/cyberwave/held.h"
 #include "server/robot/connection_reports.h"
 #include "server/robot/robot.h"
@@ -42,7 +44,11 @@ class TwinConnections final {
     const model::cyberwave::Mark* mark = nullptr;
     std::size_t bytes = 0;
     cyberwave::Arrival arrived{};
+    /// How long the robot is parked once its client leaves (presence.parked_max).
+    milliseconds parked_max = config::PresenceConfig().parked_max;
   };
+  /// A `disconnected` of the client that sent the last live message parks the robot; that of any
+  /// other, such as a viewer, says nothing of it.
   void Hear(robot::ConnectionReports& reports, robot::Robot& robot, const Heard& heard);
   /// Ends those that said nothing for kTwinSilentMax although we heard the broker all the while,
   /// since `heard_all_since`.
@@ -77,6 +83,8 @@ class TwinConnections final {
            SystemTime at, transport::EndCause cause);
   void TakeMark(robot::ConnectionReports& reports, robot::Robot& robot, const Heard& heard);
 
+  /// The session of the last live message.
+  std::optional<std::string> last_live_;
   /// The one heard least recently first.
   Ones ones_;
   /// Clients without a connection: those that said `connected`, and those that said `disconnected`.

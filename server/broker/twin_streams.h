@@ -90,7 +90,9 @@ class TwinStreams final {
   /// A message of a twin has come, and belongs to its stream.
   void Hear(TwinStream& stream, const TwinConnections::Heard& heard) {
     if (context_.reports == nullptr || stream.twin == nullptr) return;
-    stream.connections.Hear(*context_.reports, *stream.robot, heard);
+    TwinConnections::Heard within = heard;
+    within.parked_max = context_.fleet.presence_limits_of(*stream.robot).parked_max;
+    stream.connections.Hear(*context_.reports, *stream.robot, within);
   }
   /// The broker is not heard at `now`: until then nothing says that a client is silent.
   void NoteUnheard(SteadyTime now) { heard_all_since_ = now; }

@@ -170,7 +170,8 @@ bool Fleet::Remove(const RobotPtr& robot) {
   return true;
 }
 
-void PresenceTally::Count(robot::Presence presence) {
+void PresenceTally::Count(robot::Presence presence, const robot::RobotState& state) {
+  if (state.flapping()) ++flapping;
   switch (presence) {
     case robot::Presence::kUnknown:
       ++unknown;
@@ -180,6 +181,7 @@ void PresenceTally::Count(robot::Presence presence) {
       break;
     case robot::Presence::kOffline:
       ++offline;
+      if (state.parked_until()) ++parked;
       break;
   }
 }
@@ -233,9 +235,9 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, limits);
     if (presence) {
-      counts.Count(*presence);
+      counts.Count(*presence, robot->state);
     } else {
-      counts.elsewhere.Count(robot->state.presence());
+      counts.elsewhere.Count(robot->state.presence(), robot->state);
     }
   }
   if (stalled) return presence_counts();

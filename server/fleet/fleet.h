@@ -29,8 +29,12 @@ struct PresenceTally {
   std::int64_t unknown = 0;
   std::int64_t online = 0;
   std::int64_t offline = 0;
+  /// Of the offline ones, those that are parked.
+  std::int64_t parked = 0;
+  /// Of all, those that come and go.
+  std::int64_t flapping = 0;
 
-  void Count(robot::Presence presence);
+  void Count(robot::Presence presence, const robot::RobotState& state);
 };
 
 /// The counts of robots that this process judges.

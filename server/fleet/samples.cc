@@ -17,6 +17,10 @@ void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   const PresenceCounts counts = fleet.presence_counts();
   AddTally(kRobots, counts, page);
   AddTally(kRobotsElsewhere, counts.elsewhere, page);
+  page.Add(kRobotsParked, counts.parked, {"here"});
+  page.Add(kRobotsParked, counts.elsewhere.parked, {"elsewhere"});
+  page.Add(kRobotsFlapping, counts.flapping, {"here"});
+  page.Add(kRobotsFlapping, counts.elsewhere.flapping, {"elsewhere"});
   page.Add(kRobotsLimit, fleet.robots_max());
   page.Add(kRobotsLeaving, fleet.leaving());
   page.Add(kRobotsForgotten, fleet.forgotten());

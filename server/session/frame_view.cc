@@ -29,6 +29,7 @@ constexpr std::uint32_t Varint(int field) {
 
 constexpr std::uint32_t kHelloTag = LengthDelimited(v1::RelayRequest::kHelloFieldNumber);
 constexpr std::uint32_t kBatchTag = LengthDelimited(v1::RelayRequest::kBatchFieldNumber);
+constexpr std::uint32_t kGoodbyeTag = LengthDelimited(v1::RelayRequest::kGoodbyeFieldNumber);
 constexpr std::uint32_t kUplinksTag = LengthDelimited(v1::UplinkBatch::kUplinksFieldNumber);
 constexpr std::uint32_t kSentTag = Varint(v1::UplinkBatch::kSentUnixMsFieldNumber);
 constexpr std::uint32_t kBacklogTag = Varint(v1::UplinkBatch::kBacklogUplinksFieldNumber);
@@ -55,8 +56,8 @@ class Walk {
         if (content != FrameContent::kBatch) Clear(batch);
         content = FrameContent::kBatch;
         good = Within([&] { return Batch(batch); });
-      } else if (tag == kHelloTag) {
-        content = FrameContent::kHello;
+      } else if (tag == kHelloTag || tag == kGoodbyeTag) {
+        content = tag == kHelloTag ? FrameContent::kHello : FrameContent::kGoodbye;
         unusual_ = true;
         std::string_view ignored;
         good = Bytes(ignored);
@@ -195,9 +196,8 @@ FrameContent ReadFrame(std::string_view bytes, BatchView& batch, std::size_t upl
   Walk walk(bytes);
   const FrameContent content = walk.Request(batch);
   if (walk.foreign()) return FrameContent::kForeign;
-  if (content == FrameContent::kHello && bytes.size() > kHelloFrameBytesMax) {
-    return FrameContent::kForeign;
-  }
+  const bool small = content == FrameContent::kHello || content == FrameContent::kGoodbye;
+  if (small && bytes.size() > kHelloFrameBytesMax) return FrameContent::kForeign;
   // It is refused for that, even if protobuf accepts it.
   if (content == FrameContent::kBatch && batch.uplinks.size() > uplinks_max) return content;
   if (!walk.unusual() || content == FrameContent::kMalformed) return content;

@@ -25,27 +25,30 @@ struct BatchView {
   robot::BatchHead head;
 };
 
-/// Bytes of a frame with a Hello, which holds an address, a session and a version.
+/// Bytes of a frame with a Hello, which holds an address, a session and a version, or with a
+/// Goodbye.
 inline constexpr std::size_t kHelloFrameBytesMax = std::size_t{16} * 1024;
 
 /// What a frame from an agent holds.
 enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.
   kMalformed,
-  /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or a Hello of
-  /// more than 16 KiB. No version of the protocol sends that, and parsing it is expensive.
+  /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or a Hello or
+  /// Goodbye of more than 16 KiB. No version of the protocol sends that, and parsing it is expensive.
   kForeign,
   kNothing,
   /// Parse the whole frame: it comes once per stream.
   kHello,
   kBatch,
+  /// As kHello.
+  kGoodbye,
 };
 
 /// The errors for frames without usable content.
 inline constexpr std::string_view kNoRequest =
     "not a RelayRequest (bad protobuf, or a text that is not UTF-8)";
 inline constexpr std::string_view kForeignRequest =
-    "more than 256 unknown fields, a group, or a hello of more than 16 KiB";
+    "more than 256 unknown fields, a group, or a hello or goodbye of more than 16 KiB";
 
 /// Reads a serialized RelayRequest. A batch becomes views into `bytes`, which must outlive them.
 /// The rules of protobuf hold: unknown fields are skipped, the last of a oneof counts, and the

@@ -115,6 +115,10 @@ v1::Robot ToMessage(const RobotView& robot) {
   message.set_presence(std::string(ToText(robot.state.presence)));
   SetTime(message, &v1::Robot::mutable_presence_since, robot.state.presence_since);
   SetTime(message, &v1::Robot::mutable_last_sign_of_life, robot.state.last_sign_of_life);
+  if (robot.state.parked_until) {
+    SetTime(message, &v1::Robot::mutable_parked_until, *robot.state.parked_until);
+  }
+  message.set_flapping(robot.state.flapping);
   if (robot.state.foreign) {
     message.set_held_by(robot.state.foreign->held_by);
     SetTime(message, &v1::Robot::mutable_held_by_at, robot.state.foreign->written_at);

@@ -63,7 +63,7 @@ std::vector<Fault> FrameFaults() {
       AtFirst("NotProtobuf", {"\xff\xff\xff"}, "frame 1: not a RelayRequest"),
       AtFirst("TextNotUtf8", {NotUtf8InHello()}, "frame 1: not a RelayRequest"),
       Later("NotProtobufLater", {Numbers({1}), "\x0a\x7f"}, "frame 3: not a RelayRequest"),
-      AtFirst("EmptyFrame", {std::string()}, "frame 1: it holds neither hello nor batch"),
+      AtFirst("EmptyFrame", {std::string()}, "frame 1: it holds neither hello, batch nor goodbye"),
       AtFirst("BatchFirst", {Numbers({1})}, "frame 1: the first frame must be a hello"),
       Later("HelloTwice", {Bytes(HelloFrame(SessionOf(1)))},
             "frame 2: hello: only the first frame may be one"),

@@ -45,7 +45,7 @@ TEST_F(FrameTest, TextsMustBeUtf8) {
 TEST_F(FrameTest, MustHoldSomething) {
   BenchStream& stream = server().Open();
   stream.SendBytes("");
-  EXPECT_EQ(stream.end(), "INVALID_ARGUMENT: frame 1: it holds neither hello nor batch");
+  EXPECT_EQ(stream.end(), "INVALID_ARGUMENT: frame 1: it holds neither hello, batch nor goodbye");
 }
 
 TEST_F(FrameTest, HelloComesOnce) {

@@ -1,0 +1,30 @@
+#include "server/session/goodbye.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace uplink::session {
+
+ExpectedBack JudgeGoodbye(std::int64_t expected_back_unix_ms, SystemTime now,
+                          milliseconds parked_max) {
+  constexpr const char* kField = "goodbye.expected_back_unix_ms";
+  if (expected_back_unix_ms == 0) {
+    return {.until = {},
+            .dropped = model::Rejection{.reason = model::RejectReason::kMissingField,
+                                        .field = kField,
+                                        .detail = "it says no time, and the robot is not parked"}};
+  }
+  if (expected_back_unix_ms <= UnixMs(now)) {
+    return {.until = {},
+            .dropped = model::Rejection{
+                .reason = model::RejectReason::kOutOfRange,
+                .field = kField,
+                .detail = fmt::format("{} is not after the server's {}, and the robot is not parked",
+                                      expected_back_unix_ms, UnixMs(now))}};
+  }
+  return {.until = FromUnixMs(std::min(expected_back_unix_ms, UnixMs(now + parked_max))),
+          .dropped = {}};
+}
+
+}  // namespace uplink::session
