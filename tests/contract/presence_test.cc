@@ -163,6 +163,31 @@ TEST_P(PresenceContract, ShowsInTheListOfRobotsAsTheLastPresenceAlone) {
   EXPECT_EQ(Robots().at(0).presence_since, Time(70));
 }
 
+TEST_P(PresenceContract, KeepsUntilWhenARobotIsParked) {
+  Open();
+  Commit(Changes({Change(1, Presence::kOnline, 5)}));
+  EXPECT_EQ(Robots().at(0).parked_until, std::nullopt);
+  storage::PresenceItem parked = Change(2, Presence::kOnline, 5);
+  parked.parked_until = Time(7'200'000);
+  parked.changes_presence = false;
+  Commit(Changes({parked}));
+  EXPECT_THAT(Listed(), ElementsAre(Presence::kOnline)) << "no presence changed";
+  store_->Reopen();
+  EXPECT_EQ(Robots().at(0).parked_until, Time(7'200'000));
+  EXPECT_EQ(Robots().at(0).presence_since, Time(5));
+
+  storage::PresenceItem offline = Change(3, Presence::kOffline, 15);
+  offline.parked_until = Time(7'200'000);
+  Commit(Changes({offline}));
+  EXPECT_THAT(Listed(), ElementsAre(Presence::kOffline, Presence::kOnline));
+  const auto opened = Open(Request(), kOther);
+  ASSERT_TRUE(opened.presence.has_value());
+  EXPECT_EQ(*opened.presence,
+            (storage::StoredPresence{Presence::kOffline, Time(15), Time(7'200'000)}));
+  Commit(Changes({Change(1, Presence::kOnline, 20)}, 2), kOther);
+  EXPECT_EQ(Robots().at(0).parked_until, std::nullopt) << "it is back";
+}
+
 TEST_P(PresenceContract, IsRefusedOfARobotThatHasNoRow) {
   held_since_ = 40;
   EXPECT_EQ(Commit(Changes({Change(1, Presence::kOnline)})).at(0).kind, OutcomeKind::kFenced);

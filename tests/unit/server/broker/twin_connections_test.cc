@@ -74,6 +74,30 @@ TEST_F(TwinConnectionsTest, AViewerIsNone) {
   EXPECT_THAT(kept_.ended(), IsEmpty()) << "a viewer that leaves ends nothing";
 }
 
+TEST_F(TwinConnectionsTest, TheClientThatSentLiveMessagesLastParksTheRobot) {
+  Live("a");
+  Live("b");
+  Say("a", MarkKind::kDisconnected);
+  EXPECT_EQ(robot_.state.parked_until(), std::nullopt) << "the driver is another client by now";
+  Say("viewer", MarkKind::kDisconnected);
+  EXPECT_EQ(robot_.state.parked_until(), std::nullopt);
+  Say("b", MarkKind::kDisconnected);
+  EXPECT_EQ(robot_.state.parked_until(),
+            clock_.System() + config::PresenceConfig().parked_max);
+}
+
+TEST_F(TwinConnectionsTest, ALiveMessageThatWasOnItsWayDoesNotEndTheParking) {
+  const robot::PresenceLimits limits;
+  Live("a");
+  Say("a", MarkKind::kDisconnected);
+  clock_.Advance(kTwinReturnsAfter - milliseconds(1));
+  robot_.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  EXPECT_TRUE(robot_.state.parked_until().has_value());
+  clock_.Advance(milliseconds(1));
+  robot_.state.SignOfLife(clock_.Steady(), clock_.System(), limits);
+  EXPECT_EQ(robot_.state.parked_until(), std::nullopt);
+}
+
 TEST_F(TwinConnectionsTest, OfTwoClientsEachEndsByItself) {
   Live("a");
   Live("b");

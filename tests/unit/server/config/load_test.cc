@@ -305,16 +305,15 @@ TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
   }
 }
 
-TEST(ParseConfigTest, EachRemovedKeyOfPresenceSaysWhatToDo) {
-  for (const char* const name : {"flap_changes", "flap_window"}) {
-    const std::string key(name);
-    EXPECT_THAT(ParseWith("[presence]\n" + key + " = 1\n").problems,
-                ElementsAre(IsProblem("u.toml:6", "presence." + key,
-                                      "removed; it never did anything: delete this line")));
-  }
-  EXPECT_THAT(ParseWith("", {{"UPLINKD_PRESENCE_FLAP_WINDOW", "1m"}}).problems,
-              ElementsAre(IsProblem("environment", "UPLINKD_PRESENCE_FLAP_WINDOW",
-                                    "removed; it never did anything: unset this variable")));
+TEST(ParseConfigTest, TakesTheKeysOfPresenceThatWereRemovedOnce) {
+  const LoadResult result = ParseWith(
+      "[presence]\nflap_changes = 4\nflap_window = \"1m\"\nparked_max = \"1d\"\n");
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result.config->presence.flap_changes, 4U);
+  EXPECT_EQ(result.config->presence.flap_window, std::chrono::minutes(1));
+  EXPECT_EQ(result.config->presence.parked_max, std::chrono::days(1));
+  EXPECT_EQ(ParseWith("[presence]\nflap_changes = 101\n").problems.size(), 1U);
+  EXPECT_EQ(ParseWith("[presence]\nparked_max = \"8d\"\n").problems.size(), 1U);
 }
 
 TEST(PrintConfigTest, LeavesOutDefaultsOfKeysWithoutEffect) {

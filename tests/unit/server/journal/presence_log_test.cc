@@ -243,5 +243,61 @@ TEST_F(PresenceLogTest, DropsWhatWasPutBackIfTheStoreHasThatSinceAnEarlierTime) 
   EXPECT_THAT(log_.Take(10), IsEmpty());
 }
 
+constexpr SystemTime kUntil = FromUnixMs(7'200'000);
+
+TEST_F(PresenceLogTest, WhatIsParkedAloneChangesNoPresence) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kOnline, FromUnixMs(1)});
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(5), {}, kUntil);
+  const auto items = log_.Take(10);
+  ASSERT_THAT(items, SizeIs(1));
+  EXPECT_FALSE(items[0].changes_presence);
+  EXPECT_EQ(items[0].parked_until, kUntil);
+  EXPECT_EQ(items[0].at, FromUnixMs(1)) << "online since then";
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(5), {}, kUntil);
+  EXPECT_TRUE(log_.empty());
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(9), {}, kUntil);
+  const auto offline = log_.Take(10);
+  ASSERT_THAT(offline, SizeIs(1));
+  EXPECT_TRUE(offline[0].changes_presence);
+  EXPECT_EQ(offline[0].parked_until, kUntil);
+}
+
+TEST_F(PresenceLogTest, WhatIsParkedKeepsTheChangeThatWaits) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kOnline, FromUnixMs(1)});
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(5), model::ConnectionEnd::kOrderly);
+  log_.Note(RobotOf("a"), Presence::kOffline, FromUnixMs(5), {}, kUntil);
+  const auto items = log_.Take(10);
+  ASSERT_THAT(items, SizeIs(1));
+  EXPECT_TRUE(items[0].changes_presence);
+  EXPECT_EQ(items[0].why, model::ConnectionEnd::kOrderly);
+  EXPECT_EQ(items[0].parked_until, kUntil);
+}
+
+TEST_F(PresenceLogTest, ParkedAndBackBeforeACommitIsNoChange) {
+  log_.Hold("a", 2, storage::StoredPresence{Presence::kOnline, FromUnixMs(1)});
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(1), {}, kUntil);
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(1));
+  EXPECT_TRUE(log_.empty());
+  EXPECT_EQ(log_.uncommitted(), 0U);
+}
+
+TEST_F(PresenceLogTest, ARobotThatWasNeverReportedIsParkedAsUnknown) {
+  log_.Note(RobotOf("a"), Presence::kUnknown, FromUnixMs(1), {}, kUntil);
+  const auto items = log_.Take(10);
+  ASSERT_THAT(items, SizeIs(1));
+  EXPECT_FALSE(items[0].changes_presence);
+}
+
+TEST_F(PresenceLogTest, AStoreThatLostAParkingGetsItAgain) {
+  const storage::StoredPresence stored{Presence::kOnline, FromUnixMs(1)};
+  log_.Hold("a", 2, stored);
+  log_.Note(RobotOf("a"), Presence::kOnline, FromUnixMs(1), {}, kUntil);
+  static_cast<void>(log_.Take(10));
+  EXPECT_TRUE(log_.Follow(RobotOf("a"), stored, kReplaced));
+  const auto items = log_.Take(10);
+  ASSERT_THAT(items, SizeIs(1));
+  EXPECT_EQ(items[0].parked_until, kUntil);
+}
+
 }  // namespace
 }  // namespace uplink::journal
