@@ -61,6 +61,8 @@ class Link:
         # The latest payload of each kind that the server may ask for again.
         self.snapshots = {}
         self.ending = False
+        # When the robot is expected back, in Unix milliseconds; nothing if it does not say Goodbye.
+        self.back = None
         # Why no further connection is of use.
         self.fatal = None
         self.thread = threading.Thread(target=self.run, name="link", daemon=True)
@@ -85,10 +87,11 @@ class Link:
                 self.snapshots[kind] = payload
             self.news.notify_all()
 
-    def end(self):
+    def end(self, back=None):
         """Waits until everything is stored, or for END_SECONDS. How many messages still wait, on disk."""
         with self.news:
             self.ending = True
+            self.back = back
             self.news.notify_all()
         self.thread.join(END_SECONDS)
         return self.spool.waiting()
@@ -101,6 +104,9 @@ class Link:
             if code is grpc.StatusCode.OK and self.ending:
                 return
             print(f"link: {code.name}: {why}", file=sys.stderr)
+            if stream.said_goodbye and code is grpc.StatusCode.INVALID_ARGUMENT:
+                # A server from before Goodbye. Everything is stored.
+                return
             if code in FATAL:
                 with self.news:
                     self.fatal = f"{code.name}: {why}"
@@ -123,6 +129,7 @@ class Stream:
         # The server reads nothing more.
         self.draining = False
         self.closed = False
+        self.said_goodbye = False
         self.call = None
         # What failed here, such as the spool on a full disk. It ends this stream, and the link opens another.
         self.trouble = None
@@ -190,8 +197,7 @@ class Stream:
                     self.link.live.clear()
                 if not batch:
                     if self.link.ending and not self.spool.waiting():
-                        # The half-close: the server ends the call with OK.
-                        return
+                        break
                     # What came too soon may be due then.
                     self.news.wait(TICK_SECONDS)
                     continue
@@ -202,6 +208,11 @@ class Stream:
             yield relay.RelayRequest(batch=relay.UplinkBatch(
                 uplinks=uplinks, sent_unix_ms=now(), backlog_uplinks=waiting, oldest_unsent_unix_ms=oldest,
             ))  # fmt: skip
+        # The last frame: a server that does not know it ends the stream, when all is stored already.
+        if self.link.back is not None:
+            self.said_goodbye = True
+            yield relay.RelayRequest(goodbye=relay.Goodbye(expected_back_unix_ms=self.link.back))
+        # The half-close: the server ends the call with OK.
 
     def take(self, response):
         kind = response.WhichOneof("frame")
@@ -266,6 +277,8 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="step to begin with")
     parser.add_argument("--steps", type=int, default=60)
     parser.add_argument("--every", type=float, default=1, help="seconds of a step")
+    parser.add_argument("--parked", type=float, metavar="HOURS",
+                        help="says Goodbye at its end: the robot is expected back after so long")  # fmt: skip
     options = parser.parse_args()
     link = Link(options.target, options.pki, options.name, Spool(options.spool))
     robot = Robot(options.schema)
@@ -276,7 +289,7 @@ def main():
         with link.news:
             if link.news.wait_for(lambda: link.fatal is not None, options.every):
                 break
-    left = link.end()
+    left = link.end(None if options.parked is None else now() + round(3_600_000 * options.parked))
     if left or link.fatal is not None:
         sys.exit(f"{left} messages wait in {options.spool}{f': {link.fatal}' if link.fatal else ''}")
     print("everything is stored")

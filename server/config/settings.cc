@@ -509,8 +509,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kCount,
      .min = 2,
      .max = 100,
-     .text = "A robot with so many changes between online and offline within flap_window is "
-             "flapping.",
+     .text = "A robot that goes offline or comes back so often within flap_window is flapping.",
      UPLINK_BIND(presence, PresenceConfig, flap_changes)},
     {.section = "presence",
      .key = "flap_window",

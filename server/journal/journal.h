@@ -95,10 +95,9 @@ class Journal final {
   /// stream that acks from memory must first check whether OnReconnected was called.
   void WhenCommitted(loop::StreamRef stream) { inbox_.WhenCommitted(stream); }
 
-  /// A robot's presence changed, or until when it is parked: a record of the server's own, dropped if this process does not
-  /// hold the robot. Only idle() counts it, and it holds no stream back: at most one per robot
-  /// waits.
-  /// `why` and `parked_until` are storage::PresenceItem's.
+  /// A robot's presence changed, or until when it is parked: a record of the server's own, dropped
+  /// if this process does not hold the robot. Only idle() counts it, and it holds no stream back:
+  /// at most one per robot waits. `why` and `parked_until` are storage::PresenceItem's.
   void NotePresence(const storage::RobotRef& robot, model::Presence presence, SystemTime at,
                     std::optional<model::ConnectionEnd> why = {},
                     std::optional<SystemTime> parked_until = {});

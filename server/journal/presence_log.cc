@@ -54,7 +54,8 @@ bool PresenceLog::Follow(const storage::RobotRef& robot,
 bool PresenceLog::FollowPutBack(std::vector<storage::PresenceItem>::iterator put_back,
                                 const std::optional<storage::StoredPresence>& stored,
                                 Reconnected to) {
-  const bool same = stored && Same(*stored, {put_back->presence, put_back->at, put_back->parked_until});
+  const bool same =
+      stored && Same(*stored, {put_back->presence, put_back->at, put_back->parked_until});
   // It was committed, and the answer was lost.
   if (same && UnixMs(stored->since) == UnixMs(put_back->at)) return false;
   // The change that was handed over is what the same server will have.
@@ -82,8 +83,7 @@ void PresenceLog::Note(const storage::RobotRef& robot, model::Presence presence,
   // A robot that was never reported is unknown.
   const storage::StoredPresence handed =
       found == handed_.end() ? storage::StoredPresence{.since = at} : found->second;
-  const bool changes =
-      presence != handed.presence || (found == handed_.end() && !parked_until);
+  const bool changes = presence != handed.presence || (found == handed_.end() && !parked_until);
   if (!changes && handed.parked_until == parked_until) {
     uncommitted_.fetch_sub(waiting_.erase(robot->ruri));
     return;

@@ -16,8 +16,8 @@
 
 namespace uplink::journal {
 
-/// The changes of presence, and of until when robots are parked, that are not committed. At most one
-/// per robot waits, the latest. A change back to what was last handed over does not wait.
+/// The changes of presence, and of until when robots are parked, that are not committed. At most
+/// one per robot waits, the latest. A change back to what was last handed over does not wait.
 ///
 /// Limits: one entry per robot, which the fleet bounds (limits.robots_max), and what halved batches
 ///         put back.

@@ -11,9 +11,7 @@ void Parking::Begin(SystemTime until, SteadyTime signs_count_from) {
   over_ = false;
 }
 
-void Parking::EndStream(SteadyTime now) {
-  signs_count_from_ = std::min(signs_count_from_, now);
-}
+void Parking::EndStream(SteadyTime now) { signs_count_from_ = std::min(signs_count_from_, now); }
 
 void Parking::Follow(std::optional<SystemTime> until) {
   signs_count_from_ = SteadyTime::min();

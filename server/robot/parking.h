@@ -6,9 +6,9 @@
 
 namespace uplink::robot {
 
-/// Until when a robot is parked: it said that it leaves, and when it is expected back. A sign of life
-/// ends that, and so does its time, by the server's clock or, if that was set back, after as long.
-/// Confined to its owner's lock.
+/// Until when a robot is parked: it said that it leaves, and when it is expected back. A sign of
+/// life ends that, and so does its time, by the server's clock or, if that was set back, after as
+/// long. Confined to its owner's lock.
 class Parking final {
  public:
   /// One look at both clocks.

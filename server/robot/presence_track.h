@@ -110,7 +110,9 @@ class PresenceTrack final {
   [[nodiscard]] std::optional<SystemTime> parked_until() const { return parking_.until(); }
   [[nodiscard]] bool flapping() const { return flaps_.flapping(); }
   /// What a store that follows has of it.
-  [[nodiscard]] storage::StoredPresence now() const { return {presence_, since_, parking_.until()}; }
+  [[nodiscard]] storage::StoredPresence now() const {
+    return {presence_, since_, parking_.until()};
+  }
   [[nodiscard]] std::optional<SystemTime> last_sign() const { return last_sign_system_; }
   /// The robot's own stream is not read now; or when that ended.
   [[nodiscard]] bool held_back() const { return held_back_; }

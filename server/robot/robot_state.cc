@@ -108,26 +108,6 @@ void RobotState::ForgetSigns(SteadyTime unknown_until, SystemTime system_now) {
   presence_.ForgetSigns(unknown_until, system_now);
 }
 
-void RobotState::Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now) {
-  const std::lock_guard lock(mutex_);
-  presence_.Park(until, signs_count_from, now);
-}
-
-void RobotState::EndParkingStream(SteadyTime now) {
-  const std::lock_guard lock(mutex_);
-  presence_.EndParkingStream(now);
-}
-
-std::optional<SystemTime> RobotState::parked_until() const {
-  const std::lock_guard lock(mutex_);
-  return presence_.parked_until();
-}
-
-bool RobotState::flapping() const {
-  const std::lock_guard lock(mutex_);
-  return presence_.flapping();
-}
-
 void RobotState::NoteBatch(const BatchHead& head, SteadyTime now, SystemTime system_now) {
   const std::optional<Backlog> backlog = BacklogOf(head, system_now);
   if (head.sent_unix_ms <= 0 && !backlog) return;
@@ -282,11 +262,6 @@ Presence RobotState::presence() const {
 SystemTime RobotState::presence_since() const {
   const std::lock_guard lock(mutex_);
   return presence_.since();
-}
-
-bool RobotState::held_back() const {
-  const std::lock_guard lock(mutex_);
-  return presence_.held_back();
 }
 
 StateSnapshot RobotState::Snapshot(Parts parts) const {

@@ -128,18 +128,30 @@ class RobotState final {
 
   // --- Whether it is parked ---
 
-  /// The robot's stream says that it leaves until `until`, which is to the millisecond. Signs of life
-  /// of that stream end nothing (EndParkingStream).
+  /// The robot's stream says that it leaves until `until`, which is to the millisecond. Signs of
+  /// life of that stream end nothing (EndParkingStream).
   void Park(SystemTime until, SteadyTime now) { Park(until, SteadyTime::max(), now); }
   /// Signs of life before `signs_count_from` were on their way when it said so.
-  void Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now);
+  void Park(SystemTime until, SteadyTime signs_count_from, SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    presence_.Park(until, signs_count_from, now);
+  }
   /// The stream on which it said so has ended: from now on a sign of life ends the parking.
-  void EndParkingStream(SteadyTime now);
-  /// Until when it is parked, as of the last sweep; empty: it is not. Of a robot that another process
-  /// holds, what that one wrote.
-  [[nodiscard]] std::optional<SystemTime> parked_until() const;
+  void EndParkingStream(SteadyTime now) {
+    const std::lock_guard lock(mutex_);
+    presence_.EndParkingStream(now);
+  }
+  /// Until when it is parked, as of the last sweep; empty: it is not. Of a robot that another
+  /// process holds, what that one wrote.
+  [[nodiscard]] std::optional<SystemTime> parked_until() const {
+    const std::lock_guard lock(mutex_);
+    return presence_.parked_until();
+  }
   /// It comes and goes (Flaps), as of the last sweep.
-  [[nodiscard]] bool flapping() const;
+  [[nodiscard]] bool flapping() const {
+    const std::lock_guard lock(mutex_);
+    return presence_.flapping();
+  }
 
   /// Memory of its live parts.
   [[nodiscard]] std::size_t live_bytes() const;
@@ -210,7 +222,10 @@ class RobotState final {
   std::optional<Presence> Sweep(SteadyTime steady, SystemTime system, const PresenceLimits& limits);
   [[nodiscard]] Presence presence() const;
   [[nodiscard]] SystemTime presence_since() const;
-  [[nodiscard]] bool held_back() const;
+  [[nodiscard]] bool held_back() const {
+    const std::lock_guard lock(mutex_);
+    return presence_.held_back();
+  }
 
   /// Which live parts a snapshot copies: none; the small ones (PartTag::kSmall); all.
   enum class Parts : std::uint8_t { kNone, kSmall, kAll };

@@ -188,7 +188,13 @@ robot::Resume Attachment::Resume() {
   return resume;
 }
 
+void Attachment::Park(SystemTime until) {
+  said_goodbye_ = true;
+  robot_->state.Park(until, context_.clock.Steady());
+}
+
 void Attachment::Detach() {
+  if (said_goodbye_) robot_->state.EndParkingStream(context_.clock.Steady());
   robot_->NoteHeard(context_.clock.System());
   robot_->sessions.Detach(self_, context_.clock.Steady()).Wake();
   if (!robot_->HasStream()) robot_->state.EndClaim();

@@ -50,6 +50,8 @@ class Attachment final {
   [[nodiscard]] absl::StatusOr<journal::AppendedBy> Open(SteadyTime now);
   /// The contents of Welcome.
   [[nodiscard]] robot::Resume Resume();
+  /// The stream says that the robot is parked; its signs of life do not end that.
+  void Park(SystemTime until);
   /// The stream takes no more frames: wakes the one that waits for the robot.
   void Detach();
 
@@ -107,6 +109,7 @@ class Attachment final {
   robot::Reconnects::Arrival arrival_;
   bool waits_ = false;
   bool attached_ = false;
+  bool said_goodbye_ = false;
   std::uint32_t takeovers_ = 0;
   std::uint64_t open_id_ = 0;
   /// From Open on; null for a robot without a gateway.

@@ -34,7 +34,8 @@ enum class FrameContent : std::uint8_t {
   /// Not a RelayRequest.
   kMalformed,
   /// It holds more than 256 unknown fields, hundreds of hellos or batches, a group, or a Hello or
-  /// Goodbye of more than 16 KiB. No version of the protocol sends that, and parsing it is expensive.
+  /// Goodbye of more than 16 KiB. No version of the protocol sends that, and parsing it is
+  /// expensive.
   kForeign,
   kNothing,
   /// Parse the whole frame: it comes once per stream.

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "server/session/frames.h"
+
 namespace uplink::session {
 
 ExpectedBack JudgeGoodbye(std::int64_t expected_back_unix_ms, SystemTime now,
@@ -16,15 +18,28 @@ ExpectedBack JudgeGoodbye(std::int64_t expected_back_unix_ms, SystemTime now,
                                         .detail = "it says no time, and the robot is not parked"}};
   }
   if (expected_back_unix_ms <= UnixMs(now)) {
-    return {.until = {},
-            .dropped = model::Rejection{
-                .reason = model::RejectReason::kOutOfRange,
-                .field = kField,
-                .detail = fmt::format("{} is not after the server's {}, and the robot is not parked",
-                                      expected_back_unix_ms, UnixMs(now))}};
+    return {
+        .until = {},
+        .dropped = model::Rejection{
+            .reason = model::RejectReason::kOutOfRange,
+            .field = kField,
+            .detail = fmt::format("{} is not after the server's {}, and the robot is not parked",
+                                  expected_back_unix_ms, UnixMs(now))}};
   }
   return {.until = FromUnixMs(std::min(expected_back_unix_ms, UnixMs(now + parked_max))),
           .dropped = {}};
+}
+
+bool TakeGoodbye(std::string_view bytes, const SessionContext& context, Attachment& robot,
+                 Outgoing& outgoing) {
+  v1::RelayRequest frame;
+  if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return false;
+  const ExpectedBack back =
+      JudgeGoodbye(frame.goodbye().expected_back_unix_ms(), context.clock.System(),
+                   context.fleet.presence_limits_of(robot.robot()).parked_max);
+  if (back.until) robot.Park(*back.until);
+  if (back.dropped) outgoing.Push(NoticeFrame(0, *back.dropped));
+  return true;
 }
 
 }  // namespace uplink::session

@@ -2,9 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "schema/base/clock.h"
 #include "schema/model/rejection.h"
+#include "server/session/attachment.h"
+#include "server/session/context.h"
+#include "server/session/outgoing.h"
 
 namespace uplink::session {
 
@@ -20,5 +24,10 @@ struct ExpectedBack {
 /// `parked_max` is cut to that. Pure.
 [[nodiscard]] ExpectedBack JudgeGoodbye(std::int64_t expected_back_unix_ms, SystemTime now,
                                         milliseconds parked_max);
+
+/// Parks the robot of a stream as a frame with a Goodbye says, or sends a Notice. False if the
+/// frame is no RelayRequest.
+[[nodiscard]] bool TakeGoodbye(std::string_view bytes, const SessionContext& context,
+                               Attachment& robot, Outgoing& outgoing);
 
 }  // namespace uplink::session

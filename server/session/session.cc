@@ -10,7 +10,6 @@
 #include "server/session/goodbye.h"
 
 namespace uplink::session {
-
 using transport::EndCause;
 
 Session::Session(const SessionContext& context, Peer peer, loop::StreamRef self,
@@ -57,7 +56,8 @@ void Session::OnFrame(std::string_view bytes) {
       return HandleBatch();
     case FrameContent::kGoodbye:
       if (state_ == State::kHello) return ProtocolError("the first frame must be a hello");
-      return HandleGoodbye(bytes);
+      if (!TakeGoodbye(bytes, context_, robot_, outgoing_)) return ProtocolError(kNoRequest);
+      return Advance(News::kNone);
     case FrameContent::kNothing:
       return ProtocolError("it holds neither hello, batch nor goodbye");
   }
@@ -130,21 +130,6 @@ void Session::HandleBatch() {
     last_seq_ = batch.uplinks.back().seq;
     intake_->Begin(batch.uplinks, now, system_now);
   }
-  Advance(News::kNone);
-}
-
-void Session::HandleGoodbye(std::string_view bytes) {
-  v1::RelayRequest frame;
-  if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return ProtocolError(kNoRequest);
-  }
-  const ExpectedBack back = JudgeGoodbye(frame.goodbye().expected_back_unix_ms(),
-                                         context_.clock.System(), presence_limits().parked_max);
-  if (back.until) {
-    said_goodbye_ = true;
-    robot_.robot().state.Park(*back.until, context_.clock.Steady());
-  }
-  if (back.dropped) outgoing_.Push(NoticeFrame(0, *back.dropped));
   Advance(News::kNone);
 }
 
@@ -307,7 +292,6 @@ void Session::Leave(const transport::Ending& ending) {
   if (robot_.attached()) {
     if (intake_ != nullptr) intake_->End();
     reading_.SetReading(ReadGate::Reading::kFlowing);
-    if (said_goodbye_) robot_.robot().state.EndParkingStream(context_.clock.Steady());
     robot_.Detach();
   }
   report_.End(ending);

@@ -140,7 +140,6 @@ class Session final {
   void BeginOpening();
   void SendWelcome();
   void HandleBatch();
-  void HandleGoodbye(std::string_view bytes);
 
   /// Every call ends with this: process pending messages, collect what commits settled, write, end
   /// the stream once all is settled, and request the next frame.
@@ -168,8 +167,6 @@ class Session final {
 
   State state_ = State::kHello;
   std::uint64_t frames_ = 0;
-  /// The robot is parked, and its signs of life on this stream do not end that.
-  bool said_goodbye_ = false;
   model::Seq last_seq_ = 0;
 
   StreamTimers timers_;

@@ -53,9 +53,9 @@ void RobotLoader::Take(robot::Robot& robot, const storage::RobotRow& row) const 
   robot.NoteHeard(row.last_seen);
   if (row.was_claimed) robot.calls.NoteSpoken();
   robot.state.FollowHolder(
-      {}, row.last_presence ? storage::StoredPresence{*row.last_presence, row.presence_since,
-                                                    row.parked_until}
-                            : storage::StoredPresence{model::Presence::kUnknown, row.first_seen});
+      {}, row.last_presence
+              ? storage::StoredPresence{*row.last_presence, row.presence_since, row.parked_until}
+              : storage::StoredPresence{model::Presence::kUnknown, row.first_seen});
   if (!context_.adopt_grace) return;
   context_.journals.Adopt(
       {.client = &robot,

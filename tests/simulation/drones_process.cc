@@ -89,10 +89,9 @@ DronesProcess::DronesProcess(const Ground& ground)
                              .process = ground_.id,
                              .presence = {},
                              .is_gone = ground_.is_gone}) {
-  fleet_.OnPresence(
-      [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-        shards_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
-      });
+  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+    shards_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+  });
 }
 
 storage::Store& DronesProcess::WayToStore() {

@@ -42,10 +42,9 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle, [this] {
                 return ground_.fault != HoldersFault::kLateIsForgotten && leases_.OthersUnseen();
               }}) {
-  fleet_.OnPresence(
-      [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-        shards_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
-      });
+  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+    shards_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+  });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);
   journal_.OnReconnected([this](journal::Reconnected to) {
     const bool excuses = ground_.fault == HoldersFault::kReconnectExcuses;

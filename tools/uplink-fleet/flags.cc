@@ -148,6 +148,7 @@ class RunFlags {
     options.seed = std::stoull(seed_);
     options.run_for = config::ParseDuration(run_for_).value_or(options.run_for);
     options.settle_for = config::ParseDuration(settle_for_).value_or(options.settle_for);
+    options.swarm.parked_for = config::ParseDuration(parked_for_).value_or(milliseconds(0));
     options.swarm.late_after =
         std::chrono::duration_cast<milliseconds>(options.run_for * kLateAfter);
     options.json = report_ == "json";
@@ -178,6 +179,10 @@ class RunFlags {
               IsDuration());
     flags.Add({"--settle-for", "How long the server may take to settle all of it"}, settle_for_,
               IsDuration());
+    flags.Add(
+        {"--parked",
+         "Each robot says Goodbye at its end, and is parked for so long; left out: none does"},
+        parked_for_, IsDuration());
     flags.Add({"--seed", "The same seed sends the same messages"}, seed_, IsSeed());
     flags.Add({"--threads", "Threads that drive the robots"}, swarm_.threads, {1, kThreadsMax});
     flags.Add({"--gateways",
@@ -201,6 +206,7 @@ class RunFlags {
   SwarmOptions swarm_;
   std::string run_for_ = "30s";
   std::string settle_for_ = "60s";
+  std::string parked_for_;
   std::string report_ = "text";
   std::string client_ = "own";
   std::string protocol_ = kRelayProtocol;

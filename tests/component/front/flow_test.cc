@@ -26,7 +26,8 @@ TEST(Flow, BeforeAHelloNothingLargerIsWaitedFor) {
   client.Send(OpenRelay(3) + http2::Data(3, Prefix(kHelloMax + 1)));
   ASSERT_TRUE(client.ReadUntilOver(3));
   EXPECT_EQ(StatusOf(client.At(3)), "3");
-  EXPECT_THAT(client.At(3).Trailer("grpc-message"), HasSubstr("a hello or goodbye of more than 16 KiB"));
+  EXPECT_THAT(client.At(3).Trailer("grpc-message"),
+              HasSubstr("a hello or goodbye of more than 16 KiB"));
   EXPECT_FALSE(client.At(1).over());
   EXPECT_EQ(world.session_probe.protocol_errors_total.value(), 1);
 }

@@ -93,6 +93,15 @@ void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& fin
               live->ui_capabilities(), findings);
 }
 
+void CompareParked(const RobotOutcome& robot, const v1::Robot* live, Findings& findings) {
+  if (robot.parked_until_ms == 0) return;
+  const bool parked = live != nullptr && live->has_parked_until();
+  const std::int64_t until = parked ? view::UnixMs(live->parked_until()) : 0;
+  findings.Check(Thing::kParked, robot.ruri, until == robot.parked_until_ms,
+                 fmt::format("parked until {}", robot.parked_until_ms),
+                 parked ? fmt::format("until {}", until) : "not parked");
+}
+
 void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
                      Findings& findings) {
   const std::string wrong = WrongPresence(stored.presence, run, robot.silences);

@@ -22,6 +22,10 @@ namespace uplink::synthetic {
 /// was not listed.
 void CompareLive(const RobotOutcome& robot, const v1::Robot* live, Findings& findings);
 
+/// Until when the server says that the robot is parked, once its stream has ended. Nothing is
+/// compared of a robot that said no Goodbye.
+void CompareParked(const RobotOutcome& robot, const v1::Robot* live, Findings& findings);
+
 /// The changes of presence within the run, while the robot was connected at its end.
 void ComparePresence(const RobotOutcome& robot, const StoredRobot& stored, const Span& run,
                      Findings& findings);

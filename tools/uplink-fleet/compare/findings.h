@@ -35,6 +35,7 @@
   THING(GoodRejected, "good messages rejected", false)                 \
   THING(ForwardedItems, "forwarded items", false)                      \
   THING(ForwardViolations, "forward violations", false)                \
+  THING(Parked, "robots parked", false)                                \
   THING(TwinOnline, "twins' robots online, by source", false)          \
   THING(TwinPresence, "presence histories", true)                      \
   THING(TwinLive, "last live values", false)                           \

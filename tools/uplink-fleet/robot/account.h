@@ -168,6 +168,8 @@ struct RobotOutcome {
   std::string first_forward_violation;
   bool all_settled = false;
   bool ended_ok = false;
+  /// As it said with its Goodbye; 0: it said none.
+  std::int64_t parked_until_ms = 0;
 };
 
 }  // namespace uplink::synthetic

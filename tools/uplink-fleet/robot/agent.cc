@@ -201,6 +201,13 @@ void Agent::NoteGaveWay(SteadyTime now) {
   for (const SteadyTime due : model_.TakeGaveWay()) latencies_.gave_way.Record(now - due);
 }
 
+v1::RelayRequest Agent::SayGoodbye(std::int64_t expected_back_ms) {
+  parked_until_ms_ = expected_back_ms;
+  v1::RelayRequest frame;
+  frame.mutable_goodbye()->set_expected_back_unix_ms(expected_back_ms);
+  return frame;
+}
+
 void Agent::OnEndedOk() {
   if (!model_.all_settled()) {
     shared_.CountBrokenRule("a stream ended OK while messages of it were unsettled");
@@ -227,6 +234,7 @@ RobotOutcome Agent::TakeOutcome(const std::string& ruri) {
   outcome.notices = model_.notices();
   outcome.all_settled = model_.all_settled();
   outcome.ended_ok = ended_ok_;
+  outcome.parked_until_ms = parked_until_ms_;
   if (table_) {
     outcome.receives = true;
     outcome.forwarded_changes = table_->changes();

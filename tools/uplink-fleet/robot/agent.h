@@ -53,6 +53,8 @@ class Agent final {
   [[nodiscard]] v1::RelayRequest BeginStream();
   [[nodiscard]] absl::Status OnFrame(const v1::RelayResponse& frame, SteadyTime now);
   void EndStream() { model_.EndStream(); }
+  /// The last frame: the robot is parked until then.
+  [[nodiscard]] v1::RelayRequest SayGoodbye(std::int64_t expected_back_ms);
   /// The stream ended OK after our half-close.
   void OnEndedOk();
 
@@ -92,6 +94,8 @@ class Agent final {
   Outgoing last_motion_;
   std::size_t reported_last_ = 0;
   bool ended_ok_ = false;
+  /// 0: it said no Goodbye.
+  std::int64_t parked_until_ms_ = 0;
   /// None: the robot declines what others share.
   std::optional<ForwardTable> table_;
   bool late_ = false;

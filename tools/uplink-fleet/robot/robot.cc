@@ -230,6 +230,10 @@ void Robot::Pump() {
   }
   if (agent_.may_close()) {
     half_closed_ = true;
+    if (options_.parked_for > milliseconds(0)) {
+      const SystemTime back = clock_.System() + options_.parked_for;
+      connection_->Send(agent_.SayGoodbye(UnixMs(back)).SerializeAsString());
+    }
     connection_->HalfClose();
   }
 }

@@ -34,6 +34,8 @@ struct RobotOptions {
   bool leads = false;
   /// Before it the robot is not there, unless the fleet stops running sooner.
   SteadyTime joins_at{};
+  /// As SwarmOptions::parked_for.
+  milliseconds parked_for{0};
 };
 
 /// One robot's connection: a TLS connection and a stream of its own, or a stream of its gateway's

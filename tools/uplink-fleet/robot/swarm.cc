@@ -189,6 +189,7 @@ void Swarm::Inside::MakeRobots(Driver& driver, std::vector<Agent> agents) {
     Connect(i, driver, robot);
     robot.seed = scenario.phases.front().options.seed * 1'000'003 + i;
     robot.joins_at = JoinsLate(scenario, i) ? start + options.late_after : start;
+    robot.parked_for = options.parked_for;
     agents[at].Begin(start);
     driver.robots.push_back(std::make_unique<Robot>(std::move(robot), std::move(agents[at]),
                                                     scenario, start, driver.loop, clock, shared));

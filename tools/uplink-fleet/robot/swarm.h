@@ -30,6 +30,8 @@ struct SwarmOptions {
   Scenario scenario;
   /// When those join that the scenario lets come late.
   milliseconds late_after{0};
+  /// Each robot says at its end that it is parked for so long; 0: it does not.
+  milliseconds parked_for{0};
 };
 
 /// All robots of a run, with the threads that drive them. Their certificates are made in memory

@@ -63,6 +63,18 @@ absl::Status GatherRobot(const RunContext& run, const RunOutcome& outcome,
   return absl::OkStatus();
 }
 
+/// The robots once more, now that their streams have ended.
+absl::Status GatherParked(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
+  if (run.options.swarm.parked_for == milliseconds(0)) return absl::OkStatus();
+  const auto live = AskAgain(run, [&run] { return run.view.Robots(run.options.swarm.fleet); });
+  if (!live.ok()) return live.status();
+  for (const RobotOutcome& robot : outcome.robots) {
+    const auto found = live->find(robot.ruri);
+    CompareParked(robot, found == live->end() ? nullptr : &found->second, evidence.findings);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Gather(const RunContext& run, const RunOutcome& outcome, Evidence& evidence) {
@@ -79,7 +91,7 @@ absl::Status Gather(const RunContext& run, const RunOutcome& outcome, Evidence& 
     absl::Status status = GatherRobot(run, outcome, robot, evidence);
     if (!status.ok()) return status;
   }
-  return absl::OkStatus();
+  return GatherParked(run, outcome, evidence);
 }
 
 }  // namespace uplink::synthetic

@@ -82,8 +82,7 @@ TEST_F(TwinConnectionsTest, TheClientThatSentLiveMessagesLastParksTheRobot) {
   Say("viewer", MarkKind::kDisconnected);
   EXPECT_EQ(robot_.state.parked_until(), std::nullopt);
   Say("b", MarkKind::kDisconnected);
-  EXPECT_EQ(robot_.state.parked_until(),
-            clock_.System() + config::PresenceConfig().parked_max);
+  EXPECT_EQ(robot_.state.parked_until(), clock_.System() + config::PresenceConfig().parked_max);
 }
 
 TEST_F(TwinConnectionsTest, ALiveMessageThatWasOnItsWayDoesNotEndTheParking) {

@@ -306,8 +306,8 @@ TEST(ParseConfigTest, ARemovedKeySaysWhatToDo) {
 }
 
 TEST(ParseConfigTest, TakesTheKeysOfPresenceThatWereRemovedOnce) {
-  const LoadResult result = ParseWith(
-      "[presence]\nflap_changes = 4\nflap_window = \"1m\"\nparked_max = \"1d\"\n");
+  const LoadResult result =
+      ParseWith("[presence]\nflap_changes = 4\nflap_window = \"1m\"\nparked_max = \"1d\"\n");
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result.config->presence.flap_changes, 4U);
   EXPECT_EQ(result.config->presence.flap_window, std::chrono::minutes(1));

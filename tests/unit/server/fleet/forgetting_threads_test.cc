@@ -30,10 +30,9 @@ struct NoInbox final : loop::WakeInbox {
 
 struct World {
   World() {
-    fleet.OnPresence(
-        [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-          journals.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
-        });
+    fleet.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
+      journals.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+    });
   }
 
   testing::ManualClock clock;

@@ -42,10 +42,10 @@ TEST_F(PresenceParkingTest, AParkedRobotIsOfflineAfterTheTimeoutAsEver) {
   Park();
   PassTimeout();
   EXPECT_EQ(Sweep(), Presence::kOffline);
-  EXPECT_THAT(told_, ElementsAre(storage::StoredPresence{Presence::kOnline, online},
-                                 storage::StoredPresence{Presence::kOnline, online, until_},
-                                 storage::StoredPresence{Presence::kOffline, clock_.System(),
-                                                         until_}));
+  EXPECT_THAT(told_,
+              ElementsAre(storage::StoredPresence{Presence::kOnline, online},
+                          storage::StoredPresence{Presence::kOnline, online, until_},
+                          storage::StoredPresence{Presence::kOffline, clock_.System(), until_}));
 }
 
 TEST_F(PresenceParkingTest, ASignOfLifeIsToldOnceAsItsPresenceOrAsTheEndOfItsParking) {

@@ -31,11 +31,10 @@ class PresenceTrackTest : public ::testing::Test {
   testing::ManualClock clock_;
   const PresenceLimits limits_{};
   std::vector<std::pair<Presence, SystemTime>> changes_;
-  PresenceTrack track_{
-      clock_.Steady(), clock_.Steady(), clock_.System(),
-      [this](const storage::StoredPresence& now) {
-        changes_.emplace_back(now.presence, now.since);
-      }};
+  PresenceTrack track_{clock_.Steady(), clock_.Steady(), clock_.System(),
+                       [this](const storage::StoredPresence& now) {
+                         changes_.emplace_back(now.presence, now.since);
+                       }};
 };
 
 TEST_F(PresenceTrackTest, ASignOfLifeMakesARobotOnlineAndIsToldOnce) {

@@ -8,9 +8,9 @@
 namespace uplink::session {
 namespace {
 
+using std::chrono::hours;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using std::chrono::hours;
 
 constexpr SystemTime kNow = FromUnixMs(1'000'000'000'000);
 constexpr milliseconds kMax = hours(12);
@@ -30,8 +30,8 @@ TEST(JudgeGoodbye, CutsALaterOne) {
 }
 
 TEST(JudgeGoodbye, DropsOneThatIsNotAhead) {
-  for (const std::int64_t back :
-       {UnixMs(kNow), std::int64_t{1}, std::int64_t{-1}, std::numeric_limits<std::int64_t>::min()}) {
+  for (const std::int64_t back : {UnixMs(kNow), std::int64_t{1}, std::int64_t{-1},
+                                  std::numeric_limits<std::int64_t>::min()}) {
     const ExpectedBack judged = JudgeGoodbye(back, kNow, kMax);
     EXPECT_EQ(judged.until, std::nullopt);
     ASSERT_TRUE(judged.dropped.has_value());
