@@ -97,7 +97,7 @@ from uplink.v1 import relay_pb2 as relay
 from uplink.v1 import relay_pb2_grpc
 
 NUMBER_MAX = 2**64 - 1
-turns = iter(["welcome", "reject", "ack", "good"])
+turns = iter(sys.argv[2:])
 
 
 def welcome(number):
@@ -115,6 +115,9 @@ class Server(relay_pb2_grpc.UplinkRelayServicer):
         yield welcome(NUMBER_MAX if turn == "welcome" else 0)
         for request in requests:
             numbers = [uplink.seq for uplink in request.batch.uplinks]
+            if not numbers:
+                # As uplinkd 0.1.0 ends a stream whose frame it does not know.
+                context.abort(grpc.StatusCode.INVALID_ARGUMENT, "frame 9: it holds neither hello nor batch")
             if turn == "reject":
                 text = "\x1b[31m\x9b2J\u202e"
                 yield relay.RelayResponse(notice=relay.Notice(seq=numbers[0], field=text, detail=text))
@@ -166,14 +169,14 @@ class AgentPython(EndToEnd):
             f"--grpc_python_out={self.folder}", "uplink/v1/relay.proto")  # fmt: skip
         self.said = self.folder / "agent.log"
 
-    def drive(self, first, steps, program=EXAMPLE / "agent.py", every=0.02, target=None):
+    def drive(self, first, steps, program=EXAMPLE / "agent.py", every=0.02, target=None, flags=()):
         """Starts the agent. It is killed with the test."""
         target = target or self.running.relay.replace("127.0.0.1", "localhost")
         with self.said.open("wb") as said:
             agent = subprocess.Popen(
                 [PYTHON, str(program), "--target", target, "--pki", str(self.running.pki), "--spool",
                  str(self.folder / "spool.db"), "--schema", str(SOURCE / "schema/uplink.capnp"),
-                 "--first", str(first), "--steps", str(steps), "--every", str(every)],
+                 "--first", str(first), "--steps", str(steps), "--every", str(every), *flags],
                 stdout=said, stderr=subprocess.STDOUT,
                 env=self.environment(),
             )  # fmt: skip
@@ -184,11 +187,11 @@ class AgentPython(EndToEnd):
     def environment(self):
         return {**os.environ, "PYTHONPATH": f"{self.folder}:{EXAMPLE}", "PYTHONDONTWRITEBYTECODE": "1"}
 
-    def wrong_server(self):
+    def wrong_server(self, *turns):
         """It runs until the test ends; where it listens, and the file into which it prints."""
         printed = self.folder / "wrong-server.txt"
         with printed.open("wb") as out:
-            server = subprocess.Popen([PYTHON, "-c", WRONG_SERVER, str(self.running.pki)], stdout=out,
+            server = subprocess.Popen([PYTHON, "-c", WRONG_SERVER, str(self.running.pki), *turns], stdout=out,
                                       stderr=subprocess.DEVNULL, env=self.environment())  # fmt: skip
         self.addCleanup(server.wait)
         self.addCleanup(server.kill)
@@ -265,6 +268,18 @@ class AgentPython(EndToEnd):
         reports = self.running.get("/api/v1/faults?pageSize=1000")["faults"]
         self.assertEqual(len(reports), 60 // SAYS)
         self.assertEqual(self.running.get("/api/v1/faults?active=true")["faults"], [])
+
+    def test_it_says_when_it_will_be_back(self):
+        self.assert_ends_stored(self.drive(0, 10, flags=("--parked", "2")))
+        self.assertIn("parkedUntil", self.robot())
+        self.assert_ends_stored(self.drive(10, 10))
+        self.assertNotIn("parkedUntil", self.robot())
+
+    def test_a_server_from_before_goodbye_has_everything(self):
+        target, printed = self.wrong_server("good")
+        self.assert_ends_stored(self.drive(0, 10, target=target, flags=("--parked", "2")))
+        self.assertIn("link: INVALID_ARGUMENT: ", self.text())
+        self.assertGreaterEqual(len(printed.read_text("utf-8").split()), 4)
 
     def test_kills_of_both_sides_lose_and_double_nothing(self):
         done, first = [], 0
@@ -345,7 +360,7 @@ class AgentPython(EndToEnd):
         self.assertEqual(self.stored(), list(range(SAYS - 1, 60, SAYS)))
 
     def test_it_outlives_what_a_later_or_wrong_server_says(self):
-        target, printed = self.wrong_server()
+        target, printed = self.wrong_server("welcome", "reject", "ack", "good")
         program = self.folder / "hurried.py"
         program.write_text(HURRIED, encoding="utf-8")
         self.assert_ends_stored(self.drive(0, 10, program, target=target))

@@ -45,6 +45,13 @@ std::string BacklogFrame() {
   return frame.SerializeAsString();
 }
 
+/// A robot that is parked until the year 2100.
+std::string GoodbyeFrame() {
+  v1::RelayRequest frame;
+  frame.mutable_goodbye()->set_expected_back_unix_ms(4'102'444'800'000);
+  return frame.SerializeAsString();
+}
+
 /// Whole frames and pieces of them.
 void AddFrameSeeds(std::map<std::string, std::string>& seeds) {
   const std::string hello = session::HelloFrame(SessionOf(1)).SerializeAsString();
@@ -56,6 +63,7 @@ void AddFrameSeeds(std::map<std::string, std::string>& seeds) {
   seeds["hello_twice"] = Welcomed().Frame(hello).bytes();
   seeds["batch_first"] = Script().Frame(batch).bytes();
   seeds["backlog"] = Welcomed().Frame(BacklogFrame()).Do(Step::kBreak).bytes();
+  seeds["goodbye"] = Welcomed().Frame(GoodbyeFrame()).Do(Step::kHalfClose).bytes();
   seeds["every_content"] =
       Welcomed().Do(Step::kBatch, EveryContent()).Do(Step::kCommit).Do(Step::kHalfClose).bytes();
   seeds["gaps"] = Welcomed()

@@ -21,6 +21,8 @@ FrameContent Parsed(const std::string& bytes, v1::RelayRequest& frame) {
       return FrameContent::kHello;
     case v1::RelayRequest::kBatch:
       return FrameContent::kBatch;
+    case v1::RelayRequest::kGoodbye:
+      return FrameContent::kGoodbye;
     case v1::RelayRequest::FRAME_NOT_SET:
       break;
   }
