@@ -57,7 +57,8 @@ void Drain::EndPresence() {
     if (robot->state.held_since() == 0) continue;
     // One that is offline stays so: the next start goes on from there.
     if (robot->state.presence() != model::Presence::kOnline) continue;
-    context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System());
+    context_.journals.NotePresence(robot->id(), model::Presence::kUnknown, context_.clock.System(),
+                                   {}, robot->state.parked_until());
   }
 }
 

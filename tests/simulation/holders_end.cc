@@ -22,6 +22,8 @@ constexpr seconds kSlack{15};
 constexpr seconds kBack{1};
 /// What an adoption means for a robot is looked at for so long.
 constexpr seconds kShownAfter{30};
+/// Longer than anything here takes.
+constexpr std::chrono::hours kParkedFor{9};
 
 robot::StateSnapshot SnapshotOf(const robot::Robot& robot) {
   return robot.state.Snapshot(robot::RobotState::Parts::kNone);
@@ -75,13 +77,34 @@ void HoldersWorld::Settle() {
   }
   Pass(kCalm);
   for (Robot& robot : robots_) {
-    if (robot.link && random_.Percent(30)) FallSilent(robot, std::chrono::hours(10));
+    if (random_.Percent(30) && SayGoodbye(robot)) Leave(robot, seconds(1));
+  }
+  // They are back, perhaps elsewhere.
+  Pass(kCalm);
+  for (Robot& robot : robots_) robot.parked_until.reset();
+  for (Robot& robot : robots_) {
+    if (!robot.link || !random_.Percent(30)) continue;
+    if (random_.Percent(50)) static_cast<void>(SayGoodbye(robot));
+    FallSilent(robot, std::chrono::hours(10));
   }
   Pass(kSettles);
   CheckEnd();
   if (options_.seed % 4 != 0) return;
   Pass(kHoldersAdoptedGrace);
   CheckEnd();
+}
+
+bool HoldersWorld::SayGoodbye(Robot& robot) {
+  const std::string& ruri = robot.id->ruri;
+  Place* const place = robot.link ? PlaceOf(robot) : nullptr;
+  const auto holds = truth_.Holds();
+  const auto hold = holds.find(ruri);
+  if (place == nullptr || !IsHeard(robot) || hold == holds.end()) return false;
+  if (hold->second.holder != place->process->id()) return false;
+  robot.parked_until = clock_.System() + kParkedFor;
+  truth_.Tell(fmt::format("{} says Goodbye", ruri));
+  place->process->Park(ruri, *robot.parked_until);
+  return true;
 }
 
 void HoldersWorld::CheckEnd() {
@@ -124,6 +147,10 @@ void HoldersWorld::CheckEndOf(const Robot& robot, HoldersProcess& holder, storag
                                    (shown.presence == Presence::kUnknown && MayBeUnknown(robot));
   if (!right) {
     truth_.Fail(fmt::format("{} is {} at {}", ruri, model::ToText(shown.presence), holder.name()));
+  }
+  if (shown.parked_until != robot.parked_until) {
+    truth_.Fail(fmt::format("{} is {} at {}", ruri, shown.parked_until ? "parked" : "not parked",
+                            holder.name()));
   }
   const auto& rows = truth_.RowsOf(ruri);
   const Presence last = rows.empty() ? Presence::kUnknown : rows.back().presence;
@@ -169,7 +196,8 @@ void HoldersWorld::CheckElsewhere(const Robot& robot, const HoldersProcess& hold
       continue;
     }
     const robot::StateSnapshot shown = SnapshotOf(*there);
-    if (shown.foreign && shown.foreign->held_by == holder.name() && shown.presence == last) {
+    if (shown.foreign && shown.foreign->held_by == holder.name() && shown.presence == last &&
+        shown.parked_until == robot.parked_until) {
       continue;
     }
     truth_.Fail(fmt::format("{} shows {} as {} of {}", place.process->name(), ruri,

@@ -167,6 +167,7 @@ bool HoldersProcess::Superseded(const std::string& ruri, std::uint64_t stream) {
 void HoldersProcess::Close(const std::string& ruri, std::uint64_t stream) {
   // As session::Attachment::Detach.
   robot::Robot& robot = *fleet_.Find(ruri);
+  robot.state.EndParkingStream(ground_.clock.Steady());
   robot.sessions.Detach({.inbox = this, .stream = stream}, ground_.clock.Steady());
   if (!robot.HasStream()) robot.state.EndClaim();
   streams_.erase(ruri);
@@ -176,6 +177,10 @@ void HoldersProcess::Close(const std::string& ruri, std::uint64_t stream) {
 void HoldersProcess::Hear(const std::string& ruri) {
   ground_.truth.NoteSign(ruri, ground_.id, fleet_.Find(ruri)->state.held_since());
   HearLate(ruri);
+}
+
+void HoldersProcess::Park(const std::string& ruri, SystemTime until) {
+  fleet_.Find(ruri)->state.Park(until, ground_.clock.Steady());
 }
 
 void HoldersProcess::HearLate(const std::string& ruri) {
@@ -190,7 +195,8 @@ void HoldersProcess::Stop() {
   for (const fleet::RobotPtr& robot : fleet_.Sorted()) {
     if (!judges || robot->state.held_since() == 0) continue;
     if (robot->state.presence() != model::Presence::kOnline) continue;
-    shards_.NotePresence(robot->id(), model::Presence::kUnknown, ground_.clock.System());
+    shards_.NotePresence(robot->id(), model::Presence::kUnknown, ground_.clock.System(), {},
+                         robot->state.parked_until());
   }
   journal_.RequestCheckpoint();
   while (journal_.turns().Advance() == journal::Step::kWorked) {

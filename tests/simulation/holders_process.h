@@ -73,6 +73,8 @@ class HoldersProcess final : public loop::WakeInbox {
   void Hear(const std::string& ruri);
   /// The same of a stream that has ended meanwhile.
   void HearLate(const std::string& ruri);
+  /// The robot's stream brought a Goodbye.
+  void Park(const std::string& ruri, SystemTime until);
 
   // --- The end ---
 

@@ -132,6 +132,7 @@ void HoldersTruth::OnWritten(const storage::ProcessId& process, const storage::P
   if (Holds()[ruri].holder != process) {
     Fail(fmt::format("{} wrote of {}, which another process holds", NameOf(process), ruri));
   }
+  if (!item.changes_presence) return;
   if (!robot.rows.empty() && robot.rows.back().presence == item.presence) {
     Fail(fmt::format("{} has two rows {} in a row", ruri, model::ToText(item.presence)));
   }

@@ -129,6 +129,8 @@ class HoldersWorld final {
     bool silent = true;
     /// True changes of its presence.
     std::uint64_t changes = 0;
+    /// It said Goodbye, and was silent since.
+    std::optional<SystemTime> parked_until;
   };
 
   // --- Time ---
@@ -192,6 +194,8 @@ class HoldersWorld final {
   void CheckHolds();
   void CheckAdopted(const std::string& ruri, const HoldersTruth::Hold& hold);
   void Settle();
+  /// The robot says to its holder that it leaves. False if it does not stream to it.
+  bool SayGoodbye(Robot& robot);
   void CheckEnd();
   void CheckEndOf(const Robot& robot, HoldersProcess& holder, storage::Epoch since);
   void CheckElsewhere(const Robot& robot, const HoldersProcess& holder);

@@ -178,6 +178,7 @@ void Recorder::NotePresence(const storage::Batch& batch,
     }
     cursor = item.number;
     if (outcomes[i].kind == storage::OutcomeKind::kFenced) continue;
+    if (!item.changes_presence) continue;
     const auto [last, first] = book_.presence.try_emplace(item.robot->ruri, item.presence);
     if (!first && last->second == item.presence) {
       violation_(fmt::format("{} is {} twice in a row", item.robot->ruri, ToText(item.presence)));
