@@ -38,9 +38,9 @@ PresenceTrack::Sign PresenceTrack::AddSign(SteadyTime steady, SystemTime system,
     sign = Sign::kLatest;
   }
   Reach(steady, system);
-  const SystemTime since = since_;
+  const Presence before = presence_;
   Update(limits);
-  if (came_back && since_ == since) Tell();
+  if (came_back && presence_ == before) Tell();
   return sign;
 }
 

@@ -88,6 +88,26 @@ TEST_F(FleetTest, SweepCountsPresence) {
   EXPECT_EQ(fleet.presence_counts().offline, 1);
 }
 
+TEST_F(FleetTest, SweepCountsOfTheOfflineRobotsThoseThatAreParked) {
+  Fleet fleet(clock_, 100, {});
+  robot::Robot& parked = Admit(fleet, "rcan://parked");
+  Admit(fleet, "rcan://silent");
+  robot::Robot& elsewhere = Admit(fleet, "rcan://elsewhere");
+  const SystemTime until = clock_.System() + std::chrono::hours(2);
+  parked.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits());
+  parked.state.Park(until, clock_.Steady());
+  elsewhere.state.FollowHolder({}, {robot::Presence::kOffline, clock_.System(), until});
+  clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
+  robot::Robot& leaves = Admit(fleet, "rcan://leaves");
+  leaves.state.SignOfLife(clock_.Steady(), clock_.System(), fleet.presence_limits());
+  leaves.state.Park(until, clock_.Steady());
+  const PresenceCounts counts = fleet.Sweep(kIdle);
+  EXPECT_EQ(counts.online, 1);
+  EXPECT_EQ(counts.offline, 2);
+  EXPECT_EQ(counts.parked, 1) << "the one that leaves is still online";
+  EXPECT_EQ(counts.elsewhere.parked, 1);
+}
+
 TEST_F(FleetTest, TheGraceOfAStartBeginsWhenRobotsCanConnect) {
   Fleet fleet(clock_, 100, {});
   Admit(fleet, "rcan://stored");

@@ -65,7 +65,7 @@ TEST_F(GoodbyeTest, ParksTheRobotUntilItSpeaksOnAnotherStream) {
   EXPECT_TRUE(parked().has_value()) << "it is its stream's end that counts";
   stream.HalfClose();
   server().Commit();
-  EXPECT_EQ(stream.end(), "OK: ");
+  EXPECT_EQ(stream.end(), "OK");
   EXPECT_TRUE(parked().has_value());
 
   BenchStream& later = Welcomed(2);
@@ -98,7 +98,7 @@ TEST_F(GoodbyeTest, ABadTimeGetsANoticeAndNothingElseIsLost) {
                                        "notice 0 out_of_range goodbye.expected_back_unix_ms"}));
   stream.HalfClose();
   server().Commit();
-  EXPECT_EQ(stream.end(), "OK: ");
+  EXPECT_EQ(stream.end(), "OK");
   EXPECT_THAT(Stored(1), ElementsAre(1));
 }
 

@@ -90,7 +90,7 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
     "ruri": "rcan://a/b", "fleet": "north", "source": "uplink", "presence": "unknown",
     "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0",
     "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
-    "heldBy": "", "heldBack": "", "contested": false, "gateway": "",
+    "heldBy": "", "heldBack": "", "contested": false, "flapping": false, "gateway": "",
     "agentVersion": "", "rateLimited": {}})");
 }
 
@@ -108,6 +108,16 @@ TEST(Json, ARobotShowsHowFarBehindItIs) {
   robot.state.backlog = {.uplinks = 0, .said_at = FromUnixMs(1700)};
   EXPECT_EQ(backlog().struct_value().fields().at("uplinks").string_value(), "0");
   EXPECT_FALSE(backlog().struct_value().fields().contains("oldestUnsent"));
+}
+
+TEST(Json, ARobotThatIsParkedOrFlapsSaysSo) {
+  RobotView robot = EmptyRobot();
+  EXPECT_FALSE(ToMessage(robot).has_parked_until());
+  robot.state.parked_until = FromUnixMs(1600);
+  robot.state.flapping = true;
+  const google::protobuf::Struct json = Parse(*ToJson(robot, PartSet::OfLists()));
+  EXPECT_EQ(json.fields().at("parkedUntil").string_value(), "1970-01-01T00:00:01.600Z");
+  EXPECT_TRUE(json.fields().at("flapping").bool_value());
 }
 
 TEST(Json, ARobotThatIsHeldBackOrContestedSaysSo) {
@@ -153,7 +163,7 @@ TEST(Json, ARobotWithEveryPart) {
     "connectedSince": "1970-01-01T00:00:01.500Z", "sessionId": "000102030405060708090a0b0c0d0e0f",
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
     "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "",
-    "heldBack": "", "contested": false, "gateway": "", "agentVersion": "", "rateLimited": {},
+    "heldBack": "", "contested": false, "flapping": false, "gateway": "", "agentVersion": "", "rateLimited": {},
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
     "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,

@@ -54,6 +54,24 @@ TEST(Compare, ARobotThatIsAwayForAMomentIsNotThereYet) {
   EXPECT_TRUE(AllThere({{"a", here}, {"b", here}, {"c", not_heard}}, 2));
 }
 
+TEST(Compare, ARobotThatSaidGoodbyeIsParkedUntilThen) {
+  RobotOutcome robot;
+  v1::Robot shown;
+  const auto differences = [&](const v1::Robot* live) {
+    Findings findings;
+    CompareParked(robot, live, findings);
+    return findings.Of(Thing::kParked).differences;
+  };
+  EXPECT_EQ(differences(&shown), 0U) << "it said none";
+  robot.parked_until_ms = 5'000;
+  EXPECT_EQ(differences(&shown), 1U);
+  EXPECT_EQ(differences(nullptr), 1U);
+  shown.mutable_parked_until()->set_seconds(5);
+  EXPECT_EQ(differences(&shown), 0U);
+  shown.mutable_parked_until()->set_seconds(6);
+  EXPECT_EQ(differences(&shown), 1U);
+}
+
 TEST(Compare, ARightServerAgrees) {
   const Mirror& mirror = TheMirror();
   EXPECT_THAT(Differing(mirror.robot, mirror.stored, &mirror.live), IsEmpty());
