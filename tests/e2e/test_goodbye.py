@@ -1,4 +1,4 @@
-"""Robots that say Goodbye: who parks a fleet pages nobody, and who falls silent does."""
+"""Robots that say Goodbye: a fleet that is parked pages no one, and one that falls silent does."""
 
 import unittest
 
@@ -43,7 +43,7 @@ class Parked(EndToEnd):
 
     def test_parking_a_fleet_pages_nobody_and_its_silence_does(self):
         server = self.server(PRESENCE).start()
-        # With an Alertmanager, which nobody need be, alerts fire at once.
+        # With an Alertmanager, which may be away, alerts fire at once.
         prometheus = Prometheus(self.folder, server, alertmanager="127.0.0.1:9")
         self.open_things.append(prometheus)
         self.play(server, "--parked", "1h")
