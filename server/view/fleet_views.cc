@@ -15,7 +15,7 @@ namespace {
 void Count(const robot::Robot& robot, const Glance& glance, const FaultCounts::Map* faults,
            FleetView& fleet) {
   ++fleet.robots;
-  fleet.presence.Count(robot.state.presence());
+  fleet.presence.Count(robot.state.presence(), robot.state);
   if (glance.vitals.estop.value_or(false)) ++fleet.estops;
   if (!glance.agent_version.empty()) ++fleet.agent_versions[glance.agent_version];
   if (!glance.software_version.empty()) ++fleet.software_versions[glance.software_version];
