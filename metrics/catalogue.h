@@ -30,7 +30,6 @@ enum class MetricId : std::uint8_t {
   kControlCharacters,
   kRobots,
   kRobotsElsewhere,
-  kRobotsParked,
   kRobotsFlapping,
   kRobotsLimit,
   kRobotsLeaving,

@@ -14,7 +14,8 @@ inline constexpr std::array<std::string_view, 2> kBySourceKind{"source", "kind"}
 inline constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"};
 inline constexpr std::array<std::string_view, 1> kByCode{"code"};
 inline constexpr std::array<std::string_view, 1> kByPresence{"presence"};
-inline constexpr std::array<std::string_view, 1> kByHeld{"held"};
+inline constexpr std::array<std::string_view, 1> kByFleet{"fleet"};
+inline constexpr std::array<std::string_view, 2> kByFleetPresence{"fleet", "presence"};
 inline constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
 inline constexpr std::array<std::string_view, 1> kByListener{"listener"};
 inline constexpr std::array<std::string_view, 1> kByCause{"cause"};

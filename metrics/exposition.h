@@ -22,7 +22,8 @@ namespace uplink::metrics {
 /// written in the catalogue's order, whatever the order of the calls; one without a sample is left
 /// out.
 ///
-/// Limits:  label values are the caller's: only closed sets, never a robot's.
+/// Limits:  label values are the caller's: only closed sets and bounded lists of fleets, never a
+///          robot's.
 /// Thread:  confined to one thread.
 class Exposition final {
  public:

@@ -258,6 +258,11 @@ struct HttpConfig {
   std::size_t connections_max = 128;
 };
 
+struct MetricsConfig {
+  /// Fleets that /metrics names; the others count as one.
+  std::size_t fleets_max = 50;
+};
+
 struct LogConfig {
   LogFormat format = LogFormat::kText;
   LogLevel level = LogLevel::kInfo;
@@ -287,6 +292,7 @@ struct Config {
   CyberwaveConfig cyberwave;
   UncrewConfig uncrew;
   HttpConfig http;
+  MetricsConfig metrics;
   LogConfig log;
   DrainConfig drain;
 };

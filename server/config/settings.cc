@@ -79,7 +79,7 @@ constexpr std::array<string_view, 2> kCyberwaveMedia = {"off", "count"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 17> kSections = {{
+constexpr std::array<Section, 18> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -97,6 +97,7 @@ constexpr std::array<Section, 17> kSections = {{
     {"cyberwave", "What is read from that broker, and what is made of it."},
     {"uncrew", "Drones that call AvatarService on listen.relay (Uncrew)."},
     {"http", "The listener of probes, metrics and JSON."},
+    {"metrics", "What /metrics shows of robots."},
     {"log", "Lines on standard error."},
     {"drain", "The way down after SIGTERM or SIGINT."},
 }};
@@ -755,6 +756,13 @@ constexpr auto kSettings = std::to_array<Setting>({
              "Prometheus asks.",
      UPLINK_BIND(http, HttpConfig, hosts_cover_metrics)},
 
+    {.section = "metrics",
+     .key = "fleets_max",
+     .kind = Kind::kCount,
+     .min = 1,
+     .max = 1'000,
+     .text = "Fleets that /metrics names; the robots of further ones count as fleet _other.",
+     UPLINK_BIND(metrics, MetricsConfig, fleets_max)},
     {.section = "log",
      .key = "format",
      .kind = Kind::kChoice,

@@ -170,22 +170,6 @@ bool Fleet::Remove(const RobotPtr& robot) {
   return true;
 }
 
-void PresenceTally::Count(robot::Presence presence, const robot::RobotState& state) {
-  if (state.flapping()) ++flapping;
-  switch (presence) {
-    case robot::Presence::kUnknown:
-      ++unknown;
-      break;
-    case robot::Presence::kOnline:
-      ++online;
-      break;
-    case robot::Presence::kOffline:
-      ++offline;
-      if (state.parked_until()) ++parked;
-      break;
-  }
-}
-
 void Fleet::BeginListening() {
   const SteadyTime now = clock_.Steady();
   started_.store(now);
@@ -219,6 +203,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
   const SteadyTime steady = clock_.Steady();
   const SystemTime system = clock_.System();
   PresenceCounts counts;
+  FleetTallies tallies;
   // A sweep that comes late means that we stood still: the robots' messages may lie unread. They
   // are taken before the next sweep, which judges.
   const SteadyTime::duration stood_still = StoodStill(steady);
@@ -234,15 +219,22 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
     ApplyHearing(*robot, IsTwin(*robot) ? twins_hearing : hearing, steady);
     robot->sessions.Sweep(steady, session_idle);
     const std::optional<robot::Presence> presence = robot->state.Sweep(steady, system, limits);
+    const storage::RobotRef id = robot->id();
+    FleetTally& tally = tallies[id->fleet];
     if (presence) {
       counts.Count(*presence, robot->state);
+      tally.here.Count(*presence, robot->state);
     } else {
-      counts.elsewhere.Count(robot->state.presence(), robot->state);
+      const robot::Presence written = robot->state.presence();
+      counts.elsewhere.Count(written, robot->state);
+      tally.elsewhere.Count(written, robot->state);
     }
   }
   if (stalled) return presence_counts();
+  tallies = shown_fleets_.Fold(tallies);
   const std::lock_guard lock(counts_mutex_);
   counts_ = counts;
+  tallies_ = std::move(tallies);
   return counts;
 }
 
@@ -264,6 +256,12 @@ void Fleet::NoteStoreReplaced() {
 PresenceCounts Fleet::presence_counts() const {
   const std::lock_guard lock(counts_mutex_);
   return counts_;
+}
+
+FleetTallies Fleet::fleet_tallies() const {
+  const std::lock_guard lock(counts_mutex_);
+  if (tallies_.empty()) return {{std::string(kOtherFleets), FleetTally()}};
+  return tallies_;
 }
 
 }  // namespace uplink::fleet

@@ -18,24 +18,12 @@
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/fleet/claim.h"
+#include "server/fleet/fleet_tallies.h"
 #include "server/fleet/gateway_robots.h"
 #include "server/fleet/odd_fleets.h"
 #include "server/robot/robot.h"
 
 namespace uplink::fleet {
-
-/// How many robots have each presence.
-struct PresenceTally {
-  std::int64_t unknown = 0;
-  std::int64_t online = 0;
-  std::int64_t offline = 0;
-  /// Of the offline ones, those that are parked.
-  std::int64_t parked = 0;
-  /// Of all, those that come and go.
-  std::int64_t flapping = 0;
-
-  void Count(robot::Presence presence, const robot::RobotState& state);
-};
 
 /// The counts of robots that this process judges.
 struct PresenceCounts : PresenceTally {
@@ -63,6 +51,9 @@ class Fleet final {
 
   /// Call it before the first robot and the first thread.
   void OnPresence(robot::PresenceChanged changed) { changed_ = std::move(changed); }
+  /// So many fleets have tallies of their own (metrics.fleets_max). Call it before the first
+  /// thread.
+  void ShowFleets(std::size_t fleets_max) { shown_fleets_ = ShownFleets(fleets_max); }
 
   /// Finds a robot that speaks. It is admitted if it is new, and stays if it was leaving. At
   /// robots_max another one leaves for it (SetRoom); kResourceExhausted if none can.
@@ -179,6 +170,8 @@ class Fleet final {
   [[nodiscard]] SteadyTime::duration stood_still_for() const { return stood_still_for_.load(); }
   /// The counts of the last sweep that judged.
   [[nodiscard]] PresenceCounts presence_counts() const;
+  /// The same by fleet, as metrics show them (ShownFleets).
+  [[nodiscard]] FleetTallies fleet_tallies() const;
 
  private:
   static constexpr std::size_t kShards = 64;
@@ -237,6 +230,9 @@ class Fleet final {
   std::vector<std::weak_ptr<robot::Robot>> room_;
   mutable std::mutex counts_mutex_;
   PresenceCounts counts_;
+  FleetTallies tallies_;
+  /// The sweep's.
+  ShownFleets shown_fleets_{config::MetricsConfig().fleets_max};
 };
 
 }  // namespace uplink::fleet

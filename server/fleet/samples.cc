@@ -1,26 +1,28 @@
 #include "server/fleet/samples.h"
 
+#include <string_view>
+
 namespace uplink::fleet {
 
 namespace {
 
-void AddTally(metrics::MetricId metric, const PresenceTally& tally, metrics::Exposition& page) {
-  page.Add(metric, tally.online, {"online"});
-  page.Add(metric, tally.offline, {"offline"});
-  page.Add(metric, tally.unknown, {"unknown"});
+void AddTally(metrics::MetricId metric, std::string_view fleet, const PresenceTally& tally,
+              metrics::Exposition& page) {
+  page.Add(metric, tally.online, {fleet, "online"});
+  page.Add(metric, tally.offline - tally.parked, {fleet, "offline"});
+  page.Add(metric, tally.parked, {fleet, "parked"});
+  page.Add(metric, tally.unknown, {fleet, "unknown"});
 }
 
 }  // namespace
 
 void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
   using enum metrics::MetricId;
-  const PresenceCounts counts = fleet.presence_counts();
-  AddTally(kRobots, counts, page);
-  AddTally(kRobotsElsewhere, counts.elsewhere, page);
-  page.Add(kRobotsParked, counts.parked, {"here"});
-  page.Add(kRobotsParked, counts.elsewhere.parked, {"elsewhere"});
-  page.Add(kRobotsFlapping, counts.flapping, {"here"});
-  page.Add(kRobotsFlapping, counts.elsewhere.flapping, {"elsewhere"});
+  for (const auto& [name, tally] : fleet.fleet_tallies()) {
+    AddTally(kRobots, name, tally.here, page);
+    AddTally(kRobotsElsewhere, name, tally.elsewhere, page);
+    page.Add(kRobotsFlapping, tally.here.flapping, {name});
+  }
   page.Add(kRobotsLimit, fleet.robots_max());
   page.Add(kRobotsLeaving, fleet.leaving());
   page.Add(kRobotsForgotten, fleet.forgotten());

@@ -52,7 +52,9 @@ class App::Impl {
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, options_.random}),
-        reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {}
+        reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {
+    fleet_.ShowFleets(options_.config.metrics.fleets_max);
+  }
 
   ~Impl() { Stop(); }
   Impl(const Impl&) = delete;

@@ -14,7 +14,9 @@
 namespace uplink::fleet {
 namespace {
 
+using ::testing::_;
 using ::testing::ElementsAre;
+using ::testing::Pair;
 
 using std::chrono::seconds;
 
@@ -106,6 +108,23 @@ TEST_F(FleetTest, SweepCountsOfTheOfflineRobotsThoseThatAreParked) {
   EXPECT_EQ(counts.offline, 2);
   EXPECT_EQ(counts.parked, 1) << "the one that leaves is still online";
   EXPECT_EQ(counts.elsewhere.parked, 1);
+}
+
+TEST_F(FleetTest, SweepCountsByFleetAsManyAsAreShown) {
+  Fleet fleet(clock_, 100, {});
+  EXPECT_THAT(fleet.fleet_tallies(), ElementsAre(Pair("_other", _))) << "before the first sweep";
+  fleet.ShowFleets(1);
+  Admit(fleet, "rcan://a");
+  Admit(fleet, "rcan://b")
+      .state.FollowHolder({}, {.presence = robot::Presence::kOnline, .since = clock_.System()});
+  ASSERT_TRUE(fleet.FindOrAdmit({.ruri = "rcan://c", .fleet = "south"}).ok());
+  clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
+  fleet.Sweep(kIdle);
+  const FleetTallies tallies = fleet.fleet_tallies();
+  ASSERT_THAT(tallies, ElementsAre(Pair("_other", _), Pair("north", _)));
+  EXPECT_EQ(tallies.at("north").here.offline, 1);
+  EXPECT_EQ(tallies.at("north").elsewhere.online, 1);
+  EXPECT_EQ(tallies.at("_other").here.offline, 1);
 }
 
 TEST_F(FleetTest, TheGraceOfAStartBeginsWhenRobotsCanConnect) {

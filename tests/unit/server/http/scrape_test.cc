@@ -129,7 +129,8 @@ TEST(Scrape, NeverNamesARobot) {
   world.AddRobot("rcan://secret");
   world.fleet.Sweep(std::chrono::hours(1));
   const std::string text = world.ScrapeText();
-  EXPECT_NE(text.find("uplinkd_robots{presence=\"unknown\"} 1\n"), std::string::npos);
+  EXPECT_NE(text.find("uplinkd_robots{fleet=\"default\",presence=\"unknown\"} 1\n"),
+            std::string::npos);
   EXPECT_EQ(text.find("rcan://"), std::string::npos);
 }
 
