@@ -55,6 +55,10 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "Robots that this server holds and that changed between online and offline "
      "presence.flap_changes times within presence.flap_window.",
      kByFleet, "0.2.0"},
+    {kRobotCertificatesExpiring, "uplinkd_robot_certificates_expiring", kGauge, "robots",
+     "Robots that are connected here by a certificate, their own or a gateway's, that expires "
+     "within 14 days.",
+     kByFleet, "0.2.0"},
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
     {kRobotsLeaving, "uplinkd_robots_leaving", kGauge, "robots",

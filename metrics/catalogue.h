@@ -31,6 +31,7 @@ enum class MetricId : std::uint8_t {
   kRobots,
   kRobotsElsewhere,
   kRobotsFlapping,
+  kRobotCertificatesExpiring,
   kRobotsLimit,
   kRobotsLeaving,
   kRobotsForgotten,

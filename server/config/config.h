@@ -11,6 +11,7 @@
 #include "schema/limits.h"
 #include "server/config/address.h"
 #include "server/config/networks.h"
+#include "server/config/output_config.h"
 #include "storage/postgres/defaults.h"
 #include "storage/store_rules.h"
 
@@ -29,9 +30,6 @@ enum class Registration : std::uint8_t { kOpen, kClosed };
 enum class MqttVersion : std::uint8_t { k5, k311 };
 /// What is done with Cyberwave's depth frames and point clouds: not asked for, or counted.
 enum class CyberwaveMedia : std::uint8_t { kOff, kCount };
-enum class LogFormat : std::uint8_t { kText, kJson };
-/// The least severe line that is written.
-enum class LogLevel : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 // The member initialisers below are the defaults, and nothing else in code states them again. What
 // the schema and the storage bound themselves is taken from there; the rooms of the server take
@@ -256,16 +254,6 @@ struct HttpConfig {
   bool hosts_cover_metrics = false;
   /// Connections held at once, those that are kept for probes and scrapes included.
   std::size_t connections_max = 128;
-};
-
-struct MetricsConfig {
-  /// Fleets that /metrics names; the others count as one.
-  std::size_t fleets_max = 50;
-};
-
-struct LogConfig {
-  LogFormat format = LogFormat::kText;
-  LogLevel level = LogLevel::kInfo;
 };
 
 struct DrainConfig {

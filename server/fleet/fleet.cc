@@ -222,15 +222,18 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
     const storage::RobotRef id = robot->id();
     FleetTally& tally = tallies[id->fleet];
     if (presence) {
-      counts.Count(*presence, robot->state);
       tally.here.Count(*presence, robot->state);
     } else {
-      const robot::Presence written = robot->state.presence();
-      counts.elsewhere.Count(written, robot->state);
-      tally.elsewhere.Count(written, robot->state);
+      tally.elsewhere.Count(robot->state.presence(), robot->state);
     }
+    const auto expires = robot->agent.certificate_not_after();
+    if (expires && *expires - system < kCertificateExpiring) ++tally.certificates_expiring;
   }
   if (stalled) return presence_counts();
+  for (const auto& [name, tally] : tallies) {
+    counts += tally.here;
+    counts.elsewhere += tally.elsewhere;
+  }
   tallies = shown_fleets_.Fold(tallies);
   const std::lock_guard lock(counts_mutex_);
   counts_ = counts;

@@ -34,6 +34,7 @@ PresenceTally& PresenceTally::operator+=(const PresenceTally& other) {
 FleetTally& FleetTally::operator+=(const FleetTally& other) {
   here += other.here;
   elsewhere += other.elsewhere;
+  certificates_expiring += other.certificates_expiring;
   return *this;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,6 +13,10 @@
 #include "server/robot/robot_state.h"
 
 namespace uplink::fleet {
+
+/// A robot's certificate that is valid for less than this counts as expiring: time enough to renew
+/// it.
+inline constexpr std::chrono::hours kCertificateExpiring{14 * 24};
 
 /// How many robots have each presence.
 struct PresenceTally {
@@ -34,6 +39,9 @@ struct FleetTally {
   PresenceTally here;
   /// Robots that other processes hold, by the presence that those wrote.
   PresenceTally elsewhere;
+  /// Robots that are connected to this process by a certificate that expires within
+  /// kCertificateExpiring.
+  std::int64_t certificates_expiring = 0;
 
   FleetTally& operator+=(const FleetTally& other);
   [[nodiscard]] std::int64_t robots() const { return here.all() + elsewhere.all(); }

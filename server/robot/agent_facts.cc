@@ -14,6 +14,11 @@ void AgentFacts::End(const storage::ConnectionId& id) {
   std::erase_if(open_, [&id](const Open& open) { return open.id == id; });
 }
 
+std::optional<SystemTime> AgentFacts::certificate_not_after() const {
+  const std::lock_guard lock(mutex_);
+  return open_.empty() ? std::nullopt : open_.back().not_after;
+}
+
 AgentFacts::View AgentFacts::Get() const {
   const std::lock_guard lock(mutex_);
   View view{.version = version_, .certificate_not_after = {}};

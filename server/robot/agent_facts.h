@@ -30,6 +30,8 @@ class AgentFacts final {
   void Begin(const storage::ConnectionItem& item);
   void End(const storage::ConnectionId& id);
   [[nodiscard]] View Get() const;
+  /// As View's.
+  [[nodiscard]] std::optional<SystemTime> certificate_not_after() const;
 
  private:
   struct Open {

@@ -13,7 +13,6 @@ PRESENCE = """[presence]
 timeout = "2s"
 startup_grace = "2s"
 """
-OFFLINE_COUNT = 'sum(uplinkd_robots{presence="offline"})'
 FIRING = 'count(ALERTS{alertname="UplinkdRobotsOffline",alertstate="firing"})'
 
 

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "metrics/exposition.h"
+#include "server/fleet/samples.h"
 #include "storage/origin.h"
 #include "tests/support/manual_clock.h"
 
@@ -16,6 +18,7 @@ namespace {
 
 using ::testing::_;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::Pair;
 
 using std::chrono::seconds;
@@ -125,6 +128,41 @@ TEST_F(FleetTest, SweepCountsByFleetAsManyAsAreShown) {
   EXPECT_EQ(tallies.at("north").here.offline, 1);
   EXPECT_EQ(tallies.at("north").elsewhere.online, 1);
   EXPECT_EQ(tallies.at("_other").here.offline, 1);
+}
+
+TEST_F(FleetTest, SweepCountsCertificatesThatExpireSoonWhileTheirRobotsAreConnected) {
+  Fleet fleet(clock_, 100, {});
+  const auto connect = [&](const std::string& ruri, milliseconds valid) {
+    storage::ConnectionItem item;
+    item.certificate.not_after = clock_.System() + valid;
+    Admit(fleet, ruri).agent.Begin(item);
+  };
+  const auto expiring = [&] {
+    fleet.Sweep(kIdle);
+    return fleet.fleet_tallies().at("north").certificates_expiring;
+  };
+  connect("rcan://new", kCertificateExpiring);
+  EXPECT_EQ(expiring(), 0) << "at the limit";
+  connect("rcan://old", kCertificateExpiring - milliseconds(1));
+  EXPECT_EQ(expiring(), 1);
+  fleet.Find("rcan://old")->agent.End({});
+  EXPECT_EQ(expiring(), 0);
+}
+
+TEST_F(FleetTest, SweepCountsRobotsThatAreParked) {
+  Fleet fleet(clock_, 100, {});
+  Admit(fleet, "rcan://parked")
+      .state.Park(clock_.System() + std::chrono::hours(1), clock_.Steady());
+  Admit(fleet, "rcan://gone");
+  clock_.Advance(fleet.presence_limits().startup_grace + milliseconds(1));
+  const PresenceCounts counts = fleet.Sweep(kIdle);
+  EXPECT_EQ(counts.offline, 2);
+  EXPECT_EQ(counts.parked, 1);
+  metrics::Exposition page;
+  AddSamples(fleet, page);
+  EXPECT_THAT(page.Text(), HasSubstr("uplinkd_robots{fleet=\"north\",presence=\"offline\"} 1\n"));
+  EXPECT_THAT(page.Text(), HasSubstr("uplinkd_robots{fleet=\"north\",presence=\"parked\"} 1\n"));
+  EXPECT_THAT(page.Text(), HasSubstr("uplinkd_robots_flapping{fleet=\"north\"} 0\n"));
 }
 
 TEST_F(FleetTest, TheGraceOfAStartBeginsWhenRobotsCanConnect) {
