@@ -22,7 +22,7 @@ constexpr std::size_t kSlackMax = 4;
 SeriesPage::SeriesPage(const Options& options) : series_max_(options.series_max) {
   for (const SeriesSpec& spec : AllSeries()) {
     const std::string name = ShortName(spec, options.subsystem);
-    names_[Index(spec.id)] = "rcan_" + name;
+    names_[Index(spec.id)] = FullName(spec, options.subsystem);
     written_[Index(spec.id)] =
         options.fields.empty() || std::ranges::find(options.fields, name) != options.fields.end();
   }
@@ -65,12 +65,17 @@ void SeriesPage::Add(SeriesId id, double value) {
   AppendValue(lines_[i], value);
 }
 
-void SeriesPage::Add(SeriesId id, std::string_view label, double value) {
+void SeriesPage::Add(SeriesId id, std::span<const std::string_view> labels, double value) {
   const std::size_t i = Index(id);
   if (!written_[i]) return;
-  lines_[i].append(names_[i]).append("{").append(AllSeries()[i].label).append("=\"");
-  AppendEscaped(lines_[i], label);
-  lines_[i].append("\",").append(ruri_);
+  std::string_view names = AllSeries()[i].label;
+  lines_[i].append(names_[i]).append("{");
+  for (const std::string_view label : labels) {
+    lines_[i].append(TakeLabel(names)).append("=\"");
+    AppendEscaped(lines_[i], label);
+    lines_[i].append("\",");
+  }
+  lines_[i].append(ruri_);
   AppendValue(lines_[i], value);
 }
 

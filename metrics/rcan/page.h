@@ -37,7 +37,11 @@ class SeriesPage final {
   /// A sample of the present robot. One that would not be written is dropped.
   void Add(SeriesId id, double value);
   /// `label` is the value of the series' own label, whatever its bytes.
-  void Add(SeriesId id, std::string_view label, double value);
+  void Add(SeriesId id, std::string_view label, double value) {
+    Add(id, std::span(&label, 1), value);
+  }
+  /// The values of all the series' own labels, in the order of its entry.
+  void Add(SeriesId id, std::span<const std::string_view> labels, double value);
   /// The robot at hand has a sample of that series.
   [[nodiscard]] bool Has(SeriesId id) const {
     return lines_[Index(id)].size() > lines_before_[Index(id)];

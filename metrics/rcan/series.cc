@@ -1,5 +1,6 @@
 #include "metrics/rcan/series.h"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/core.h>
@@ -11,6 +12,8 @@ using enum SeriesId;
 
 constexpr std::string_view kJoint = "joint";
 constexpr std::string_view kDevice = "device";
+/// How the names of our own series begin.
+constexpr std::string_view kOurs = "uplinkd_";
 constexpr std::string_view kFromJoints =
     "Robot State, `joints`; extras `joint/NAME/...`; twin joints of `edge`, `edge_follower`";
 
@@ -28,6 +31,9 @@ constexpr auto kSpecs = std::to_array<SeriesSpec>({
      "Temperature of the joint's motor or actuator, degrees Celsius.", kFromJoints},
     {kJointErrorFlags, "error_flags", kJoint,
      "Error bits of the joint, the vendor's; bits above 2^53 blur.", kFromJoints},
+    {kInfo, "robot_info", "fleet,name,software_version,agent_version",
+     "1; its fleet, the last segment of its RURI, and what it runs.",
+     "agentInfo `softwareVersion`, `agentVersion`; Hello `agent_version`"},
     {kOnline, "robot_online", "", "1 if the robot is online, 0 if it is offline.", "presence"},
     {kLastSignOfLife, "robot_last_sign_of_life_timestamp_seconds", "",
      "Unix time at which the robot was last heard, by the server's clock.", "presence"},
@@ -40,6 +46,11 @@ constexpr auto kSpecs = std::to_array<SeriesSpec>({
     {kBatteryTemperatureC, "robot_battery_temperature_c", "",
      "Temperature of the battery, degrees Celsius.",
      "status `battery.temperature`; drone `battery` of the lowest id"},
+    {kBatteryCharging, "robot_battery_charging", "",
+     "1 while the battery charges, 0 while it does not.",
+     "status `battery.powerSupplyStatus`; twin `battery/status`, `telemetry`; drone `battery` of "
+     "the "
+     "lowest id by its current"},
     {kFuelPct, "robot_fuel_pct", "", "Fuel, percent.", "status `fuel.levelPct`"},
     {kUptimeMs, "robot_uptime_ms", "", "Milliseconds since the robot's process started.",
      "Robot State `uptime_ms`; twin `edge_health`"},
@@ -81,6 +92,9 @@ constexpr auto kSpecs = std::to_array<SeriesSpec>({
     {kMissionProgressPct, "robot_mission_progress_pct", "",
      "Progress of the open mission run with the latest report, of a drone its plan, percent.",
      "missionRunStatus `progressX100`; drone `currentMissionItem`"},
+    {kMissionFailed, "robot_mission_failed_timestamp_seconds", "",
+     "Unix time at which the last mission run that failed was reported, since the server's start.",
+     "missionRunStatus with status `error`"},
     {kAltitudeAmslM, "robot_altitude_amsl_m", "",
      "Altitude of a drone above mean sea level, metres.", "drone `altitude`; `position`"},
     {kAltitudeRelativeM, "robot_altitude_relative_m", "",
@@ -122,6 +136,9 @@ constexpr auto kSpecs = std::to_array<SeriesSpec>({
     {kExtra, "robot_extra", "key",
      "A number or boolean of extras (rcan.extras), or of a twin's metrics.",
      "extras; twin `metrics`, as `metrics/CATEGORY/NAME`"},
+    {kTop, "uplinkd_top_robots", "by",
+     "What the ten robots that send most send per second now; `by`: messages or bytes.",
+     "all messages of the last minute or so"},
 });
 static_assert(kSpecs.size() == kSeries, "each SeriesId has one entry");
 
@@ -138,6 +155,12 @@ static_assert(InOrder(), "the table stands in the order of SeriesId, joints firs
 
 std::span<const SeriesSpec> AllSeries() { return kSpecs; }
 
+std::string_view TakeLabel(std::string_view& labels) {
+  const std::string_view label = labels.substr(0, labels.find(','));
+  labels.remove_prefix(std::min(label.size() + 1, labels.size()));
+  return label;
+}
+
 std::string ShortName(const SeriesSpec& spec, std::string_view subsystem) {
   if (static_cast<std::size_t>(spec.id) >= kJointSeries) return std::string(spec.name);
   return fmt::format("{}_{}", subsystem, spec.name);
@@ -150,12 +173,19 @@ std::size_t JointSeriesOf(std::string_view field) {
   return kSeries;
 }
 
+std::string FullName(const SeriesSpec& spec, std::string_view subsystem) {
+  if (spec.name.starts_with(kOurs)) return std::string(spec.name);
+  return "rcan_" + ShortName(spec, subsystem);
+}
+
 std::string SeriesTable(std::string_view subsystem) {
   std::string table = "| name | labels | is | from |\n| --- | --- | --- | --- |\n";
   for (const SeriesSpec& spec : kSpecs) {
-    table += fmt::format("| `rcan_{}` | {}`ruri` | {} | {} |\n", ShortName(spec, subsystem),
-                         spec.label.empty() ? "" : fmt::format("`{}`, ", spec.label), spec.help,
-                         spec.source);
+    std::string labels;
+    std::string_view rest = spec.label;
+    while (!rest.empty()) labels += fmt::format("`{}`, ", TakeLabel(rest));
+    table += fmt::format("| `{}` | {}`ruri` | {} | {} |\n", FullName(spec, subsystem), labels,
+                         spec.help, spec.source);
   }
   return table;
 }

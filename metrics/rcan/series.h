@@ -21,11 +21,13 @@ enum class SeriesId : std::uint8_t {
   kJointEffortNm,
   kJointTemperatureC,
   kJointErrorFlags,
+  kInfo,
   kOnline,
   kLastSignOfLife,
   kBatteryV,
   kBatteryPct,
   kBatteryTemperatureC,
+  kBatteryCharging,
   kFuelPct,
   kUptimeMs,
   kBooted,
@@ -46,6 +48,7 @@ enum class SeriesId : std::uint8_t {
   kAcceptingMissions,
   kActiveFaults,
   kMissionProgressPct,
+  kMissionFailed,
   kAltitudeAmslM,
   kAltitudeRelativeM,
   kAltitudeTerrainM,
@@ -67,17 +70,19 @@ enum class SeriesId : std::uint8_t {
   kStreams,
   kStreamsHealthy,
   kExtra,
+  kTop,
 };
-inline constexpr std::size_t kSeries = static_cast<std::size_t>(SeriesId::kExtra) + 1;
+inline constexpr std::size_t kSeries = static_cast<std::size_t>(SeriesId::kTop) + 1;
 inline constexpr std::size_t kJointSeries =
     static_cast<std::size_t>(SeriesId::kJointErrorFlags) + 1;
 
 /// What is declared of one series. Immutable.
 struct SeriesSpec {
   SeriesId id;
-  /// Of a joint's series the field with its unit (`position_rad`); else `robot_...`.
+  /// Of a joint's series the field with its unit (`position_rad`); of one that RCAN does not name
+  /// the whole name (`uplinkd_...`); else `robot_...`.
   std::string_view name;
-  /// The label beside `ruri`; empty: none.
+  /// The labels beside `ruri`, separated by commas; empty: none.
   std::string_view label;
   /// One sentence, units included.
   std::string_view help;
@@ -85,9 +90,14 @@ struct SeriesSpec {
   std::string_view source;
 };
 
+/// Takes the first of such labels.
+[[nodiscard]] std::string_view TakeLabel(std::string_view& labels);
+
 /// All series, by SeriesId.
 [[nodiscard]] std::span<const SeriesSpec> AllSeries();
 
+/// The name in a scrape: `rcan_acb_position_rad`, `rcan_robot_battery_pct`.
+[[nodiscard]] std::string FullName(const SeriesSpec& spec, std::string_view subsystem);
 /// The name without `rcan_`: `acb_position_rad`, `robot_battery_pct`.
 [[nodiscard]] std::string ShortName(const SeriesSpec& spec, std::string_view subsystem);
 

@@ -65,6 +65,7 @@ std::optional<double> AsDouble(const std::optional<float>& value) {
 void AddVitals(const view::Vitals& vitals, const Basic& fresh) {
   fresh.Add(kBatteryV, vitals.battery_v);
   fresh.Add(kBatteryPct, vitals.battery_percent);
+  fresh.Add(kBatteryCharging, vitals.battery_charging);
   if (!vitals.place) return;
   fresh.Add(kLatitudeDeg, std::optional(vitals.place->latitude_deg));
   fresh.Add(kLongitudeDeg, std::optional(vitals.place->longitude_deg));

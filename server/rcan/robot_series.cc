@@ -61,6 +61,7 @@ void AddStatus(const model::StatusTelemetry& status, SeriesPage& page) {
 void AddVitals(const view::Vitals& vitals, SeriesPage& page) {
   AddIf(page, kBatteryV, vitals.battery_v);
   AddIf(page, kBatteryPct, vitals.battery_percent);
+  AddIf(page, kBatteryCharging, vitals.battery_charging);
   if (vitals.place) {
     page.Add(kLatitudeDeg, vitals.place->latitude_deg);
     page.Add(kLongitudeDeg, vitals.place->longitude_deg);
@@ -105,6 +106,9 @@ void AddFaults(const std::string& ruri, const view::FaultCounts::Map& faults, Se
 
 void AddReported(const robot::Reported& reported, SeriesPage& page) {
   if (reported.booted_at) page.Add(kBooted, UnixSeconds(*reported.booted_at));
+  if (reported.mission_failed_at) {
+    page.Add(kMissionFailed, UnixSeconds(*reported.mission_failed_at));
+  }
   const auto& runs = reported.open_runs.items();
   if (!runs.empty()) AddIf(page, kMissionProgressPct, runs.back().second);
 }

@@ -83,9 +83,33 @@ void RobotScrape::Fill() {
   std::vector<Known>& robots = Robots();
   ListTurns(robots);
   LeftOut left_out;
+  AddTop();
   turns_.Give([&](std::size_t i) { return AddBasicOf(robots[i], series, left_out); });
   turns_.Give([&](std::size_t i) { return AddNamedOf(robots[i], series, left_out); });
   Count(left_out);
+}
+
+void RobotScrape::AddTop() {
+  if (sources_.top == nullptr || !page_.Writes(metrics::rcan::SeriesId::kTop)) return;
+  for (const fleet::TopBy by : {fleet::TopBy::kMessages, fleet::TopBy::kBytes}) {
+    for (const auto& sender : sources_.top->Most(by, kTopShown)) {
+      if (!fleets_.empty() && !fleets_.contains(sender.fleet)) continue;
+      page_.BeginRobot(sender.ruri);
+      page_.Add(metrics::rcan::SeriesId::kTop, fleet::kTopByNames[static_cast<std::size_t>(by)],
+                sender.per_second);
+      page_.EndRobot();
+    }
+  }
+}
+
+void RobotScrape::AddInfoOf(const model::RobotId& id, std::string_view agent_version,
+                            const robot::StateView& view, Known& known, SteadyTime now) {
+  if (agent_version.empty()) agent_version = view.reported.agent_version;
+  AddInfo({.ruri = id.ruri,
+           .fleet = id.fleet,
+           .software_version = view.reported.software_version,
+           .agent_version = agent_version},
+          known.infos, names_, now, page_);
 }
 
 void RobotScrape::ListTurns(std::vector<Known>& robots) {
@@ -104,9 +128,15 @@ ScrapeTurns::Turn RobotScrape::AddBasicOf(Known& known, SeriesSources& sources, 
   const fleet::RobotPtr robot = known.robot.lock();
   if (robot == nullptr) return {};
   sources.presence_timeout = sources_.fleet.presence_limits_of(*robot).timeout;
+  const storage::RobotRef id = robot->id();
+  const std::string agent_version = robot->agent.Get().version;
   page_.BeginRobot(robot->ruri());
   robot->state.LookAt([&](const robot::StateView& view) {
     known.shown = AddBasic(robot->ruri(), view, sources, page_);
+    // A robot that is unknown, or that another process holds, has no sample.
+    if (page_.robot_samples() > 0) {
+      AddInfoOf(*id, agent_version, view, known, sources.steady_now);
+    }
   });
   if (known.shown == Shown::kPresence) {
     known.basic_room = 0;

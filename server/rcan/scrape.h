@@ -15,10 +15,12 @@
 #include "server/config/config.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/top_senders.h"
 #include "server/limits/recent_times.h"
 #include "server/log/rate_limited.h"
 #include "server/rcan/named_series.h"
 #include "server/rcan/probe.h"
+#include "server/rcan/robot_info.h"
 #include "server/rcan/robot_series.h"
 #include "server/rcan/text_pool.h"
 #include "server/rcan/turns.h"
@@ -35,6 +37,8 @@ inline constexpr std::size_t kTextsMax = 4;
 inline constexpr std::size_t kTextsReserved = 1;
 /// For so long, a text that a scraper reads also goes to others that ask for the same.
 inline constexpr std::chrono::seconds kTextShared{1};
+/// Robots that are shown as those that send most, by messages and by bytes.
+inline constexpr std::size_t kTopShown = 10;
 /// How often the log names a robot whose series are left out, and how many robots per minute at
 /// most.
 inline constexpr std::chrono::hours kRobotNamedEvery{1};
@@ -66,6 +70,8 @@ class RobotScrape final {
     /// The drones that call, and uncrew.stale_after; null: none can.
     const uncrew::Drones* drones = nullptr;
     milliseconds drones_stale_after{0};
+    /// Who sends most; null: that is not shown.
+    fleet::TopSenders* top = nullptr;
   };
   explicit RobotScrape(const Sources& sources);
 
@@ -96,6 +102,8 @@ class RobotScrape final {
     /// At this scrape; also kPresence if the whole robot is left out.
     Shown shown = Shown::kPresence;
     SeriesNames names;
+    /// Its versions.
+    SeriesNames infos;
     /// When the log named it.
     limits::RecentTimes<1> named;
   };
@@ -112,6 +120,12 @@ class RobotScrape final {
   };
 
   void Fill();
+  /// Adds the robots that send most.
+  void AddTop();
+  /// Adds what the robot is. `agent_version` as its last connection
+  /// said; empty: its AgentInfo's counts.
+  void AddInfoOf(const model::RobotId& id, std::string_view agent_version,
+                 const robot::StateView& view, Known& known, SteadyTime now);
   /// Adds a turn for each robot that is shown.
   void ListTurns(std::vector<Known>& robots);
   ScrapeTurns::Turn AddBasicOf(Known& known, SeriesSources& sources, LeftOut& left_out);

@@ -45,6 +45,7 @@ void AddVitals(const TwinParts& parts, SeriesPage& page) {
   const view::Vitals vitals = view::VitalsOf({.twin = &parts});
   AddIf(page, kBatteryV, vitals.battery_v);
   AddIf(page, kBatteryPct, vitals.battery_percent);
+  AddIf(page, kBatteryCharging, vitals.battery_charging);
   if (vitals.place) {
     page.Add(kLatitudeDeg, vitals.place->latitude_deg);
     page.Add(kLongitudeDeg, vitals.place->longitude_deg);

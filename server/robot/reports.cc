@@ -19,6 +19,7 @@ void Reports::Add(const model::Body& report, SystemTime received_at) {
     reported_.booted_at =
         received_at - std::chrono::seconds(static_cast<std::int64_t>(*info->uptime_s));
   } else if (const auto* run = std::get_if<model::MissionRunStatus>(&report)) {
+    if (run->status == model::MissionStatus::kError) reported_.mission_failed_at = received_at;
     std::string key = RunKey(run->mission_id, run->run_id);
     if (model::IsTerminal(run->status)) {
       reported_.open_runs.Erase(key);

@@ -35,6 +35,8 @@ struct Reported {
   LatestByKey<std::optional<double>, kOpenRunsMax> open_runs;
   /// By the server's clock.
   std::optional<SystemTime> booted_at;
+  /// When the last mission run that failed was reported, by the server's clock; since its start.
+  std::optional<SystemTime> mission_failed_at;
   /// As its AgentInfo says; empty: it does not.
   std::string agent_version;
   std::string software_version;

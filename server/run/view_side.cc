@@ -68,7 +68,8 @@ ViewSide::ViewSide(const Context& context)
                       .name_key = rcan::NameHash::Draw(context.random),
                       .twins = &context.broker.twins(),
                       .drones = &context.uncrew.drones(),
-                      .drones_stale_after = context.config.uncrew.stale_after}),
+                      .drones_stale_after = context.config.uncrew.stale_after,
+                      .top = &top_}),
       site_({queries_, context.health.monitor(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
              robots_scrape_, context.logger}) {}

@@ -35,6 +35,10 @@ void AddParts(const VitalsSources& sources, Vitals& vitals) {
   const bool status_is_fresher = sources.status_arrived > sources.rcan_arrived;
   Fill(vitals.battery_percent, Fresher(battery.soc_pct, rcan.battery_pct, status_is_fresher));
   Fill(vitals.battery_v, Fresher(battery.voltage_v, rcan.battery_v, status_is_fresher));
+  if (!vitals.battery_charging &&
+      battery.power_supply_status != model::PowerSupplyStatus::kUnknown) {
+    vitals.battery_charging = battery.power_supply_status == model::PowerSupplyStatus::kCharging;
+  }
   if (!vitals.place && parts.motion && parts.motion->pose) {
     const model::Pose& pose = *parts.motion->pose;
     vitals.place = Vitals::Place{pose.lat_deg, pose.lon_deg, pose.altitude_m};
@@ -68,6 +72,7 @@ bool IsAmbiguous(double percentage) { return percentage > 0 && percentage <= 1; 
 void AddTwinBattery(const cyberwave::TwinParts& parts, Vitals& vitals) {
   Latest percent;
   Latest voltage;
+  Latest charging;
   if (const cyberwave::MetricCategory* power = parts.metrics.Find(kPowerCategory)) {
     const SteadyTime arrived = power->stamp.arrived.steady;
     percent.Offer(MetricIn(power, kBatteryPercentMetric), arrived);
@@ -75,6 +80,7 @@ void AddTwinBattery(const cyberwave::TwinParts& parts, Vitals& vitals) {
   }
   if (const cyberwave::HeldReport* report = parts.reports.Find("battery")) {
     percent.Offer(report->value.battery_percent, report->stamp.arrived.steady);
+    charging.Offer(report->value.battery_charging, report->stamp.arrived.steady);
   }
   if (parts.battery) {
     const cw::BatteryStatus& battery = parts.battery->value;
@@ -83,9 +89,11 @@ void AddTwinBattery(const cyberwave::TwinParts& parts, Vitals& vitals) {
       percent.Offer(battery.percentage, arrived);
     }
     voltage.Offer(battery.voltage_v, arrived);
+    charging.Offer(battery.charging, arrived);
   }
   Fill(vitals.battery_percent, percent.value());
   Fill(vitals.battery_v, voltage.value());
+  if (charging.value()) Fill(vitals.battery_charging, std::optional(*charging.value() > 0));
 }
 
 void AddTwin(const cyberwave::TwinParts& parts, Vitals& vitals) {
@@ -127,6 +135,10 @@ void AddDrone(const VitalsSources& sources, Vitals& vitals) {
   if (const un::Battery* battery = FirstBattery(sources)) {
     Fill(vitals.battery_percent, battery->remaining_percent);
     Fill(vitals.battery_v, battery->voltage_v);
+    // Positive: it discharges.
+    if (battery->current_battery_a) {
+      Fill(vitals.battery_charging, std::optional(*battery->current_battery_a < 0));
+    }
   }
   const auto* position = NewestOf<un::Position>(sources);
   if (vitals.place || position == nullptr || !position->latitude_deg || !position->longitude_deg) {

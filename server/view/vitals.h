@@ -30,6 +30,7 @@ struct Vitals {
   /// 0 to 100.
   std::optional<double> battery_percent{};
   std::optional<double> battery_v{};
+  std::optional<bool> battery_charging{};
   std::optional<Place> place{};
   std::optional<LocalPlace> local_place{};
   std::optional<bool> estop{};

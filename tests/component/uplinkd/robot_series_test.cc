@@ -115,7 +115,7 @@ TEST_F(RobotSeries, ARobotThatRenamesItsJointsCostsItselfAlone) {
     Send(*honest, seq, State(kHonest, seq, "joint", 10));
     Scrape();
     EXPECT_THAT(NamesOf(kHonest, "joint="), SizeIs(10 * kSeriesPerJoint));
-    EXPECT_LE(NamesOf(kRenames, "").size(), 512U);
+    EXPECT_LE(NamesOf(kRenames, "rcan_").size(), 512U);
     EXPECT_THAT(NamesOf(kRenames, "rcan_robot_online"), SizeIs(1));
     all.merge(NamesOf(kRenames, "joint="));
   }
@@ -137,9 +137,11 @@ TEST_F(RobotSeries, ARobotThatRenamesItsJointsCostsItselfAlone) {
 
 TEST_F(RobotSeries, RobotsThatAGatewayInventsHideNoOtherRobots) {
   constexpr int kInvented = 12;
-  constexpr int kJoints = 170;
-  /// By their names, seven of the invented ones leave no room for a robot with five series.
-  constexpr std::size_t kSeriesMax = 7 * 512 + 4;
+  constexpr int kJoints = 169;
+  /// What it is, whether it is online, and when it was last heard.
+  constexpr int kBasic = 3;
+  /// By their names, seven of the invented ones leave no room for a robot with six series.
+  constexpr std::size_t kSeriesMax = 7 * (kJoints * kSeriesPerJoint + kBasic) + 5;
   constexpr const char* kOtherFleet = "rcan://z/south";
   constexpr const char* kRelayed = "rcan://z/relayed";
   process_.reset();
@@ -162,10 +164,10 @@ TEST_F(RobotSeries, RobotsThatAGatewayInventsHideNoOtherRobots) {
   Scrape();
   for (const char* ruri : {kHonest, kOtherFleet, kRelayed}) {
     EXPECT_THAT(NamesOf(ruri, "joint="), SizeIs(kSeriesPerJoint)) << ruri;
-    EXPECT_THAT(NamesOf(ruri, ""), SizeIs(kSeriesPerJoint + 2)) << ruri;
+    EXPECT_THAT(NamesOf(ruri, "rcan_"), SizeIs(kSeriesPerJoint + kBasic)) << ruri;
   }
   EXPECT_THAT(NamesOf("rcan://a/00", "joint="), SizeIs(kJoints * kSeriesPerJoint));
-  EXPECT_THAT(NamesOf(fmt::format("rcan://a/{:02}", kInvented - 1), ""), SizeIs(2));
+  EXPECT_THAT(NamesOf(fmt::format("rcan://a/{:02}", kInvented - 1), "rcan_"), SizeIs(kBasic));
 
   const std::string metrics = HttpGet(http_, "/metrics").body;
   EXPECT_THAT(metrics, HasSubstr("\nuplinkd_degraded{reason=\"series_max\"} 1\n"));

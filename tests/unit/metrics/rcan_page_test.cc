@@ -1,3 +1,4 @@
+#include <array>
 #include <limits>
 #include <set>
 
@@ -46,6 +47,19 @@ TEST(SeriesPage, SamplesOfASeriesStandTogetherWhicheverRobotsTheyAreOf) {
   EXPECT_THAT(TextOf(page), HasSubstr("rcan_robot_online{ruri=\"rcan://a\"} 1\n"
                                       "rcan_robot_online{ruri=\"rcan://b\"} 1\n# HELP"));
   EXPECT_EQ(page.samples(), 4U);
+}
+
+TEST(SeriesPage, ASeriesMayHaveSeveralLabelsAndANameOfOurs) {
+  SeriesPage page = Page();
+  page.BeginRobot("a");
+  page.Add(SeriesId::kInfo, std::array<std::string_view, 4>{"north", "r17", "5.1", "\""}, 1);
+  page.Add(SeriesId::kTop, "bytes", 2.5);
+  EXPECT_TRUE(page.EndRobot());
+  EXPECT_EQ(page.samples(), 2U);
+  EXPECT_THAT(TextOf(page),
+              HasSubstr("\nrcan_robot_info{fleet=\"north\",name=\"r17\",software_version=\"5.1\","
+                        "agent_version=\"\\\"\",ruri=\"a\"} 1\n"));
+  EXPECT_THAT(TextOf(page), HasSubstr("\nuplinkd_top_robots{by=\"bytes\",ruri=\"a\"} 2.5\n"));
 }
 
 TEST(SeriesPage, LabelsThatRobotsChooseAreEscaped) {
@@ -149,6 +163,9 @@ TEST(Series, NamesAreUniqueAndSpelledAsPrometheusWants) {
   EXPECT_EQ(JointSeriesOf("position_rad"), 0U);
   EXPECT_EQ(JointSeriesOf("error_flags"), kJointSeries - 1);
   EXPECT_EQ(JointSeriesOf("robot_online"), kSeries);
+  EXPECT_THAT(SeriesTable("acb"),
+              HasSubstr("| `rcan_robot_info` | `fleet`, `name`, `software_version`"));
+  EXPECT_THAT(SeriesTable("acb"), HasSubstr("| `uplinkd_top_robots` | `by`, `ruri` |"));
   EXPECT_THAT(SeriesTable("acb"), HasSubstr("| `rcan_acb_effort_nm` | `joint`, `ruri` |"));
 }
 

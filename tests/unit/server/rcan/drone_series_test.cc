@@ -49,6 +49,14 @@ TEST_F(DroneSeriesTest, TheBatteryOfTheLowestIdIsShown) {
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_pct{ruri=\"r\"} 10\n"));
 }
 
+TEST_F(DroneSeriesTest, ACurrentIntoTheBatteryChargesIt) {
+  EXPECT_THAT(Text(), Not(HasSubstr("charging")));
+  Hear(un::Battery{.key = 1, .current_battery_a = 3.F});
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_charging{ruri=\"r\"} 0\n"));
+  Hear(un::Battery{.key = 1, .current_battery_a = -3.F});
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_charging{ruri=\"r\"} 1\n"));
+}
+
 TEST_F(DroneSeriesTest, WhatIsStaleHasNoSeries) {
   Hear(un::Heading{.heading_deg = 90}, kNow - kStale);
   EXPECT_THAT(Text(), HasSubstr("rcan_robot_heading_deg{ruri=\"r\"} 90\n"));

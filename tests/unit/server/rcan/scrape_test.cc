@@ -75,7 +75,7 @@ TEST_F(ScrapeTest, RobotsStandInTheOrderOfTheirRuris) {
                                 "rcan_robot_online{ruri=\"rcan://b\"} 1\n"));
   Robot("rcan://aa");
   EXPECT_THAT(Text(), HasSubstr("\"rcan://aa\"} 1\nrcan_robot_online{ruri=\"rcan://b\"}"));
-  EXPECT_EQ(probe_.series.value(), 6);
+  EXPECT_EQ(probe_.series.value(), 9);
 }
 
 TEST_F(ScrapeTest, OnlyTheFleetsThatAreAllowedAreShown) {
@@ -88,22 +88,22 @@ TEST_F(ScrapeTest, OnlyTheFleetsThatAreAllowedAreShown) {
 }
 
 TEST_F(ScrapeTest, RobotsThatDoNotFitAreLeftOutWholeCountedAndSaidOnceAMinute) {
-  config_.series_max = 7;
+  config_.series_max = 10;
   for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d"}) Robot(ruri);
   for (int i = 0; i < 3; ++i) {
     EXPECT_THAT(Text(), Not(HasSubstr("rcan://d")));
-    EXPECT_EQ(probe_.series.value(), 6);
+    EXPECT_EQ(probe_.series.value(), 9);
     EXPECT_EQ(probe_.robots_left_out.value(), 1);
   }
   EXPECT_THAT(lines_, SizeIs(1));
-  EXPECT_THAT(lines_.front(), HasSubstr("rcan_robots_left_out robots=1 series_max=7"));
+  EXPECT_THAT(lines_.front(), HasSubstr("rcan_robots_left_out robots=1 series_max=10"));
   clock_.Advance(std::chrono::minutes(2));
   static_cast<void>(Text());
   EXPECT_THAT(lines_, SizeIs(2));
 }
 
 TEST_F(ScrapeTest, WhoIsLeftOutDoesNotChangeWithTheValuesOfOthers) {
-  config_.series_max = 7;
+  config_.series_max = 10;
   robot::Robot& first = Robot("rcan://a");
   Robot("rcan://b");
   Robot("rcan://c");
@@ -111,11 +111,11 @@ TEST_F(ScrapeTest, WhoIsLeftOutDoesNotChangeWithTheValuesOfOthers) {
   two.battery_v = 1;
   two.uptime_ms = 1;
   first.state.Apply(std::move(two), clock_.Steady());
-  EXPECT_THAT(Text(), Not(HasSubstr("rcan://c"))) << "4 and 2";
+  EXPECT_THAT(Text(), Not(HasSubstr("rcan://c"))) << "5 and 3";
   first.state.Apply(model::RcanState{}, clock_.Steady());
   EXPECT_THAT(NewText(), Not(HasSubstr("rcan://c"))) << "the room is still the first one's";
   EXPECT_THAT(NewText(), HasSubstr("rcan://b"));
-  EXPECT_EQ(probe_.series.value(), 4);
+  EXPECT_EQ(probe_.series.value(), 6);
 }
 
 TEST_F(ScrapeTest, TextsAreUsedAgainWhenTheirReadersAreDone) {

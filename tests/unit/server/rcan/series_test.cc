@@ -301,9 +301,39 @@ TEST_F(SeriesTest, ActiveFaultsAreZeroWhereThereAreNoneAndAbsentWhereNobodyKnows
   EXPECT_THAT(Text(), HasSubstr("{severity=\"unrecognized\",ruri=\"r\"} 4\n"));
 }
 
+TEST_F(SeriesTest, ABatteryChargesOrNotIfTheRobotSaysWhich) {
+  Hear();
+  model::StatusTelemetry status = Status(12.5, 50);
+  Apply(status);
+  EXPECT_THAT(Text(), Not(HasSubstr("charging")));
+  using Supply = model::PowerSupplyStatus;
+  for (const auto& [supply, shown] :
+       {std::pair{Supply::kCharging, "1"}, std::pair{Supply::kDischarging, "0"},
+        std::pair{Supply::kNotCharging, "0"}, std::pair{Supply::kFull, "0"}}) {
+    status.battery->power_supply_status = supply;
+    Apply(status);
+    EXPECT_THAT(Text(), HasSubstr(std::string("battery_charging{ruri=\"r\"} ") + shown + "\n"));
+  }
+}
+
+TEST_F(SeriesTest, AMissionThatFailedHasTheTimeOfItsReport) {
+  Hear();
+  model::MissionRunStatus run;
+  run.run_id = "one";
+  for (const auto status : {model::MissionStatus::kComplete, model::MissionStatus::kAborted}) {
+    run.status = status;
+    state_.KeepReport(run, clock_.System());
+  }
+  EXPECT_THAT(Text(), Not(HasSubstr("mission_failed")));
+  run.status = model::MissionStatus::kError;
+  state_.KeepReport(run, FromUnixMs(1'763'683'200'000));
+  EXPECT_THAT(Text(), HasSubstr("mission_failed_timestamp_seconds{ruri=\"r\"} 1763683200\n"));
+}
+
 /// Everything that a robot can say without a word of its own.
 model::StatusTelemetry FullStatus() {
   model::StatusTelemetry status = Status(12.5, 50);
+  status.battery->power_supply_status = model::PowerSupplyStatus::kCharging;
   status.estop = model::EStop{.active = true};
   status.fuel = model::FuelStatus{.level_pct = 60};
   status.range_remaining = 1200;
@@ -333,6 +363,9 @@ TEST_F(SeriesTest, WhatHasNoWordOfTheRobotsHasItsPlaceWhateverElseItSays) {
   run.run_id = "one";
   run.progress_x100 = 1;
   run.status = model::MissionStatus::kRunning;
+  state_.KeepReport(run, clock_.System());
+  run.run_id = "two";
+  run.status = model::MissionStatus::kError;
   state_.KeepReport(run, clock_.System());
   view::FaultCounts::Map faults;
   faults["r"] = {0, 2, 0, 1, 4};

@@ -109,6 +109,14 @@ TEST_F(TwinSeriesTest, ASimulationHasNoJointsHere) {
   EXPECT_THAT(Text(twin_.sim()), HasSubstr("position_x_m"));
 }
 
+TEST_F(TwinSeriesTest, ABatteryChargesAsTheLastOfTwoSourcesSays) {
+  EXPECT_THAT(Text(), Not(HasSubstr("charging")));
+  Publish("battery/status", R"({"percentage":50,"charging":true})");
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_charging{ruri=\"r\"} 1\n"));
+  Publish("telemetry", R"({"telemetry_type":"battery","data":{"level":70,"charging":false}})");
+  EXPECT_THAT(Text(), HasSubstr("rcan_robot_battery_charging{ruri=\"r\"} 0\n"));
+}
+
 TEST_F(TwinSeriesTest, ABatteryOfUpToOneIsShownByNoSeries) {
   Publish("battery/status", R"({"percentage":1,"voltage":24})");
   EXPECT_THAT(Text(), Not(HasSubstr("battery_pct")));

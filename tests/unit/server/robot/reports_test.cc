@@ -62,6 +62,16 @@ TEST(ReportsTest, ARunIsOpenUntilItEnds) {
   EXPECT_THAT(reports.reported().open_runs.items(), IsEmpty());
 }
 
+TEST(ReportsTest, TheLastRunThatFailedIsRemembered) {
+  const SystemTime now = testing::ManualClock().System();
+  Reports reports;
+  reports.Add(RunOf("r", model::MissionStatus::kAborted), now);
+  EXPECT_EQ(reports.reported().mission_failed_at, std::nullopt) << "somebody ended it";
+  reports.Add(RunOf("r", model::MissionStatus::kError), now);
+  reports.Add(RunOf("s", model::MissionStatus::kComplete), now + std::chrono::seconds(1));
+  EXPECT_EQ(reports.reported().mission_failed_at, now);
+}
+
 TEST(ReportsTest, WhatTheStoreKnewIsTakenUnlessItEndedMeanwhile) {
   Reports reports;
   reports.Add(RunOf("ended", model::MissionStatus::kComplete), {});
