@@ -63,10 +63,9 @@ class Parked(EndToEnd):
         prometheus.wait_for_value(FIRING, 1)
 
     def assert_nobody_is_paged(self, prometheus):
-        prometheus.wait_for_value(OFFLINE_COUNT, ROBOTS_HERE)
-        prometheus.wait_for_value('sum(uplinkd_robots_parked{held="here"})', ROBOTS_HERE)
+        prometheus.wait_for_value('sum(uplinkd_robots{presence="parked"})', ROBOTS_HERE)
         # The rules have seen both.
-        prometheus.wait_for_value("instance:uplinkd_robots_offline:ratio", 1)
+        prometheus.wait_for_value("instance:uplinkd_robots_offline:ratio", 0)
         prometheus.wait_for_value("instance:uplinkd_robots_present:count", ROBOTS_HERE)
         self.assertEqual(prometheus.query(FIRING), [])
 
@@ -88,7 +87,7 @@ class Parked(EndToEnd):
         self.assertTrue(all_are(server, ROBOTS_HERE, lambda robot: not robot["flapping"]))
         self.play(server)
         self.wait_for_all(server, lambda robot: robot["flapping"], "all have come and gone")
-        self.assertEqual(server.metric('uplinkd_robots_flapping{held="here"}'), ROBOTS_HERE)
+        self.assertEqual(server.metric('uplinkd_robots_flapping{fleet="default"}'), ROBOTS_HERE)
 
 
 class ParkedBesideAnother(TwoServers):
@@ -100,14 +99,14 @@ class ParkedBesideAnother(TwoServers):
         self.assert_all_is_stored(self.fleets[0])
         ends = self.wait_for_parked(A)
         self.assertEqual(self.wait_for_parked(B), ends)
-        self.wait_for(lambda: self.parked(B, "elsewhere") == ROBOTS, "B counts them", B)
-        self.assertEqual(self.parked(A, "here"), ROBOTS)
+        self.wait_for(lambda: self.parked(B, "uplinkd_robots_elsewhere") == ROBOTS, "B counts them", B)
+        self.assertEqual(self.parked(A, "uplinkd_robots"), ROBOTS)
         self.servers[A].kill()
-        self.wait_for(lambda: self.parked(B, "here") == ROBOTS, "B has adopted them", B)
+        self.wait_for(lambda: self.parked(B, "uplinkd_robots") == ROBOTS, "B has adopted them", B)
         self.assertEqual(self.wait_for_parked(B), ends)
 
-    def parked(self, place, held):
-        return self.servers[place].metric(f'uplinkd_robots_parked{{held="{held}"}}')
+    def parked(self, place, metric):
+        return self.servers[place].metric(f'{metric}{{fleet="default",presence="parked"}}')
 
     def wait_for_parked(self, place):
         """By RURI until when this server shows its robots as parked."""
