@@ -43,9 +43,10 @@ def expressions():
 
 
 def series_of_variables():
-    """The series of whose labels a variable takes its values: series and label."""
+    """The series of whose labels a variable takes its values: series and label, while the variables before it have
+    `All`."""
     return [
-        re.fullmatch(r"label_values\((.+), *(\w+)\)", variable["query"]).groups()
+        re.fullmatch(r"label_values\((.+), *(\w+)\)", with_all_chosen(variable["query"])).groups()
         for dashboard in dashboards().values()
         for variable in dashboard["templating"]["list"]
         if variable["type"] == "query"

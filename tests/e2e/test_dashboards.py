@@ -52,6 +52,16 @@ class Dashboards(unittest.TestCase):
                     self.assertLessEqual(used, known, (file, target["expr"]))
                     self.assertIn("instance", used, (file, target["expr"]))
 
+    def test_fleets_and_a_robot_have_a_page_with_a_map_and_can_be_chosen(self):
+        every = dashboards.dashboards()
+        for file, chosen in (("uplinkd-fleet.json", {"fleet"}), ("uplinkd-robot.json", {"fleet", "robot"})):
+            variables = {variable["name"] for variable in every[file]["templating"]["list"]}
+            self.assertLessEqual(chosen, variables, file)
+            self.assertIn("geomap", {panel["type"] for panel in every[file]["panels"]}, file)
+            used = " ".join(target["expr"] for panel in every[file]["panels"] for target in panel.get("targets", []))
+            for name in chosen & {"robot"} or chosen:
+                self.assertRegex(used, rf"\$\{{?{name}\b", file)
+
     def test_what_is_lost_or_grows_without_an_error_is_shown(self):
         shown = " ".join(dashboards.expressions())
         for name in ("live_bytes", "live_bytes_limit", "telemetry_over_rate_total", "store_wal_bytes",
