@@ -50,7 +50,7 @@ class Served(EndToEnd):
             for first in (5, 20):
                 store.execute(
                     "INSERT INTO gaps (ruri, session, first, last, fleet, seen_at, entry)"
-                    " SELECT ruri, x'00112233445566778899aabbccddeeff', ?, ? + 4, fleet, ?, 0 FROM robots",
+                    " SELECT ruri, x'00112233445566778899aabbccddeeff', ?, ? + 4, fleet, ?, row_number() OVER () FROM robots",
                     (first, first, 1763683200000 + first),
                 )
         store.close()
