@@ -55,6 +55,9 @@ void TwinConnections::Hear(robot::ConnectionReports& reports, robot::Robot& robo
   one->heard = heard.arrived;
   ++one->messages;
   one->bytes += heard.bytes;
+  if (heard.arrived.steady - one->kept_at < robot::kConnectionUpdateEvery) return;
+  one->kept_at = heard.arrived.steady;
+  reports.Update(ItemOf(robot, *one));
 }
 
 TwinConnections::Ones::iterator TwinConnections::Find(const std::string& session) {
@@ -79,6 +82,7 @@ TwinConnections::Ones::iterator TwinConnections::Begin(robot::ConnectionReports&
   one.session = heard.session;
   one.began_at = heard.arrived.system;
   one.heard = heard.arrived;
+  one.kept_at = heard.arrived.steady;
   if (const auto came = FindMark(came_, heard.session); came != came_.end()) {
     one.began_at = came->at.system;
     came_.erase(came);

@@ -64,6 +64,7 @@ class TwinConnections final {
     storage::ConnectionId id{};
     SystemTime began_at;
     cyberwave::Arrival heard;
+    SteadyTime kept_at;
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
   };

@@ -31,6 +31,12 @@ storage::ConnectionId ConnectionReports::Begin(Robot& robot, storage::Connection
   return id;
 }
 
+void ConnectionReports::Update(storage::ConnectionItem item) {
+  if (context_.sink == nullptr) return;
+  Complete(item);
+  context_.sink->Update(std::move(item));
+}
+
 void ConnectionReports::End(Robot& robot, storage::ConnectionItem item) {
   Complete(item);
   storage::ConnectionEnded& ended = *item.ended;

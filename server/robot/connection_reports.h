@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <random>
@@ -12,6 +13,10 @@
 #include "storage/connection.h"
 
 namespace uplink::robot {
+
+/// How often what an open connection brought is kept: a row of the store per connection and time.
+/// It is what a server that crashes leaves of it.
+inline constexpr std::chrono::minutes kConnectionUpdateEvery{5};
 
 /// Reports robots' connections of every source as they begin and end: to the robot's state, to the
 /// log, and to what keeps them.
@@ -38,6 +43,8 @@ class ConnectionReports final {
   /// A connection has begun. Its id, process and server are set here; returns the id, by which its
   /// end is reported.
   [[nodiscard]] storage::ConnectionId Begin(Robot& robot, storage::ConnectionItem item);
+  /// It goes on: `item.id` is what Begin returned. For a call each kConnectionUpdateEvery; no line.
+  void Update(storage::ConnectionItem item);
   /// It has ended: `item.id` is what Begin returned, and `item.ended` is set.
   void End(Robot& robot, storage::ConnectionItem item);
 

@@ -11,8 +11,9 @@ namespace uplink::robot {
 Robot::Robot(storage::RobotRef id, SteadyTime server_started, const Clock& clock,
              const PresenceChanged& changed)
     : state(server_started, clock.Steady(), clock.System(),
-            [this, &changed](const storage::StoredPresence& now) {
-              if (changed) changed(this->id(), now);
+            [this, &changed](const storage::StoredPresence& now,
+                             std::optional<model::ConnectionEnd> why) {
+              if (changed) changed(this->id(), now, why);
             }),
       sessions(SourceOf(id->ruri)),
       clock_(clock),

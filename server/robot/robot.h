@@ -29,9 +29,10 @@ namespace uplink::robot {
 
 /// Called for each change of a robot's presence, and of until when it is parked, in order for one
 /// robot, on any thread, under a lock of the robot. It must be short, and never call back into the
-/// fleet.
+/// fleet. `why`: as RobotState::PresenceChanged's.
 using PresenceChanged =
-    std::function<void(const storage::RobotRef& robot, const storage::StoredPresence& now)>;
+    std::function<void(const storage::RobotRef& robot, const storage::StoredPresence& now,
+                       std::optional<model::ConnectionEnd> why)>;
 
 /// One robot that this process knows. Shared: a pointer keeps it alive beyond one look. Its parts
 /// are thread-safe. As a CommitClient it passes the journal's calls to its sessions, and news of

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -83,12 +84,20 @@ struct LiveBefore {
 /// thread at a time writes live parts (takeover hands the robot over).
 class RobotState final {
  public:
-  using PresenceChanged = PresenceTrack::Changed;
+  /// As PresenceTrack's. Of a robot that goes offline `why` says why its last connection ended;
+  /// empty: one is open, there was none here, or the robot has another presence.
+  using PresenceChanged = std::function<void(const storage::StoredPresence& now,
+                                             std::optional<model::ConnectionEnd> why)>;
 
   /// `known_since` and `system_now` are the same moment.
   RobotState(SteadyTime server_started, SteadyTime known_since, SystemTime system_now,
              PresenceChanged changed = {})
-      : presence_(server_started, known_since, system_now, std::move(changed)) {}
+      : presence_(server_started, known_since, system_now,
+                  // The track calls under our lock.
+                  [this, changed = std::move(changed)](const storage::StoredPresence& now) {
+                    const bool gone = now.presence == Presence::kOffline;
+                    if (changed) changed(now, gone ? last_end_ : std::nullopt);
+                  }) {}
 
   /// Counts its memory in `total` from now on. Call it before its first part, and before it is
   /// shared between threads.

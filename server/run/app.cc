@@ -37,6 +37,7 @@ class App::Impl {
         store_(ContextOfStore(), std::move(stores)),
         reports_({.clock = options_.clock,
                   .logger = options_.logger,
+                  .sink = &store_.connections(),
                   .process = options_.process,
                   .seed = options_.random()}),
         uncrew_({options_.clock, options_.config, fleet_, store_.journals(), ledgers_, allowances_,

@@ -64,8 +64,8 @@ store::Writers::Context StoreSide::WritersContext() {
 
 void StoreSide::ReadRobots() {
   context_.fleet.OnPresence(
-      [this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-        journals_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+        journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
       });
   health_log_.LookAtFacts();
   if (stores_.away.ok()) clock_rounds_.Round();

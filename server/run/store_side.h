@@ -9,6 +9,7 @@
 #include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
+#include "server/journal/connection_notes.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
 #include "server/journal/shards.h"
@@ -71,6 +72,8 @@ class StoreSide final {
 
   [[nodiscard]] store::Stores& stores() { return stores_; }
   [[nodiscard]] const journal::Shards& journals() const { return journals_; }
+  /// Keeps robots' connections. Any thread.
+  [[nodiscard]] robot::ConnectionSink& connections() { return connections_; }
   [[nodiscard]] const journal::JournalLimits& journal_limits() const { return journal_limits_; }
   [[nodiscard]] const journal::JournalProbe& journal_probe() const { return journal_probe_; }
   [[nodiscard]] const store::LeaseProbe& lease_probe() const { return lease_probe_; }
@@ -90,6 +93,7 @@ class StoreSide final {
   store::Stores stores_;
   store::Writers writers_;
   const journal::Shards& journals_ = writers_.journals();
+  journal::ConnectionNotes connections_{journals_};
   fleet::Forgetting forgetting_;
   store::RobotLoadRounds robot_load_rounds_;
   store::LeaseRounds leases_;

@@ -86,7 +86,6 @@ void Session::HandleHello(std::string_view bytes) {
   }
   const absl::StatusOr<milliseconds> delay = robot_.Admit(*std::move(terms));
   if (!delay.ok()) return Finish(delay.status(), EndCause::kBound);
-  report_.Begin();
   if (*delay == milliseconds(0)) return Attach();
   state_ = State::kDelayed;
   timers_.Set(Timer::kAttach, context_.clock.Steady() + *delay);
@@ -102,6 +101,7 @@ void Session::BeginOpening() {
   const SteadyTime now = context_.clock.Steady();
   auto by = robot_.Open(now);
   if (!by.ok()) return Finish(by.status(), CauseOfRefusal(by.status()));
+  report_.Begin(now);
   state_ = State::kOpening;
   timers_.Set(Timer::kWelcome, now + kWelcomeWait);
   intake_ = std::make_unique<Intake>(
@@ -125,7 +125,7 @@ void Session::HandleBatch() {
   const SteadyTime now = context_.clock.Steady();
   const SystemTime system_now = context_.clock.System();
   robot_.robot().state.NoteBatch(batch.head, now, system_now);
-  report_.CountMessages(batch.uplinks.size());
+  report_.CountMessages(batch.uplinks.size(), now);
   if (!batch.uplinks.empty()) {
     last_seq_ = batch.uplinks.back().seq;
     intake_->Begin(batch.uplinks, now, system_now);

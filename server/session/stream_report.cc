@@ -47,11 +47,20 @@ void StreamReport::CountFrame(std::size_t bytes) {
   if (sources_.robot.attached()) sources_.robot.robot().traffic.CountBytes(bytes);
 }
 
-void StreamReport::Begin() {
+void StreamReport::Begin(SteadyTime now) {
   if (sources_.context.reports == nullptr) return;
   began_ = true;
+  kept_at_ = now;
   began_at_ = sources_.context.clock.System();
   id_ = sources_.context.reports->Begin(sources_.robot.robot(), Item());
+}
+
+void StreamReport::CountMessages(std::size_t messages, SteadyTime now) {
+  messages_ += messages;
+  sources_.robot.robot().traffic.CountMessages(messages);
+  if (!began_ || now - kept_at_ < robot::kConnectionUpdateEvery) return;
+  kept_at_ = now;
+  sources_.context.reports->Update(Item());
 }
 
 void StreamReport::End(const transport::Ending& ending) {

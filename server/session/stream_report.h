@@ -13,8 +13,9 @@
 
 namespace uplink::session {
 
-/// Reports one stream as a connection of its robot: once its Hello was valid and its robot is
-/// known, and when it ends. Between the two it only counts. Confined to the stream's thread.
+/// Reports one stream as a connection of its robot: once the store is asked to open it, which gives
+/// a new robot its row, each kConnectionUpdateEvery while it brings messages, and when it ends.
+/// Confined to the stream's thread.
 class StreamReport final {
  public:
   /// All of them outlive it.
@@ -27,14 +28,11 @@ class StreamReport final {
   };
   explicit StreamReport(const Sources& sources) : sources_(sources) {}
 
-  /// Attachment::Admit has admitted the robot.
-  void Begin();
+  /// Attachment::Open has asked the store.
+  void Begin(SteadyTime now);
   void CountFrame(std::size_t bytes);
   /// Of a stream that has its robot.
-  void CountMessages(std::size_t messages) {
-    messages_ += messages;
-    sources_.robot.robot().traffic.CountMessages(messages);
-  }
+  void CountMessages(std::size_t messages, SteadyTime now);
   /// The stream has ended, and no longer has its robot. Does nothing unless it began.
   void End(const transport::Ending& ending);
 
@@ -45,6 +43,7 @@ class StreamReport final {
   bool began_ = false;
   storage::ConnectionId id_{};
   SystemTime began_at_;
+  SteadyTime kept_at_;
   std::uint64_t messages_ = 0;
   std::uint64_t bytes_ = 0;
 };

@@ -31,11 +31,17 @@ void DroneConnections::Count(const fleet::RobotPtr& drone, const std::string& ga
     one.drone = drone;
     one.gateway = gateway;
     one.began_at = context_.clock.System();
+    one.kept_at = context_.clock.Steady();
     one.id = context_.reports.Begin(*drone, ItemOf(one));
     found = drones_.emplace(drone->ruri(), std::move(one)).first;
   }
-  ++found->second.messages;
-  found->second.bytes += bytes;
+  One& one = found->second;
+  ++one.messages;
+  one.bytes += bytes;
+  const SteadyTime now = context_.clock.Steady();
+  if (now - one.kept_at < robot::kConnectionUpdateEvery) return;
+  one.kept_at = now;
+  context_.reports.Update(ItemOf(one));
 }
 
 void DroneConnections::OnConnectionEnd(transport::EndCause cause) {

@@ -40,6 +40,7 @@ class DroneConnections final : public transport::PeerConnection::User {
     std::string gateway;
     storage::ConnectionId id{};
     SystemTime began_at;
+    SteadyTime kept_at;
     std::uint64_t messages = 0;
     std::uint64_t bytes = 0;
   };

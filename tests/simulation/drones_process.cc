@@ -89,8 +89,8 @@ DronesProcess::DronesProcess(const Ground& ground)
                              .process = ground_.id,
                              .presence = {},
                              .is_gone = ground_.is_gone}) {
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-    shards_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+    shards_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
   });
 }
 

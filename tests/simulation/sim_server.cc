@@ -123,8 +123,8 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
       rejects_(ground.rows, testing::FakeRejectSource::Reads::kWhenTold),
       ledger_(book_.NewPage()) {
   if (ground.forwards.items != nullptr) forwards_.emplace(clock_, ground.forwards);
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-    journal_.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+    journal_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
   });
   if (ground.rows == nullptr) return;
   // The life before has ended: its robots are this one's.

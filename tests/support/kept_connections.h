@@ -27,6 +27,10 @@ class KeptConnections final : public robot::ConnectionSink {
     const std::lock_guard lock(mutex_);
     begun_.push_back(std::move(item));
   }
+  void Update(storage::ConnectionItem item) override {
+    const std::lock_guard lock(mutex_);
+    updated_.push_back(std::move(item));
+  }
   void End(storage::ConnectionItem item) override {
     const std::lock_guard lock(mutex_);
     ended_.push_back(std::move(item));
@@ -35,6 +39,10 @@ class KeptConnections final : public robot::ConnectionSink {
   [[nodiscard]] std::vector<storage::ConnectionItem> begun() const {
     const std::lock_guard lock(mutex_);
     return begun_;
+  }
+  [[nodiscard]] std::vector<storage::ConnectionItem> updated() const {
+    const std::lock_guard lock(mutex_);
+    return updated_;
   }
   [[nodiscard]] std::vector<storage::ConnectionItem> ended() const {
     const std::lock_guard lock(mutex_);
@@ -54,6 +62,7 @@ class KeptConnections final : public robot::ConnectionSink {
   robot::ConnectionReports reports_;
   mutable std::mutex mutex_;
   std::vector<storage::ConnectionItem> begun_;
+  std::vector<storage::ConnectionItem> updated_;
   std::vector<storage::ConnectionItem> ended_;
 };
 

@@ -66,6 +66,18 @@ TEST_F(TwinConnectionsTest, BeganWhenItsClientConnected) {
   EXPECT_EQ(kept_.begun()[0].began_at, connected);
 }
 
+TEST_F(TwinConnectionsTest, IsKeptAgainWithWhatItBroughtNowAndThen) {
+  Live("a");
+  Live("a");
+  EXPECT_THAT(kept_.updated(), IsEmpty());
+  clock_.Advance(robot::kConnectionUpdateEvery);
+  Live("a");
+  Live("a");
+  ASSERT_THAT(kept_.updated(), SizeIs(1));
+  EXPECT_EQ(kept_.updated()[0].messages, 3U);
+  EXPECT_EQ(kept_.updated()[0].id, kept_.begun()[0].id);
+}
+
 TEST_F(TwinConnectionsTest, AViewerIsNone) {
   Live("a");
   Say("viewer", MarkKind::kConnected);

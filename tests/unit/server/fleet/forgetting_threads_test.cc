@@ -30,8 +30,8 @@ struct NoInbox final : loop::WakeInbox {
 
 struct World {
   World() {
-    fleet.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now) {
-      journals.NotePresence(robot, now.presence, now.since, {}, now.parked_until);
+    fleet.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+      journals.NotePresence(robot, now.presence, now.since, why, now.parked_until);
     });
   }
 

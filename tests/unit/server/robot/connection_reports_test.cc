@@ -1,6 +1,9 @@
 #include "server/robot/connection_reports.h"
 
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -102,6 +105,32 @@ TEST_F(ConnectionReportsTest, ADetailIsCutAndShowsNoControlCharacters) {
   const std::string detail = kept_.ended().at(0).ended->detail;
   EXPECT_LE(detail.size(), storage::kConnectionDetailMax);
   EXPECT_EQ(detail.find('\n'), std::string::npos);
+}
+
+TEST(RobotStatePresence, ARobotThatGoesOfflineSaysWhyItsLastConnectionEnded) {
+  using Told = std::pair<Presence, std::optional<model::ConnectionEnd>>;
+  std::vector<Told> told;
+  testing::ManualClock clock;
+  const PresenceLimits limits{};
+  RobotState state(clock.Steady(), clock.Steady(), clock.System(),
+                   [&](auto presence, auto /*at*/, auto why) { told.emplace_back(presence, why); });
+  const auto hear = [&] { state.SignOfLife(clock.Steady(), clock.System(), limits); };
+  const auto fall_silent = [&] {
+    clock.Advance(limits.timeout + milliseconds(1));
+    static_cast<void>(state.Sweep(clock.Steady(), clock.System(), limits));
+  };
+  state.BeginConnection();
+  hear();
+  state.EndConnection(model::ConnectionEnd::kBroken);
+  fall_silent();
+  state.BeginConnection();
+  hear();
+  fall_silent();
+  EXPECT_THAT(told, ::testing::ElementsAre(Told(Presence::kOnline, std::nullopt),
+                                           Told(Presence::kOffline, model::ConnectionEnd::kBroken),
+                                           Told(Presence::kOnline, std::nullopt),
+                                           Told(Presence::kOffline, std::nullopt)))
+      << "the last has its connection yet";
 }
 
 }  // namespace

@@ -70,6 +70,21 @@ TEST_F(StreamReportTest, CountsMessagesAndBytes) {
   EXPECT_GE(kept_.ended()[0].bytes, batch.ByteSizeLong());
 }
 
+TEST_F(StreamReportTest, IsKeptAgainWithWhatItBroughtNowAndThen) {
+  BenchStream& stream = Welcomed();
+  stream.Send(BatchFrame({{1, Motion()}}));
+  clock_.Advance(robot::kConnectionUpdateEvery - milliseconds(1));
+  stream.Send(BatchFrame({{2, Motion()}}));
+  EXPECT_THAT(kept_.updated(), IsEmpty());
+  clock_.Advance(milliseconds(1));
+  stream.Send(BatchFrame({{3, Motion()}}));
+  stream.Send(BatchFrame({{4, Motion()}}));
+  ASSERT_THAT(kept_.updated(), SizeIs(1));
+  EXPECT_EQ(kept_.updated()[0].messages, 3U);
+  EXPECT_EQ(kept_.updated()[0].id, kept_.begun()[0].id);
+  EXPECT_FALSE(kept_.updated()[0].ended);
+}
+
 TEST_F(StreamReportTest, SaysHowLongItWasHeldBackAndWhy) {
   limits_.session.in_flight_uplinks_max = 1;
   Start();

@@ -60,6 +60,17 @@ TEST_F(DroneConnectionsTest, BeginsWithTheFirstCallAndEndsWithTheConnection) {
   EXPECT_THAT(kept_.ended(), SizeIs(1)) << "once";
 }
 
+TEST_F(DroneConnectionsTest, IsKeptAgainWithWhatItBroughtNowAndThen) {
+  Call(drone_);
+  EXPECT_THAT(kept_.updated(), IsEmpty());
+  clock_.Advance(robot::kConnectionUpdateEvery);
+  Call(drone_);
+  Call(drone_);
+  ASSERT_THAT(kept_.updated(), SizeIs(1));
+  EXPECT_EQ(kept_.updated()[0].messages, 2U);
+  EXPECT_EQ(kept_.updated()[0].id, kept_.begun()[0].id);
+}
+
 TEST_F(DroneConnectionsTest, EachDroneOfAGatewayHasItsOwn) {
   Call(drone_);
   Call(Drone("rcan://local.rcan/uncrew/uav/2"));
