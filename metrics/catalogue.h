@@ -40,6 +40,7 @@ enum class MetricId : std::uint8_t {
   kLivePartsDropped,
   kPresenceChanges,
   kPresenceRefused,
+  kConnectionsWritten,
   kConnectionsDropped,
   kConnectionsEnded,
   kRobotsAdopted,

@@ -73,7 +73,9 @@ Step Committing::Commit() {
   context_.probe.runs_closed_for_bound.Add(
       static_cast<std::int64_t>(context_.store.TakeRunsClosed()));
   FinishPresence(std::span(*outcomes).subspan(records));
-  context_.inbox.CountConnectionsCommitted(batch_.batch().connections.size());
+  const std::size_t connections = batch_.batch().connections.size();
+  context_.probe.connections_written.Add(static_cast<std::int64_t>(connections));
+  context_.inbox.CountConnectionsCommitted(connections);
   batch_.ClearConnections();
   NoteQuarantined(*outcomes);
   outcomes->resize(records);

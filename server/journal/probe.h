@@ -20,6 +20,8 @@ struct JournalProbe {
   std::array<metrics::Cell, 3> presence_changes;
   /// Changes of presence that the store refused because another process held the robot.
   metrics::Cell presence_refused;
+  /// Connections of robots that were written; each several times.
+  metrics::Cell connections_written;
   /// Connections of robots that were not written: too many waited for the store.
   metrics::Cell connections_dropped;
   /// Connections that were ended for a server that is over.

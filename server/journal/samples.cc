@@ -48,6 +48,7 @@ void AddSamples(const JournalProbe& probe, metrics::Exposition& page) {
              {ToText(presence)});
   }
   page.Add(kPresenceRefused, probe.presence_refused);
+  page.Add(kConnectionsWritten, probe.connections_written);
   page.Add(kConnectionsDropped, probe.connections_dropped);
   page.Add(kConnectionsEnded, probe.connections_ended);
   page.Add(kRobotsAdopted, probe.adopted);

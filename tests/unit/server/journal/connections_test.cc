@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/journal/connection_notes.h"
 #include "tests/unit/server/journal/journal_bench.h"
 
 /// How the journal writes connections of robots, and ends those of servers that are over.
@@ -64,6 +65,25 @@ TEST_F(JournalConnections, AreCommittedByThemselves) {
   Run();
   EXPECT_THAT(Ids(), ElementsAre(1));
   EXPECT_THAT(Ids(true), IsEmpty());
+  EXPECT_EQ(probe.connections_written.value(), 2);
+}
+
+TEST_F(JournalConnections, AreNotedByWhatReportsThem) {
+  const Shards shards({&journal});
+  ConnectionNotes notes(shards);
+  notes.Begin(Item(1));
+  Run();
+  EXPECT_THAT(Ids(true), ElementsAre(1));
+  storage::ConnectionItem more = Item(1);
+  more.messages = 5;
+  notes.Update(more);
+  Run();
+  EXPECT_EQ(store.Connections({})->rows.at(0).messages, 5U);
+  EXPECT_THAT(Ids(true), ElementsAre(1));
+  notes.End(Ended(1));
+  Run();
+  EXPECT_THAT(Ids(true), IsEmpty());
+  EXPECT_THAT(Ids(), ElementsAre(1));
 }
 
 TEST_F(JournalConnections, SurviveAStoreThatIsAway) {
