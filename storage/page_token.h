@@ -13,16 +13,6 @@
 
 namespace uplink::storage {
 
-/// Where a page ended: the next one begins with the row that follows it in the order of the walk.
-/// `entry` is the number that the store gave the row when it wrote it, so no two rows have one
-/// position.
-struct PagePosition {
-  SystemTime at;
-  std::uint64_t entry = 0;
-
-  friend auto operator<=>(const PagePosition&, const PagePosition&) = default;
-};
-
 /// The position in a list in one order, as an opaque text of lower-case hex digits with a check
 /// sum.
 [[nodiscard]] std::string EncodePageToken(PageKind kind, ListOrder order,

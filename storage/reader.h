@@ -146,6 +146,16 @@ template <typename Query>
   return query.rows;
 }
 
+/// A row's place in its list, and where a page ended: the next one begins with the row that follows
+/// it in the order of the walk. `entry` is the number that the store gave the row when it wrote it,
+/// so no two rows have one position.
+struct PagePosition {
+  SystemTime at;
+  std::uint64_t entry = 0;
+
+  friend auto operator<=>(const PagePosition&, const PagePosition&) = default;
+};
+
 /// By arrival, newest or oldest first. A token stays valid while rows are added: a walk sees every
 /// row that was there when it began exactly once.
 ///
@@ -156,6 +166,8 @@ template <typename Query>
 template <typename Row>
 struct Page {
   std::vector<Row> rows;
+  /// Of each row; EncodePageToken makes the token of what follows one.
+  std::vector<PagePosition> positions;
   /// Empty when this page is the last.
   std::string next_token;
 };

@@ -70,6 +70,7 @@ absl::StatusOr<Page<Row>> ReadPage(Connection& connection, const ListShape& shap
       bytes += row.TextBytes();
       page.rows.push_back(read(row));
       last = PagePosition{row.Time(kTimeColumn), static_cast<std::uint64_t>(row.Int(kEntryColumn))};
+      page.positions.push_back(*last);
     }
     if (rows->rows() < asked) return page;
     chunk = NextChunkRows(page.rows.size(), bytes);

@@ -52,6 +52,7 @@ absl::StatusOr<Page<Row>> ReadPage(Database& database, const ListShape& shape,
     if (!row.ok()) return row.status();
     page.rows.push_back(*std::move(row));
     last = {FromUnixMs(rows.Int(kTimeColumn)), static_cast<std::uint64_t>(rows.Int(kEntryColumn))};
+    page.positions.push_back(last);
   }
 }
 

@@ -42,6 +42,7 @@ absl::StatusOr<Page<Seen>> SeenOf(absl::StatusOr<Page<Row>> page, const ItemOf& 
   if (!page.ok()) return page.status();
   Page<Seen> seen;
   seen.next_token = page->next_token;
+  seen.positions = page->positions;
   for (const Row& row : page->rows) seen.rows.push_back({item_of(row), row.robot});
   return seen;
 }
@@ -306,6 +307,23 @@ TEST_P(ListContract, IsWalkedOnceWhileRowsAreAdded) {
     EXPECT_EQ(pages, 7);
     EXPECT_THAT(seen, SizeIs(kItems));
     for (const auto& [item, times] : seen) EXPECT_EQ(times, 1) << item;
+  });
+}
+
+TEST_P(ListContract, GoesOnBehindEachRowByItsPosition) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < kItems; ++item) Put(list, item);
+    for (const auto order : {storage::ListOrder::kNewestFirst, storage::ListOrder::kOldestFirst}) {
+      HistoryQuery query{.order = order};
+      const std::vector<int> all = ItemsOf(list, query);
+      const auto page = list.read(store_->reader(), query);
+      ASSERT_EQ(page->positions.size(), page->rows.size());
+      for (std::size_t row = 0; row < all.size(); row += 5) {
+        query.page_token = EncodePageToken(list.kind, order, page->positions[row]);
+        const std::vector<int> rest(all.begin() + static_cast<std::ptrdiff_t>(row) + 1, all.end());
+        EXPECT_EQ(ItemsOf(list, query), rest) << row;
+      }
+    }
   });
 }
 

@@ -90,6 +90,7 @@ absl::StatusOr<storage::Page<Row>> FakePageOf(storage::PageKind kind,
   std::size_t bytes = 0;
   for (const auto& [place, row] : rows) {
     page.rows.push_back(*row);
+    page.positions.push_back(place);
     bytes += BytesOf(*row);
     if (page.rows.size() < query.page_size && bytes < storage::kPageBytesMax) continue;
     if (page.rows.size() < rows.size()) {
