@@ -65,6 +65,9 @@ struct RoutedRequest {
 [[nodiscard]] Response GetEvents(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetMessages(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetPresence(const Sources& sources, const RoutedRequest& request);
+/// What happened to one robot.
+[[nodiscard]] Response GetStory(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetConnections(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetGaps(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetQuarantine(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request);

@@ -4,6 +4,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "schema/model/connection.h"
 #include "schema/model/cyberwave/uuid.h"
 #include "schema/model/message_source.h"
 #include "schema/model/rejection.h"
@@ -34,6 +35,15 @@ std::optional<model::RejectReason> ReadReason(Parameters& parameters) {
   const std::optional<model::RejectReason> reason = model::RejectReasonFromText(text);
   if (!reason) parameters.Reject("reason", "is none of the reject reasons, such as out_of_range");
   return reason;
+}
+
+/// Nothing: whyever it ended.
+std::optional<model::ConnectionEnd> ReadWhy(Parameters& parameters) {
+  const std::string text = parameters.Text("why");
+  if (text.empty()) return std::nullopt;
+  const std::optional<model::ConnectionEnd> why = model::ConnectionEndFromText(text);
+  if (!why) parameters.Reject("why", "is none of the reasons of an end, such as silent");
+  return why;
 }
 
 /// Nothing: every scope.
@@ -93,6 +103,33 @@ Response GetMessages(const Sources& sources, const RoutedRequest& request) {
   storage::MessagesQuery query{.rows = ReadRows(parameters)};
   query.level = ReadEnum<model::MessageLevel>(parameters, "level");
   return ListResponse(sources, parameters, &Reader::Messages, query);
+}
+
+Response GetConnections(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::ConnectionsQuery query{.rows = ReadRows(parameters)};
+  query.open = parameters.Flag("open");
+  query.why = ReadWhy(parameters);
+  query.source = ReadSource(parameters);
+  return ListResponse(sources, parameters, &Reader::Connections, query);
+}
+
+Response GetStory(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  storage::HistoryQuery rows;
+  const std::string ruri = parameters.Text("ruri");
+  if (ruri.empty()) parameters.Reject("ruri", "is missing: name the robot");
+  ReadTimes(parameters, rows);
+  ReadPage(parameters, rows);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  const absl::StatusOr<view::StoryPage> story =
+      sources.queries.Story({.ruri = ruri,
+                             .from = rows.from,
+                             .to = rows.to,
+                             .order = rows.order,
+                             .page_size = rows.page_size,
+                             .page_token = rows.page_token});
+  return story.ok() ? JsonResponse(view::ToJson(*story)) : ErrorResponse(story.status());
 }
 
 Response GetPresence(const Sources& sources, const RoutedRequest& request) {

@@ -60,6 +60,7 @@ v1::PresenceChange ToMessage(const storage::PresenceRow& row) {
   change.set_ruri(row.robot.ruri);
   change.set_presence(std::string(model::ToText(row.presence)));
   SetTime(change, &v1::PresenceChange::mutable_at, row.at);
+  if (row.why) change.set_why(std::string(model::ToText(*row.why)));
   return change;
 }
 

@@ -25,6 +25,7 @@ namespace uplink::view {
 [[nodiscard]] v1::Fault ToMessage(const storage::FaultRow& row);
 [[nodiscard]] v1::Event ToMessage(const storage::EventRow& row);
 [[nodiscard]] v1::RobotMessage ToMessage(const storage::MessageRow& row);
+[[nodiscard]] v1::Connection ToMessage(const storage::ConnectionRow& row);
 [[nodiscard]] v1::PresenceChange ToMessage(const storage::PresenceRow& row);
 [[nodiscard]] v1::Quarantined ToMessage(const storage::QuarantineRow& row);
 [[nodiscard]] v1::Gap ToMessage(const storage::GapRow& row);
@@ -34,6 +35,9 @@ namespace uplink::view {
 [[nodiscard]] v1::OperatorRequest ToMessage(const storage::OperatorRequestRow& row);
 [[nodiscard]] v1::Shape ToMessage(const storage::ShapeRow& row);
 [[nodiscard]] v1::TrackedObject ToMessage(const storage::ObjectRow& row);
+
+[[nodiscard]] v1::StoryEntry ToMessage(const StoryEntry& entry);
+[[nodiscard]] TextMembers TextsOf(const StoryEntry& entry);
 
 /// For rows without a Struct.
 template <typename Row>

@@ -28,6 +28,13 @@ absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::QuarantineQuer
   return QuarantineView{*std::move(page), *std::move(dropped)};
 }
 
+absl::StatusOr<StoryPage> Queries::Story(const StoryQuery& query) {
+  absl::StatusOr<StoryPage> page = StoryOf(sources_.reader, query);
+  const bool told_nothing = page.ok() && page->entries.empty() && query.page_token.empty();
+  if (told_nothing && sources_.fleet.Find(query.ruri) == nullptr) return Unknown(query.ruri);
+  return page;
+}
+
 absl::StatusOr<storage::Page<storage::ShapeRow>> Queries::Shapes(storage::PresentQuery query) {
   query.now = sources_.clock.System();
   return sources_.reader.Shapes(query);

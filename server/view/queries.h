@@ -34,6 +34,7 @@
 #include "server/view/robots_query.h"
 #include "server/view/sorted_robots.h"
 #include "server/view/stored_counts.h"
+#include "server/view/story.h"
 #include "storage/reader.h"
 
 namespace uplink::view {
@@ -198,6 +199,9 @@ class Queries final {
   }
   /// The same of quarantine, messages of no robot included.
   [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::QuarantineQuery& query);
+  /// A page of the robot's story (StoryOf). kNotFound if the robot is not in memory, and the first
+  /// page tells nothing of it.
+  [[nodiscard]] absl::StatusOr<StoryPage> Story(const StoryQuery& query);
   // What is present now, by our clock; query.now is ignored.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);

@@ -27,6 +27,9 @@ namespace uplink::view {
     const storage::PresenceRow* /*row*/) {
   return {};
 }
+[[nodiscard]] inline v1::ListConnectionsResponse ResponseOf(const storage::ConnectionRow* /*row*/) {
+  return {};
+}
 [[nodiscard]] inline v1::ListQuarantineResponse ResponseOf(const storage::QuarantineRow* /*row*/) {
   return {};
 }
@@ -70,6 +73,17 @@ template <typename Response, typename Row>
 template <typename Row>
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<Row>& page) {
   return RowsIn(ResponseOf(static_cast<const Row*>(nullptr)), page);
+}
+
+[[nodiscard]] inline absl::StatusOr<std::string> ToJson(const StoryPage& page) {
+  v1::GetRobotStoryResponse response;
+  response.set_next_page_token(page.next_token);
+  ListText list;
+  for (const StoryEntry& entry : page.entries) {
+    const absl::Status added = list.Add(ToMessage(entry), TextsOf(entry));
+    if (!added.ok()) return added;
+  }
+  return list.TakeIn(response);
 }
 
 [[nodiscard]] inline absl::StatusOr<std::string> ToJson(const QuarantineView& quarantine) {

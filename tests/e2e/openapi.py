@@ -129,12 +129,12 @@ def schemas_within(where, schema):
 
 def names_one(path):
     """Whether the answer is about one robot."""
-    return "{ruri}" in path or path == "/api/v1/robot"
+    return "{ruri}" in path or path in ("/api/v1/robot", "/api/v1/robot/story")
 
 
 def target(path, ruri, parameters=None):
     parameters = dict(parameters or {})
-    if path == "/api/v1/robot":
+    if names_one(path) and "{ruri}" not in path:
         parameters.setdefault("ruri", ruri)
     query = urllib.parse.urlencode(parameters)
     return path.replace("{ruri}", urllib.parse.quote(ruri, safe="")) + ("?" + query if query else "")

@@ -9,7 +9,7 @@ WAIT_SECONDS = 60
 # The list of each answer that holds one.
 LISTS = {
     "robots": "robots", "fleets": "fleets", "events": "events", "messages": "messages", "presence": "presenceChanges",
-    "quarantine": "quarantined", "gaps": "gaps", "mission_reports": "missionReports",
+    "connections": "connections", "quarantine": "quarantined", "gaps": "gaps", "mission_reports": "missionReports",
     "scope_updates": "scopeUpdates", "faults": "faults", "missions": "missions",
     "shapes": "shapes", "objects": "objects",
 }  # fmt: skip

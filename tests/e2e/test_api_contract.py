@@ -18,7 +18,8 @@ ANSWERS = SOURCE / "tests/fixtures/api"
 # By operation its RPC.
 RPCS = {
     "status": "GetStatus", "robots": "ListRobots", "robot": "GetRobot", "robot_by_ruri": "GetRobot",
-    "fleets": "ListFleets", "top": "ListTop", "events": "ListEvents", "messages": "ListMessages", "presence": "ListPresenceChanges",
+    "robot_story": "GetRobotStory", "connections": "ListConnections", "fleets": "ListFleets", "top": "ListTop",
+    "events": "ListEvents", "messages": "ListMessages", "presence": "ListPresenceChanges",
     "quarantine": "ListQuarantine", "gaps": "ListGaps", "scope_updates": "ListScopeUpdates", "faults": "ListFaults",
     "missions": "ListMissions", "mission_reports": "ListMissionReports", "operator_requests": "ListOperatorRequests",
     "shapes": "ListShapes", "objects": "ListObjects",

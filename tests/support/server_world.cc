@@ -142,7 +142,8 @@ void ServerWorld::CommitBody(const std::string& ruri, const model::Body& body) {
   CommitJudged(ruri, uplink::test::RecordOf(body));
 }
 
-void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presence) {
+void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presence,
+                                 std::optional<model::ConnectionEnd> why) {
   // A batch makes no robot.
   if (database.EpochOf(ruri) == 0) static_cast<void>(Next(ruri));
   storage::Batch batch;
@@ -151,7 +152,16 @@ void ServerWorld::CommitPresence(const std::string& ruri, model::Presence presen
                             .presence = presence,
                             .at = clock.System(),
                             .number = ++last_presence_,
-                            .held_since = database.HeldSinceOf(ruri)});
+                            .held_since = database.HeldSinceOf(ruri),
+                            .why = why});
+  UPLINK_CHECK(store.Commit(batch).ok(), ruri);
+}
+
+void ServerWorld::CommitConnection(storage::ConnectionItem item) {
+  const std::string ruri = item.robot->ruri;
+  if (database.EpochOf(ruri) == 0) static_cast<void>(Next(ruri));
+  storage::Batch batch;
+  batch.connections.push_back(std::move(item));
   UPLINK_CHECK(store.Commit(batch).ok(), ruri);
 }
 

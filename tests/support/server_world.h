@@ -48,7 +48,9 @@ class ServerWorld {
   /// A message of a durable kind, judged first.
   void CommitBody(const std::string& ruri, const model::Body& body);
   void CommitFault(const std::string& ruri, const model::Fault& fault) { CommitBody(ruri, fault); }
-  void CommitPresence(const std::string& ruri, model::Presence presence);
+  void CommitPresence(const std::string& ruri, model::Presence presence,
+                      std::optional<model::ConnectionEnd> why = {});
+  void CommitConnection(storage::ConnectionItem item);
   void CommitQuarantine(const std::string& ruri, const model::Rejection& rejection,
                         const std::string& payload, storage::OriginRef origin = nullptr);
   /// Of what stands for no robot, of this fleet.

@@ -131,6 +131,36 @@ TEST_F(ListsTest, EachListHasFiltersOfItsOwn) {
               ElementsAre("two", "one"));
 }
 
+TEST_F(ListsTest, ConnectionsAreFiltered) {
+  SayThings();
+  const auto connect = [this](std::uint8_t id, const std::string& ruri,
+                              std::optional<model::ConnectionEnd> why) {
+    storage::ConnectionItem item;
+    item.robot = world_.fleet.Find(ruri)->id();
+    item.id = {id};
+    item.began_at = world_.clock.System();
+    item.address = std::to_string(id);
+    if (id == 3) item.source = model::MessageSource::kUncrew;
+    if (why) item.ended = storage::ConnectionEnded{world_.clock.System(), *why, "", ""};
+    world_.CommitConnection(std::move(item));
+    world_.clock.Advance(milliseconds(1));
+  };
+  connect(1, "rcan://a", model::ConnectionEnd::kSilent);
+  connect(2, "rcan://a", std::nullopt);
+  connect(3, "rcan://b", model::ConnectionEnd::kBroken);
+  const std::string path = "/api/v1/connections";
+  EXPECT_THAT(Texts(path, "/address"), ElementsAre("3", "2", "1"));
+  EXPECT_THAT(Texts(path + "?orderBy=oldest&fleet=north", "/address"), ElementsAre("1", "2"));
+  EXPECT_THAT(Texts(path + "?open=true", "/address"), ElementsAre("2"));
+  EXPECT_THAT(Texts(path + "?why=silent", "/end/why"), ElementsAre("silent"));
+  EXPECT_THAT(Texts(path + "?source=uncrew", "/address"), ElementsAre("3"));
+  EXPECT_THAT(Get(path + "?why=tired").body, HasSubstr("why is none of the reasons of an end"));
+  EXPECT_THAT(Texts("/api/v1/robot/story?ruri=" + kA + "&orderBy=oldest&from=" + At(4), "/kind"),
+              ElementsAre("connected"));
+  EXPECT_EQ(Get("/api/v1/robot/story").status, 400);
+  EXPECT_EQ(Get("/api/v1/robot/story?ruri=rcan://x").status, 404);
+}
+
 TEST_F(ListsTest, ARobotIsNamedByParameterAsWell) {
   SayThings();
   EXPECT_EQ(Get("/api/v1/robot?ruri=" + kA).body, Get("/api/v1/robots/" + kA).body);

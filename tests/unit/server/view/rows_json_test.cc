@@ -91,8 +91,46 @@ TEST(RowsJson, PresenceChanges) {
     row.at = FromUnixMs(3);
     ExpectJson("presenceChanges", row,
                R"({"ruri": "rcan://a", "presence": ")" + std::string(name) +
-                   R"(", "at": "1970-01-01T00:00:00.003Z"})");
+                   R"(", "at": "1970-01-01T00:00:00.003Z", "why": ""})");
   }
+}
+
+TEST(RowsJson, APresenceChangeShowsWhyTheLastConnectionEnded) {
+  storage::PresenceRow row;
+  row.presence = model::Presence::kOffline;
+  row.at = FromUnixMs(3);
+  row.why = model::ConnectionEnd::kNotRead;
+  ExpectJson("presenceChanges", row, R"({"ruri": "rcan://a", "presence": "offline",
+    "at": "1970-01-01T00:00:00.003Z", "why": "not_read"})");
+}
+
+TEST(RowsJson, Connections) {
+  storage::ConnectionRow row;
+  row.id = {0xAB};
+  row.began_at = FromUnixMs(1);
+  row.server = "host:7443";
+  row.address = "192.0.2.1:4711";
+  row.messages = 5;
+  row.bytes = 6;
+  const std::string open = R"({"ruri": "rcan://a", "id": "ab000000000000000000000000000000",
+    "source": "uplink", "beganAt": "1970-01-01T00:00:00.001Z", "server": "host:7443",
+    "address": "192.0.2.1:4711", "gateway": "", "agentVersion": "", "messages": "5", "bytes": "6",
+    "takeovers": 0)";
+  ExpectJson("connections", row, open + "}");
+  row.certificate = {
+      .serial = "0A", .sha256 = "aa", .key_sha256 = "bb", .not_after = FromUnixMs(4)};
+  row.held_back_ms = 7;
+  row.held_back_why = "flow";
+  row.ended_at = FromUnixMs(2);
+  row.why = model::ConnectionEnd::kReplaced;
+  row.code = "ABORTED";
+  row.detail = "superseded";
+  ExpectJson("connections", row, open + R"(,
+    "certificate": {"serial": "0A", "sha256": "aa", "keySha256": "bb",
+                    "notAfter": "1970-01-01T00:00:00.004Z"},
+    "heldBack": {"totalMs": "7", "why": "flow"},
+    "end": {"at": "1970-01-01T00:00:00.002Z", "why": "replaced", "code": "ABORTED",
+            "detail": "superseded"}})");
 }
 
 TEST(RowsJson, MissionRuns) {
