@@ -1,6 +1,6 @@
 """An agent whose stream ends in the way that its argument says. It says `welcome` once it streams.
 
-Run by test_story_ends.py with the system's Python, as relay_client.py. It leaves when its input ends.
+Run by ending_agents.py with the system's Python, as relay_client.py. It leaves when its input ends.
 """
 
 import contextlib

@@ -2,56 +2,17 @@
 and an agent of another gRPC library, as its log tells."""
 
 import contextlib
-import os
-import pathlib
 import re
-import subprocess
 
-from harness import SOURCE, EndToEnd, uplinkctl, wait_until
-from tcp_proxy import Cut, TcpProxy
-
-PYTHON = "/usr/bin/python3"
-AGENT = pathlib.Path(__file__).with_name("relay_ends.py")
-RURI = "rcan://example.org/acme/rover/"
-SECONDS = 60
-# Keepalive needs 40 s to find out, and so does an agent that does not read.
-PATIENCE_SECONDS = 120
+from ending_agents import DRAIN, PATIENCE_SECONDS, RURI, SECONDS, EndingAgents
+from harness import uplinkctl, wait_until
+from tcp_proxy import Cut
 
 
-class StoryEnds(EndToEnd):
+class StoryEnds(EndingAgents):
     def setUp(self):
         super().setUp()
-        self.running = self.server("[drain]\ntimeout = \"5s\"\n").start()
-        self.modules = self.running.folder / "modules"
-        self.modules.mkdir()
-        subprocess.run(
-            ["protoc", f"--proto_path={SOURCE / 'proto'}", f"--python_out={self.modules}", "uplink/v1/relay.proto"],
-            check=True, timeout=SECONDS,
-        )  # fmt: skip
-        self.proxy = TcpProxy(self.running.relay)
-        self.addCleanup(self.proxy.close)
-
-    def agent(self, act, name=None, through=None):
-        """An agent that streams, of the robot `name`, by default that of its act."""
-        name = name or act
-        keys = self.running.folder / name
-        if not keys.exists():
-            uplinkctl("pki", "robot", "--dir", self.running.pki, "--ruri", RURI + name, "--fleet", "acme", "--name", name)
-            keys.touch()
-        files = [str(self.running.pki / file) for file in ("ca.crt", f"{name}.crt", f"{name}.key")]
-        agent = subprocess.Popen(
-            [PYTHON, str(AGENT), act, through or self.running.relay, *files],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(self.modules), str(AGENT.parent)])},
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        )  # fmt: skip
-        self.addCleanup(self.end, agent)
-        self.assertEqual(agent.stdout.readline().strip(), "welcome")
-        return agent
-
-    @staticmethod
-    def end(agent):
-        agent.kill()
-        agent.communicate()
+        self.serve(self.server(DRAIN))
 
     def ends(self, name):
         """Why each stream of the robot ended, and with which code."""
