@@ -13,6 +13,7 @@
 #include "schema/base/file_text.h"
 #include "schema/base/utf8.h"
 #include "server/config/broker_relations.h"
+#include "server/config/effective.h"
 #include "server/config/file_modes.h"
 #include "server/config/relations.h"
 #include "server/config/removed.h"
@@ -25,7 +26,6 @@
 namespace uplink::config {
 namespace {
 
-constexpr std::string_view kEnvironment = "environment";
 /// Longest part of a key that a problem repeats.
 constexpr std::size_t kShownBytesMax = 200;
 
@@ -105,6 +105,7 @@ class Loader {
       result.config = std::move(config_);
     }
     result.problems = std::move(problems_);
+    result.places = std::move(where_);
     return result;
   }
 
@@ -241,7 +242,7 @@ class Loader {
   Config config_;
   std::vector<Problem> problems_;
   std::vector<Located> located_;
-  std::map<std::string, std::string> where_;
+  Places where_;
   std::map<std::string, std::string> without_effect_;
   std::set<std::string> bad_;
   std::vector<std::string> ignored_;

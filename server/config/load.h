@@ -9,6 +9,7 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/config/effective.h"
 
 namespace uplink::config {
 
@@ -61,6 +62,7 @@ struct LoadResult {
   std::vector<Problem> problems;
   /// Such as keys that are set but have no effect in this version.
   std::vector<Note> notes;
+  Places places{};
 
   [[nodiscard]] bool ok() const { return config.has_value(); }
 };
