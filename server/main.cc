@@ -118,6 +118,8 @@ int ServeBy(const Arguments& arguments, const config::LoadResult& loaded,
   }
   std::mt19937_64 random(std::random_device{}());
   auto app = run::App::Start({.config = *loaded.config,
+                              .config_file = arguments.config_file,
+                              .places = loaded.places,
                               .read_config = [path = arguments.config_file] { return Load(path); },
                               .logger = logger,
                               .clock = clock,

@@ -17,6 +17,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 
+#include "server/http/answer_head.h"
 #include "server/http/errors.h"
 #include "server/http/header_text.h"
 #include "server/http/incoming.h"
@@ -35,8 +36,6 @@ using asio::ip::tcp;
 constexpr std::size_t kLingerBytesMax = 64UL * 1024;
 constexpr std::chrono::seconds kLingerWait{1};
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-
-beast::string_view ToBeast(std::string_view text) { return {text.data(), text.size()}; }
 
 Method MethodOf(bhttp::verb verb) {
   if (verb == bhttp::verb::get) return Method::kGet;
@@ -123,11 +122,21 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     Answer(std::move(incoming_.refusal()));
   }
 
+  /// A header that may stand there several times, as one (RFC 9110, 5.3).
+  [[nodiscard]] std::string Listed(bhttp::field name) const {
+    std::string all;
+    const auto [first, last] = incoming_.message().equal_range(name);
+    for (auto header = first; header != last; ++header) {
+      if (!all.empty()) all += ", ";
+      all += std::string_view(header->value().data(), header->value().size());
+    }
+    return all;
+  }
+
   [[nodiscard]] Request ToRequest() const {
     const auto& message = incoming_.message();
-    Request request{method_, std::string(message.target()),
-                    std::string(message[bhttp::field::accept]),
-                    std::string(message[bhttp::field::accept_encoding])};
+    Request request{method_, std::string(message.target()), Listed(bhttp::field::accept),
+                    Listed(bhttp::field::accept_encoding), Listed(bhttp::field::if_none_match)};
     const std::size_t hosts = message.count(bhttp::field::host);
     if (hosts == 1) request.host = std::string(message[bhttp::field::host]);
     request.host_required = version_ >= 11 || hosts > 1;
@@ -171,18 +180,12 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     bhttp::response<Body> message(bhttp::int_to_status(static_cast<unsigned>(answer.status)),
                                   version_);
     message.set(bhttp::field::date, ImfFixdate(context_->server.clock.System()));
-    message.set(bhttp::field::content_type, ToBeast(answer.content_type));
-    message.set(bhttp::field::cache_control, "no-store");
-    message.set("X-Content-Type-Options", "nosniff");
-    if (!answer.allow.empty()) message.set(bhttp::field::allow, ToBeast(answer.allow));
-    if (!answer.coding.empty()) message.set(bhttp::field::content_encoding, ToBeast(answer.coding));
-    if (answer.varies) message.set(bhttp::field::vary, "Accept, Accept-Encoding");
+    SetHeaders(answer, message);
     message.keep_alive(keep_alive_);
     if (keep_alive_) {
       message.set(bhttp::field::connection, "keep-alive");  // names the header, too
       message.set(bhttp::field::keep_alive, context_->keep_alive);
     }
-    message.content_length(answer.content().size());
     return message;
   }
 
@@ -200,7 +203,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
       logger.Debug("http_answered",
                    {{"route", RouteName(route_)}, {"status", answer.status}, {"ms", ms}});
     }
-    if (method_ == Method::kHead) {
+    if (method_ == Method::kHead || answer.status == 304) {
       Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
     } else if (answer.shared_body != nullptr) {
       auto& message = answer_.emplace<Shared>(Head<bhttp::span_body<const char>>(answer));

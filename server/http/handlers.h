@@ -4,6 +4,7 @@
 #include <string>
 
 #include "metrics/format.h"
+#include "server/config/effective.h"
 #include "server/health/monitor.h"
 #include "server/http/listeners.h"
 #include "server/http/message.h"
@@ -24,6 +25,7 @@ struct Sources {
   rcan::RobotScrape& robots;
   /// Gets the details of a failure; clients get only its kind.
   const log::Logger& logger;
+  const config::InEffect& in_effect;
 };
 
 /// A request whose path was found. A value.
@@ -33,6 +35,9 @@ struct RoutedRequest {
   std::string query;
   metrics::Format format = metrics::Format::kText;
   metrics::Coding coding = metrics::Coding::kPlain;
+  /// Lists go as lines.
+  bool lines = false;
+  std::string if_none_match;
   ListenerId listener = ListenerId::kHttp;
 };
 
@@ -51,6 +56,8 @@ struct RoutedRequest {
 
 // api.cc: how the server does.
 [[nodiscard]] Response GetStatus(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetConfig(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetOpenapi(const Sources& sources, const RoutedRequest& request);
 
 // robots.cc: what is held in memory.
 /// Whether the list wants parts that only the store has.

@@ -48,6 +48,10 @@ inline constexpr ListenerLimits kMetricsLimits{.connections_max = config::kMetri
                                                .answer_wait = std::chrono::seconds(30),
                                                .idle_wait = std::chrono::seconds(75)};
 
+/// Every 503 names it as Retry-After: a busy moment has passed then, and a store that is away is
+/// not asked more often than it is tried.
+inline constexpr std::chrono::seconds kRetryAfter{2};
+
 /// Connections that each listener holds at most, by ListenerId; 0: there is no such listener.
 using ConnectionsMax = std::array<std::size_t, kListenerKeys.size()>;
 

@@ -21,6 +21,8 @@ struct Request {
   /// The headers Accept and Accept-Encoding; empty: none.
   std::string accept{};
   std::string accept_encoding{};
+  /// The header If-None-Match; empty: none.
+  std::string if_none_match{};
   /// The header Host; nothing: there is none, or there are several.
   std::optional<std::string> host{};
   /// The header Origin; nothing: there is none.
@@ -50,6 +52,10 @@ struct Response {
   std::string_view coding{};
   /// The answer depends on Accept and Accept-Encoding.
   bool varies = false;
+  /// Value of the ETag header; empty: clients need not keep the answer.
+  std::string entity_tag{};
+  /// Of a list that goes as lines: what the next page begins behind; empty: this is the last one.
+  std::string next_page_token{};
   /// The connection ends after it.
   bool closes = false;
   /// What really failed, for the log alone.

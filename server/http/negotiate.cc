@@ -74,6 +74,16 @@ metrics::Format FormatFor(std::string_view accept) {
                                                   : metrics::Format::kText;
 }
 
+bool PrefersLines(std::string_view accept) {
+  double lines = 0;
+  double json = 0;
+  ForEachItem(accept, [&](const Item& item) {
+    if (SameWord(item.name, "application/x-ndjson")) lines = std::max(lines, item.quality);
+    if (SameWord(item.name, "application/json")) json = std::max(json, item.quality);
+  });
+  return lines > 0 && lines >= json;
+}
+
 metrics::Coding CodingFor(std::string_view accept_encoding) {
   std::optional<double> gzip;
   double any = 0;

@@ -11,8 +11,8 @@
 
 namespace uplink::http {
 
-/// Answers are counted by their class: 2xx, 4xx, 5xx.
-inline constexpr std::array<std::string_view, 3> kCodeClasses = {"2xx", "4xx", "5xx"};
+/// Answers are counted by their class: 2xx, 3xx, 4xx, 5xx.
+inline constexpr std::array<std::string_view, 4> kCodeClasses = {"2xx", "3xx", "4xx", "5xx"};
 
 /// A listener's connections. Thread-safe.
 struct ConnectionProbe {
@@ -38,7 +38,7 @@ struct HttpProbe {
   metrics::Cell scrapes_waiting;
 
   void CountRequest(RouteId route, int status) {
-    const std::size_t code_class = status < 400 ? 0 : status < 500 ? 1 : 2;
+    const std::size_t code_class = status < 300 ? 0 : status < 400 ? 1 : status < 500 ? 2 : 3;
     requests[route.index][code_class].Add();
   }
 };

@@ -28,6 +28,8 @@ struct Route {
   Response (*handler)(const Sources&, const RoutedRequest&);
   /// Of Lane::kMemory: whether this request is one of Lane::kRead; null: none is.
   bool (*reads_store)(const RoutedRequest&) = nullptr;
+  /// Answers have an ETag, since clients ask again and again for what often has not changed.
+  bool tagged = false;
 };
 
 /// All paths: the only list of them.

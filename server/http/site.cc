@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/http/errors.h"
+#include "server/http/form.h"
 #include "server/http/negotiate.h"
 #include "server/http/target.h"
 
@@ -21,8 +22,12 @@ Resolved Site::Resolve(const Request& request) const {
   if (found.id.index >= Routes().size()) return AtOnce(found.id, NoSuchPath(target.path));
   if (request.method == Method::kOther) return AtOnce(found.id, MethodNotAllowed());
   const Route& route = Routes()[found.id.index];
-  RoutedRequest routed{std::move(found.segment), std::string(target.query),
-                       FormatFor(request.accept), CodingFor(request.accept_encoding),
+  RoutedRequest routed{std::move(found.segment),
+                       std::string(target.query),
+                       FormatFor(request.accept),
+                       CodingFor(request.accept_encoding),
+                       PrefersLines(request.accept),
+                       request.if_none_match,
                        request.listener};
   const bool reads = route.reads_store != nullptr && route.reads_store(routed);
   return {found.id, reads ? Lane::kRead : route.lane,
@@ -34,6 +39,9 @@ Response Site::Run(const Route& route, const RoutedRequest& request) const {
   // What a library throws under a handler (memory) ends here.
   try {
     response = route.handler(sources_, request);
+    if (route.lane == Lane::kMemory || route.lane == Lane::kRead) {
+      response = InFormOf(request, route, std::move(response));
+    }
   } catch (const std::exception& error) {
     response = ErrorResponse(absl::InternalError(error.what()));
   }

@@ -52,8 +52,8 @@ class App::Impl {
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               early, store_, uncrew_, relay_, broker_, health_, options_.random}),
-        reload_(options_.config, {options_.read_config, allowances_, options_.logger}) {
+               early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
+        reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
   }
 
@@ -182,6 +182,7 @@ class App::Impl {
   RelaySide relay_;
   BrokerSide broker_;
   HealthSide health_;
+  config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
   ViewSide view_;
   Reload reload_;
 };

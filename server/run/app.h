@@ -35,6 +35,9 @@ class App final {
   /// What main passes in; the references outlive the app.
   struct Options {
     config::Config config;
+    /// Where it was read, and where its keys were set.
+    std::string config_file;
+    config::Places places;
     /// Reads the configuration again, for SIGHUP.
     std::function<config::LoadResult()> read_config;
     log::Logger& logger;

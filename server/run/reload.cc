@@ -40,6 +40,7 @@ void Reload::Run() {
     if (setting.effect == config::Effect::kReload) setting.set(running_, setting.get(*read.config));
   }
   context_.allowances.Set(AllowanceOf(running_));
+  context_.in_effect.TakeOver(*read.config, read.places);
   logger.Write(changes.needs_restart.empty() ? log::Level::kInfo : log::Level::kWarn, "reloaded",
                {{"taken_over", fmt::format("{}", fmt::join(changes.taken_over, ","))},
                 {"needs_restart", fmt::format("{}", fmt::join(changes.needs_restart, ","))}});

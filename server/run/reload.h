@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/config/config.h"
+#include "server/config/effective.h"
 #include "server/config/load.h"
 #include "server/ingest/allowances.h"
 #include "server/log/logger.h"
@@ -31,6 +32,7 @@ class Reload final {
     // They outlive it, and follow what is taken over.
     ingest::Allowances& allowances;
     log::Logger& logger;
+    config::InEffect& in_effect;
   };
   /// `running`: what the server was started with.
   Reload(config::Config running, Context context);

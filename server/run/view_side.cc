@@ -72,7 +72,7 @@ ViewSide::ViewSide(const Context& context)
                       .top = &top_}),
       site_({queries_, context.health.monitor(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
-             robots_scrape_, context.logger}) {}
+             robots_scrape_, context.logger, context.in_effect}) {}
 
 void ViewSide::AddWork(PeriodicWork& work) {
   work.look_at_top = [this] { top_.Look(); };

@@ -9,6 +9,7 @@
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/config/effective.h"
 #include "server/fleet/fleet.h"
 #include "server/http/site.h"
 #include "server/log/logger.h"
@@ -45,6 +46,7 @@ class ViewSide final {
     HealthSide& health;
     /// Evenly drawn numbers.
     const std::function<std::uint64_t()>& random;
+    const config::InEffect& in_effect;
   };
   explicit ViewSide(const Context& context);
 

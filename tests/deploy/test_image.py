@@ -106,6 +106,7 @@ class Image(unittest.TestCase):
         self.podman("healthcheck", "run", "server")
         self.assertIsNotNone(self.curl("server", "/metrics", 7481, ("-H", "Host: uplinkd.example.org")))
         self.assertIn(f" memory_bytes_max={MEMORY} ", self.log("server").replace("\n", " \n"))
+        self.assertTrue(self.curl("server", "/api/v1/openapi.yaml").startswith("openapi: 3.1"))
         before = json.loads(self.curl("server", "/api/v1/robots?pageSize=100"))["robots"]
         self.podman("stop", "--time", "30", "server")
         self.assertEqual(self.podman("inspect", "server", "--format", "{{.State.ExitCode}}").stdout.strip(), "0")

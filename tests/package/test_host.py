@@ -148,8 +148,9 @@ class Host(unittest.TestCase):
         self.follow("systemctl enable --now uplinkd")
         self.wait_ready()
         process, report = self.fleet(10, "first")
-        online = lambda: "ONLINE" in self.machine.get("/api/v1/robots?presence=online")  # noqa: E731
+        online = lambda: '"online"' in self.machine.get("/api/v1/robots?presence=online")  # noqa: E731
         self.machine.wait_until(online, START_SECONDS, "a robot is online")
+        self.assertIn("openapi: 3.1", self.machine.get("/api/v1/openapi.yaml"))
         seconds = time.monotonic() - Host.began
         print(f"from the empty root to the first robot online: {seconds:.1f} s")
         self.all_agree(process, report)

@@ -56,7 +56,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
       site({queries, monitor,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
-            robots_scrape, logger}) {}
+            robots_scrape, logger, in_effect}) {}
 
 ServerWorld::~ServerWorld() = default;
 

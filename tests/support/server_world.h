@@ -6,6 +6,7 @@
 #include "metrics/exposition.h"
 #include "metrics/ledger.h"
 #include "server/broker/broker.h"
+#include "server/config/effective.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/live_budget.h"
@@ -107,6 +108,7 @@ class ServerWorld {
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;
+  config::InEffect in_effect{"/etc/uplinkd/uplinkd.toml", {}, {{"log.level", "uplinkd.toml:7"}}};
   http::Site site;
 
   static model::SessionId session();

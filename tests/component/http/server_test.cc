@@ -23,6 +23,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using testing::HttpGet;
+using ::testing::Not;
 using testing::RawAnswer;
 using testing::RawConnection;
 
@@ -45,6 +46,55 @@ TEST_F(HttpServerTest, AnswersRequestsThatCameTogetherInOrder) {
   EXPECT_THAT(connection.Read()->body, HasSubstr("startedAt"));
   EXPECT_THAT(connection.Read()->body, HasSubstr("degraded"));
   EXPECT_TRUE(connection.AtEnd());
+}
+
+TEST_F(HttpServerTest, NotModifiedHasItsTagAndNeitherLengthNorBody) {
+  RawConnection connection(Serve());
+  connection.SendGet("/api/v1/robots");
+  const std::optional<RawAnswer> first = connection.Read();
+  ASSERT_TRUE(first);
+  EXPECT_THAT(first->head, HasSubstr("Cache-Control: private, no-cache\r\n"));
+  EXPECT_THAT(first->head, HasSubstr("Vary: Accept, Accept-Encoding\r\n"));
+  const std::size_t at = first->head.find("ETag: W/\"");
+  ASSERT_NE(at, std::string::npos) << first->head;
+  const std::string tag = first->head.substr(at + 6, first->head.find('\r', at) - at - 6);
+  for (const char* method : {"GET", "HEAD"}) {
+    connection.Send(std::string(method) + " /api/v1/robots HTTP/1.1\r\nHost: localhost\r\n" +
+                    "If-None-Match: \"x\"\r\nIf-None-Match: " + tag + "\r\n\r\n");
+    const std::optional<RawAnswer> second = connection.Read(RawConnection::Body::kNone);
+    ASSERT_TRUE(second);
+    EXPECT_EQ(second->status, 304);
+    EXPECT_THAT(second->head, HasSubstr("ETag: " + tag));
+    EXPECT_THAT(second->head, Not(HasSubstr("Content-")));
+  }
+  // The connection is still in step.
+  connection.SendGet("/readyz");
+  EXPECT_EQ(connection.Read()->body, R"({"degraded":[]})");
+}
+
+TEST_F(HttpServerTest, AHeadSaysHowLongTheZippedAnswerIs) {
+  RawConnection connection(Serve());
+  const std::string rest =
+      " /api/v1/openapi.yaml HTTP/1.1\r\nHost: localhost\r\nAccept-Encoding: gzip\r\n\r\n";
+  connection.Send("GET" + rest);
+  const std::optional<RawAnswer> whole = connection.Read();
+  ASSERT_TRUE(whole);
+  EXPECT_THAT(whole->head, HasSubstr("Content-Encoding: gzip\r\n"));
+  connection.Send("HEAD" + rest);
+  const std::optional<RawAnswer> head = connection.Read(RawConnection::Body::kNone);
+  ASSERT_TRUE(head);
+  EXPECT_THAT(head->head,
+              HasSubstr("Content-Length: " + std::to_string(whole->body.size()) + "\r\n"));
+}
+
+TEST_F(HttpServerTest, EachUnavailableSaysWhenToAskAgain) {
+  const std::uint16_t port = Serve();
+  world_.reader.SetAway(true);
+  EXPECT_THAT(HttpGet(port, "/api/v1/events").head, HasSubstr("503 "));
+  EXPECT_THAT(HttpGet(port, "/api/v1/events").head, HasSubstr("Retry-After: 2\r\n"));
+  world_.monitor.BeginDrain();
+  EXPECT_THAT(HttpGet(port, "/readyz").head, HasSubstr("Retry-After: 2\r\n"));
+  EXPECT_THAT(HttpGet(port, "/livez").head, Not(HasSubstr("Retry-After")));
 }
 
 TEST_F(HttpServerTest, HeadHasTheLengthAndNoBody) {

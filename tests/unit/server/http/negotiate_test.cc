@@ -25,6 +25,19 @@ TEST(Negotiate, OpenMetricsWhereItIsAskedForAndLikedNoLess) {
   }
 }
 
+TEST(Negotiate, LinesWhereTheyAreNamedAndLikedNoLessThanJson) {
+  for (const char* accept :
+       {"application/x-ndjson", "application/json;q=0.5, application/X-NDJSON;q=0.5",
+        "application/x-ndjson;q=0.1, */*", "application/x-ndjson, application/json"}) {
+    EXPECT_TRUE(PrefersLines(accept)) << accept;
+  }
+  for (const char* accept :
+       {"", "*/*", "application/*", "application/json", "application/x-ndjson;q=0",
+        "application/x-ndjson;q=0.5, application/json", "application/x-ndjson;q=x", "x-ndjson"}) {
+    EXPECT_FALSE(PrefersLines(accept)) << accept;
+  }
+}
+
 TEST(Negotiate, GzipWhereItIsTaken) {
   for (const char* accept :
        {"gzip", "deflate, gzip", "GZIP;q=0.1", "*", "identity;q=0.5, *;q=0.2"}) {

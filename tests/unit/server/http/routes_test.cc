@@ -18,11 +18,12 @@ using ::testing::ElementsAre;
 TEST(Routes, HaveTheLabelsOfTheMetrics) {
   std::vector<std::string_view> names;
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
-  EXPECT_THAT(names, ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "robots",
-                                 "robot", "robot_by_ruri", "robot_story", "fleets", "top", "events",
-                                 "messages", "connections", "presence", "quarantine", "gaps",
-                                 "scope_updates", "faults", "missions", "mission_reports",
-                                 "operator_requests", "shapes", "objects", "other"));
+  EXPECT_THAT(names, ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
+                                 "config", "robots", "robot", "robot_by_ruri", "robot_story",
+                                 "fleets", "top", "events", "messages", "connections", "presence",
+                                 "quarantine", "gaps", "scope_updates", "faults", "missions",
+                                 "mission_reports", "operator_requests", "shapes", "objects",
+                                 "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {
@@ -38,11 +39,13 @@ TEST(Routes, AProbeCountsEachAndAllOthers) {
   HttpProbe probe;
   ASSERT_EQ(probe.requests.size(), RouteIds());
   probe.CountRequest({0}, 200);
+  probe.CountRequest({0}, 304);
   probe.CountRequest(OtherRoute(), 404);
   probe.CountRequest(OtherRoute(), 503);
   EXPECT_EQ(probe.requests.front()[0].value(), 1);
-  EXPECT_EQ(probe.requests.back()[1].value(), 1);
+  EXPECT_EQ(probe.requests.front()[1].value(), 1);
   EXPECT_EQ(probe.requests.back()[2].value(), 1);
+  EXPECT_EQ(probe.requests.back()[3].value(), 1);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "server/run/reload.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,7 +57,8 @@ class ReloadTest : public ::testing::Test {
                       log::Level::kInfo};
   config::LoadResult read_;
   ingest::Allowances allowances_;
-  Reload reload_{{}, {[this] { return read_; }, allowances_, logger_}};
+  config::InEffect in_effect_{"u.toml", {}, {}};
+  Reload reload_{{}, {[this] { return read_; }, allowances_, logger_, in_effect_}};
 };
 
 TEST_F(ReloadTest, TakesTheLevelOverAndSaysSo) {
@@ -76,6 +78,7 @@ TEST_F(ReloadTest, RobotsMaySendAsItSaysFromThenOn) {
   read_.config->rates.object = 7;
   read_.config->limits.durable_records_rate = 9;
   read_.config->limits.robots_max = 3;
+  read_.places["rates.object"] = "u.toml:3";
   const std::uint64_t before = allowances_.version();
   reload_.Run();
   EXPECT_GT(allowances_.version(), before);
@@ -85,6 +88,11 @@ TEST_F(ReloadTest, RobotsMaySendAsItSaysFromThenOn) {
   EXPECT_THAT(lines_.back(), HasSubstr("needs_restart=limits.robots_max"));
   reload_.Run();
   EXPECT_THAT(lines_.back(), Not(HasSubstr("rates.object"))) << "it is in force already";
+  const auto keys = in_effect_.Keys();
+  const auto object = std::ranges::find_if(
+      keys, [](const auto& key) { return config::FullKey(*key.setting) == "rates.object"; });
+  EXPECT_EQ(object->value, "7");
+  EXPECT_EQ(object->place, "u.toml:3");
 }
 
 TEST_F(ReloadTest, NamesTheRestEachTime) {
