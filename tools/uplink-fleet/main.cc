@@ -5,8 +5,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tools/terminal/terminal.h"
 #include "tools/uplink-fleet/flags.h"
-#include "tools/uplink-fleet/report/terminal.h"
 #ifdef UPLINK_WITH_GRPC
 #include "tools/uplink-fleet/run/drone_run.h"
 #endif
@@ -32,8 +32,8 @@ int main(int argc, char** argv) {
   int code = uplink::synthetic::kExitDone;
   auto options = uplink::synthetic::ReadFlags(argc, argv, code);
   if (!options) return code;
-  options->output = uplink::synthetic::TerminalOf(STDOUT_FILENO, environ);
-  options->errors = uplink::synthetic::TerminalOf(STDERR_FILENO, environ);
+  options->output = uplink::TerminalOf(STDOUT_FILENO, environ);
+  options->errors = uplink::TerminalOf(STDERR_FILENO, environ);
   if (options->twins) {
     uplink::synthetic::TwinRun run(*options);
     return run.Main();

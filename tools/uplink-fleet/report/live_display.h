@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "schema/base/clock.h"
+#include "tools/terminal/terminal.h"
 #include "tools/uplink-fleet/report/live_table.h"
-#include "tools/uplink-fleet/report/terminal.h"
 
 namespace uplink::synthetic {
 

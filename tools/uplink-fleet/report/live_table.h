@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
-#include "tools/uplink-fleet/report/terminal.h"
+#include "tools/terminal/terminal.h"
 
 namespace uplink::synthetic {
 

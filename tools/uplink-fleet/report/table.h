@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/uplink-fleet/report/terminal.h"
+#include "tools/terminal/terminal.h"
 
 namespace uplink::synthetic {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "tools/terminal/terminal.h"
 #include "tools/uplink-fleet/compare/findings.h"
 #include "tools/uplink-fleet/compare/verify.h"
 #include "tools/uplink-fleet/report/run_figures.h"
-#include "tools/uplink-fleet/report/terminal.h"
 
 namespace uplink::synthetic {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "schema/base/clock.h"
+#include "tools/terminal/terminal.h"
 #include "tools/uplink-fleet/broker/twin_swarm.h"
-#include "tools/uplink-fleet/report/terminal.h"
 #include "tools/uplink-fleet/robot/swarm.h"
 
 namespace uplink::synthetic {

@@ -4,7 +4,11 @@
 #include <string>
 #include <string_view>
 
-namespace uplink::synthetic {
+namespace uplink {
+
+/// What a variable of an environment holds, which ends with a null pointer, as environ does; empty
+/// if it is not set.
+[[nodiscard]] std::string_view VariableIn(const char* const* environment, std::string_view name);
 
 /// What may be written to one descriptor. A value.
 struct Terminal {
@@ -34,6 +38,7 @@ class Palette final {
   [[nodiscard]] std::string Good(std::string_view text) const { return Painted("32", text); }
   [[nodiscard]] std::string Bad(std::string_view text) const { return Painted("1;31", text); }
   [[nodiscard]] std::string Heading(std::string_view text) const { return Painted("1", text); }
+  [[nodiscard]] std::string Warning(std::string_view text) const { return Painted("33", text); }
 
  private:
   [[nodiscard]] std::string Painted(std::string_view code, std::string_view text) const;
@@ -41,4 +46,4 @@ class Palette final {
   bool on_;
 };
 
-}  // namespace uplink::synthetic
+}  // namespace uplink

@@ -1,14 +1,12 @@
-#include "tools/uplink-fleet/report/terminal.h"
+#include "tools/terminal/terminal.h"
 
 #include <fmt/core.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace uplink::synthetic {
-namespace {
+namespace uplink {
 
-/// Empty if it is not set.
-std::string_view ValueOf(std::string_view name, const char* const* environment) {
+std::string_view VariableIn(const char* const* environment, std::string_view name) {
   for (; environment != nullptr && *environment != nullptr; ++environment) {
     const std::string_view entry(*environment);
     if (entry.starts_with(name) && entry.substr(name.size()).starts_with('=')) {
@@ -18,13 +16,11 @@ std::string_view ValueOf(std::string_view name, const char* const* environment) 
   return {};
 }
 
-}  // namespace
-
 Terminal TerminalOf(int descriptor, const char* const* environment) {
-  const std::string_view term = ValueOf("TERM", environment);
+  const std::string_view term = VariableIn(environment, "TERM");
   Terminal terminal;
   terminal.updates = isatty(descriptor) == 1 && !term.empty() && term != "dumb";
-  terminal.colours = terminal.updates && ValueOf("NO_COLOR", environment).empty();
+  terminal.colours = terminal.updates && VariableIn(environment, "NO_COLOR").empty();
   return terminal;
 }
 
@@ -39,4 +35,4 @@ std::string Palette::Painted(std::string_view code, std::string_view text) const
   return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
 }
 
-}  // namespace uplink::synthetic
+}  // namespace uplink

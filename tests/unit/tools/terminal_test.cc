@@ -1,4 +1,4 @@
-#include "tools/uplink-fleet/report/terminal.h"
+#include "tools/terminal/terminal.h"
 
 #include <array>
 
@@ -8,7 +8,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace uplink::synthetic {
+namespace uplink {
 namespace {
 
 /// The side of a pseudo terminal that programs write to.
@@ -113,4 +113,4 @@ TEST(PaletteTest, PaintsOnlyWithColours) {
 }
 
 }  // namespace
-}  // namespace uplink::synthetic
+}  // namespace uplink
