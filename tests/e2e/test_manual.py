@@ -71,6 +71,14 @@ class Manual(unittest.TestCase):
                     self.assertLessEqual(set(FLAG.findall(shown)), set(FLAG.findall(text)))
                     self.assertIn("EXIT STATUS 0", text)
 
+    def test_each_verb_of_uplinkctl_has_an_example(self):
+        program = tree.read(BIN / "uplinkctl")
+        for command in program.leaves():
+            head, *examples = command.footer.strip("\n").split("\n")
+            self.assertEqual(head, "Examples:", command.page)
+            for example in examples:
+                self.assertTrue(example.strip().startswith(" ".join(command.words)), example)
+
     def test_the_page_of_the_settings_has_every_key_with_its_default(self):
         text = page_text("uplinkd.toml", 5)
         table = (SOURCE / "docs/operate/configuration.md").read_text(encoding="utf-8")

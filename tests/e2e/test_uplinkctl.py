@@ -164,7 +164,7 @@ class Pki(EndToEnd):
 
     def test_wrong_use_ends_with_2(self):
         for arguments in (
-            [], ["pki"], ["robots", "list"], ["pki", "server", "--dir", self.pki],
+            [], ["pki"], ["robots", "drive"], ["pki", "server", "--dir", self.pki],
             ["pki", "robot", "--dir", self.pki, "--ruri", "http://a"],
             ["pki", "robot", "--dir", self.pki], ["pki", "robot", "--count", "0"],
             ["pki", "robot", "--dir", self.pki, "--ruri", "rcan://a", "--name", "ca"],
@@ -191,13 +191,13 @@ class Config(EndToEnd):
         self.assertIn("UPLINKD_NO_SUCH", done.stderr)
 
     def test_a_wrong_noun_is_named(self):
-        done = run(BIN / "uplinkctl", "robot", code=2)
-        self.assertIn("uplinkctl: robot: unknown command; uplinkctl --help", done.stderr)
+        done = run(BIN / "uplinkctl", "drive", code=2)
+        self.assertIn("uplinkctl: drive: unknown command; uplinkctl --help", done.stderr)
 
     def test_a_wrong_verb_is_named(self):
-        for noun in ("pki", "store", "config"):
-            done = run(BIN / "uplinkctl", noun, "list", code=2)
-            self.assertIn(f"uplinkctl: {noun} list: unknown command", done.stderr)
+        for noun in ("pki", "store", "config", "robots"):
+            done = run(BIN / "uplinkctl", noun, "drive", code=2)
+            self.assertIn(f"uplinkctl: {noun} drive: unknown command", done.stderr)
         self.assertIn("a command is missing", run(BIN / "uplinkctl", "pki", code=2).stderr)
 
     def test_check_reports_every_problem(self):

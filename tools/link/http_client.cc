@@ -146,7 +146,9 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
   if (error) return Failed(target, "read", WhyOf(error, limits_.deadline));
   auto response = parser.release();
   if (!response.keep_alive()) connection_.reset();
-  return HttpAnswer{response.result_int(), std::move(response.body())};
+  const beast::string_view retry_after = response[http::field::retry_after];
+  return HttpAnswer{
+      response.result_int(), std::move(response.body()), {retry_after.data(), retry_after.size()}};
 }
 
 std::string HostHeader(const std::string& host, const std::string& port) {

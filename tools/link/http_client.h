@@ -25,6 +25,8 @@ struct HttpLimits {
 struct HttpAnswer {
   unsigned status = 0;
   std::string body;
+  /// The header Retry-After; empty if there is none.
+  std::string retry_after = {};
 };
 
 /// What Get returns for an answer that is not 200: the beginning of its body, as a terminal may

@@ -25,6 +25,9 @@ void AddStore(config::Flags& program);
 /// Adds `health`, which has no verbs.
 void AddHealth(config::Flags& program);
 
+/// Adds the noun `contexts` and its verbs.
+void AddContexts(config::Flags& program);
+
 /// Adds `doctor`, which has no verbs.
 void AddDoctor(config::Flags& program);
 

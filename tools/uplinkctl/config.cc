@@ -9,6 +9,7 @@
 #include "schema/base/clock.h"
 #include "server/config/load.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/verbs/records.h"
 
 namespace uplink::ctl {
 namespace {
@@ -36,12 +37,24 @@ int Check(const std::string& path) {
 }  // namespace
 
 void AddConfig(config::Flags& program) {
-  config::Flags& noun = program.AddCommand("config", "The server's configuration file");
-  const auto path = std::make_shared<std::string>();
-  config::Flags& check = noun.AddCommand("check", "Report every problem of a file at once",
-                                         [path] { return Check(*path); });
-  check.Add({"FILE", "The configuration file", config::Flag::Need::kRequired}, *path);
-  check.Example("uplinkctl config check /etc/uplinkd/uplinkd.toml");
+  config::Flags& noun = program.AddCommand("config", "The server's settings");
+  struct Request {
+    std::string file;
+    std::string config;
+  };
+  const auto request = std::make_shared<Request>();
+  config::Flags& check =
+      noun.AddCommand("check", "Report every problem of a file at once", [request] {
+        if (!request->file.empty()) return Check(request->file);
+        return Check(request->config.empty() ? config::kConfigFileDefault : request->config);
+      });
+  check.Add({"FILE", "The configuration file, as --config"}, request->file);
+  check.Add({"--config", fmt::format("The server's configuration file (without it {})",
+                                     config::kConfigFileDefault)},
+            request->config);
+  check.AtMostOne({"FILE", "--config"});
+  check.Example("uplinkctl config check --config /etc/uplinkd/uplinkd.toml");
+  AddConfigShow(noun);
 }
 
 }  // namespace uplink::ctl

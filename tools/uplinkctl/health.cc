@@ -45,7 +45,7 @@ void AddHealth(config::Flags& program) {
       "health", "Ask a server whether it is alive, in one line; 1 if it is not, or does not answer",
       [arguments] { return Health(*arguments); });
   noun.AddSwitch({"--ready", "Ask whether it is ready for traffic instead"}, arguments->ready);
-  noun.Add({"--url", "Where it answers probes: http://HOST:PORT"}, arguments->url);
+  noun.Add({"--url,--server", "Where it answers probes: http://HOST:PORT"}, arguments->url);
   noun.Add({"--config", fmt::format("The server's configuration file, which says where it listens "
                                     "(without --url: {}, if it can be read)",
                                     config::kConfigFileDefault)},

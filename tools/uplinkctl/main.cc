@@ -1,41 +1,24 @@
-#include <cstdio>
-#include <iostream>
-#include <string>
-#include <string_view>
-
-#include <fmt/core.h>
-
 #include "server/config/version.h"
 #include "tools/uplinkctl/command.h"
-#include "tools/uplinkctl/doctor/finding.h"
+#include "tools/uplinkctl/verbs/nouns.h"
 
 namespace uplink::ctl {
-
-int ExitOf(const absl::Status& status) {
-  if (status.ok()) return kExitDone;
-  // A database or a server may have worded it.
-  fmt::print(stderr, "uplinkctl: {}\n", OneLine(std::string(status.message())));
-  return absl::IsInvalidArgument(status) ? kExitWrongUse : kExitFailed;
-}
-
-bool SaysYes(std::string_view question) {
-  fmt::print("{} yes/no: ", question);
-  static_cast<void>(std::fflush(stdout));
-  std::string answer;
-  return std::getline(std::cin, answer) && answer == "yes";
-}
 
 namespace {
 
 int Run(int argc, char** argv) {
   config::Flags program("Operate uplinkd and look into it", "uplinkctl", config::VersionText());
-  program.Example("uplinkctl config check /etc/uplinkd/uplinkd.toml");
+  program.Example("uplinkctl status");
+  program.Example("uplinkctl robots list --presence offline");
+  program.Example("uplinkctl robots story r17 --since 2h");
   program.Example("uplinkctl store forget --help");
-  AddPki(program);
-  AddConfig(program);
-  AddStore(program);
+  AddQuestions(program);
+  AddContexts(program);
   AddHealth(program);
   AddDoctor(program);
+  AddConfig(program);
+  AddStore(program);
+  AddPki(program);
   return program.Parse(argc, argv).value_or(kExitWrongUse);
 }
 

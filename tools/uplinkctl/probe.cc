@@ -48,11 +48,11 @@ ProbeWord JudgeAnswer(Probe probe, const link::HttpAnswer& answer) {
                              ProbePath(probe), answer.status, words)};
 }
 
-absl::StatusOr<std::string> AddressOfUrl(const std::string& url) {
+absl::StatusOr<std::string> AddressOfUrl(const std::string& url, const std::string& named) {
   std::string_view rest = url;
-  const auto wrong = [&url](const char* why) {
+  const auto wrong = [&](const char* why) {
     return absl::InvalidArgumentError(fmt::format(
-        "--url \"{}\": {}; it is http://HOST:PORT, an IPv6 host in brackets", url, why));
+        "{} \"{}\": {}; it is http://HOST:PORT, an IPv6 host in brackets", named, url, why));
   };
   if (!rest.starts_with(kScheme)) return wrong("it does not begin with http://");
   rest.remove_prefix(kScheme.size());

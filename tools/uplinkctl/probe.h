@@ -35,9 +35,10 @@ struct ProbeWord {
 /// have taken the port.
 [[nodiscard]] ProbeWord JudgeAnswer(Probe probe, const link::HttpAnswer& answer);
 
-/// HOST:PORT of `http://HOST[:PORT][/]`.
+/// HOST:PORT of `http://HOST[:PORT][/]`; `named` says in errors where the text comes from.
 ///
 /// Errors: kInvalidArgument repeats the text.
-[[nodiscard]] absl::StatusOr<std::string> AddressOfUrl(const std::string& url);
+[[nodiscard]] absl::StatusOr<std::string> AddressOfUrl(const std::string& url,
+                                                       const std::string& named = "--url");
 
 }  // namespace uplink::ctl

@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "schema/base/utf8.h"
+#include "tools/uplinkctl/show/one_line.h"
 
 namespace uplink::ctl {
 namespace {
@@ -46,14 +46,6 @@ std::string ToText(const Finding& finding) {
       fmt::format("{:<8} {}: {}", WordOf(finding.severity), finding.where, finding.what);
   if (!finding.remedy.empty()) line += (line.ends_with('?') ? " " : "; ") + finding.remedy;
   return OneLine(line);
-}
-
-std::string OneLine(std::string_view text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.remove_suffix(1);
-  std::string line(text);
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
-  return PrintableUtf8(line, std::string::npos);
 }
 
 void Append(Findings& to, Findings from) {

@@ -37,10 +37,6 @@ using Findings = std::vector<Finding>;
 /// One line: `error    listen.relay: port 7443 is held by nginx; stop it`.
 [[nodiscard]] std::string ToText(const Finding& finding);
 
-/// A foreign text on one line of a terminal: line ends and control characters of ASCII become
-/// spaces, and what else PrintableUtf8 escapes is escaped.
-[[nodiscard]] std::string OneLine(std::string_view text);
-
 void Append(Findings& to, Findings from);
 
 /// Exit codes of `doctor` (docs/reference/exit-codes.md).

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/uplinkctl/show/one_line.h"
+
 namespace uplink::ctl {
 namespace {
 

@@ -1,0 +1,124 @@
+#include "tools/uplinkctl/ask/api.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/uplinkctl/fake_api.h"
+#include "tools/uplinkctl/ask/robot_names.h"
+
+namespace uplink::ctl {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kStoreAway =
+    R"({"error":{"code":"UNAVAILABLE","message":"the store is away"}})";
+
+std::string Words(const absl::Status& status) { return std::string(status.message()); }
+
+TEST(Api, AListIsAskedPageByPageUpToTheLimit) {
+  FakeServer server;
+  server.Answer(200, R"({"gaps":[{"a":1},{"a":2}],"nextPageToken":"t/1"})");
+  server.Answer(200, R"({"gaps":[{"a":3}],"nextPageToken":"t2","total":"9"})");
+  Api api = server.MakeApi("/fleet");
+  const auto rows = api.List("/api/v1/gaps", "gaps", {{"fleet", "a b"}}, 3);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  EXPECT_EQ(rows->rows.size(), 3U);
+  EXPECT_TRUE(rows->more);
+  EXPECT_EQ(rows->beside, boost::json::object({{"total", "9"}}));
+  EXPECT_THAT(server.asked,
+              ElementsAre("/fleet/api/v1/gaps?fleet=a%20b&pageSize=3",
+                          "/fleet/api/v1/gaps?fleet=a%20b&pageSize=1&pageToken=t%2F1"));
+}
+
+TEST(Api, APageMayBeEmptyBeforeTheLastOne) {
+  FakeServer server;
+  server.Answer(200, R"({"gaps":[],"nextPageToken":"t"})");
+  server.Answer(200, R"({"gaps":[{"a":1}],"nextPageToken":""})");
+  Api api = server.MakeApi();
+  const auto rows = api.List("/g", "gaps", {}, 10);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  EXPECT_EQ(rows->rows.size(), 1U);
+  EXPECT_FALSE(rows->more);
+}
+
+TEST(Api, ErrorsSayWhatToTry) {
+  FakeServer server;
+  server.Fail(absl::UnavailableError("http://127.0.0.1:1/x: connect: Connection refused"));
+  server.Answer(503, kStoreAway, "2");
+  server.Answer(503, kStoreAway);
+  server.Answer(504, R"({"error":{"code":"DEADLINE_EXCEEDED","message":"too long"}})");
+  server.Answer(400, R"({"error":{"code":"INVALID_ARGUMENT","message":"no q","field":"q"}})");
+  server.Answer(404, R"({"error":{"code":"NOT_FOUND","message":"no such robot"}})");
+  Api api = server.MakeApi();
+  const absl::Status down = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsUnavailable(down));
+  EXPECT_THAT(Words(down), HasSubstr("Connection refused; the address is that of the test"));
+  EXPECT_THAT(Words(down), HasSubstr("--server"));
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("the store is away; try again in 2 s,"));
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("the store is away; try again, and see"));
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("--limit"));
+  const absl::Status wrong = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsInvalidArgument(wrong));
+  EXPECT_EQ(Words(wrong), "no q");
+  EXPECT_TRUE(absl::IsNotFound(api.Get("/x").status()));
+  server.Answer(404, R"({"error":{"code":"NOT_FOUND","message":"there is nothing at /x"}})");
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("older than this uplinkctl"));
+}
+
+TEST(Api, AnAnswerThatIsNotOursIsNamedSo) {
+  FakeServer server;
+  server.Answer(200, "<html>\x1b[2J</html>");
+  server.Answer(502, "Bad gateway");
+  server.Answer(200, R"({"other":[]})");
+  Api api = server.MakeApi();
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("answers 200, and not as uplinkd does"));
+  EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("answers 502"));
+  EXPECT_EQ(Words(api.List("/g", "gaps", {}, 1).status()), "/g: the answer has no gaps");
+}
+
+constexpr const char* kTwo =
+    R"({"robots":[{"ruri":"rcan://a/acme/rover/1.0/r17"},{"ruri":"rcan://a/acme/arm/2.0/r17"},
+                  {"ruri":"rcan://a/acme/rover/1.0/r170"}],"nextPageToken":""})";
+
+TEST(RobotNames, ARuriIsItself) {
+  FakeServer server;
+  Api api = server.MakeApi();
+  EXPECT_EQ(*ResolveRobot(api, "rcan://a/b/c/1/r1"), "rcan://a/b/c/1/r1");
+  EXPECT_TRUE(server.asked.empty());
+}
+
+TEST(RobotNames, AShortNameIsTheOneRobotThatEndsSo) {
+  FakeServer server;
+  for (int i = 0; i < 2; ++i) server.Answer(200, kTwo);
+  Api api = server.MakeApi();
+  EXPECT_EQ(*ResolveRobot(api, "r170"), "rcan://a/acme/rover/1.0/r170");
+  EXPECT_EQ(*ResolveRobot(api, "2.0/r17"), "rcan://a/acme/arm/2.0/r17");
+  EXPECT_EQ(server.asked.front(), "/api/v1/robots?q=r170&parts=none&pageSize=1000");
+}
+
+TEST(RobotNames, AnAmbiguousOneListsItsRobots) {
+  FakeServer server;
+  server.Answer(200, kTwo);
+  Api api = server.MakeApi();
+  const absl::Status status = ResolveRobot(api, "r17").status();
+  EXPECT_TRUE(absl::IsInvalidArgument(status));
+  EXPECT_EQ(Words(status),
+            "2 robots are called r17: rcan://a/acme/rover/1.0/r17, rcan://a/acme/arm/2.0/r17; name "
+            "one of them");
+}
+
+TEST(RobotNames, AnUnknownOneListsThoseThatAreAlike) {
+  FakeServer server;
+  server.Answer(200, kTwo);
+  server.Answer(200, R"({"robots":[],"nextPageToken":""})");
+  Api api = server.MakeApi();
+  const absl::Status alike = ResolveRobot(api, "r1").status();
+  EXPECT_TRUE(absl::IsNotFound(alike));
+  EXPECT_THAT(Words(alike), HasSubstr("there is no robot r1 now; alike are rcan://a/acme/rover"));
+  EXPECT_THAT(Words(ResolveRobot(api, "x").status()), HasSubstr("uplinkctl robots list"));
+}
+
+}  // namespace
+}  // namespace uplink::ctl

@@ -1,0 +1,138 @@
+#include "tools/uplinkctl/ask/api.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "schema/base/utf8.h"
+#include "schema/json/exact.h"
+
+namespace uplink::ctl {
+namespace {
+
+namespace json = boost::json;
+
+/// Bytes of a foreign body that are repeated.
+constexpr std::size_t kShownMax = 200;
+
+/// How the server begins to say that it has no such path.
+constexpr std::string_view kNothingAt = "there is nothing at ";
+
+constexpr unsigned kOk = 200;
+constexpr unsigned kBadRequest = 400;
+constexpr unsigned kNotFound = 404;
+constexpr unsigned kTooManyBytes = 413;
+constexpr unsigned kUnavailable = 503;
+constexpr unsigned kTooLong = 504;
+
+/// The server's sentence; nothing if the body is not one of its errors.
+std::optional<std::string> MessageOf(const std::string& body) {
+  const std::optional<json::value> value = uplink::json::ParseExact(body);
+  const auto* object = value ? value->if_object() : nullptr;
+  const auto* error = object == nullptr ? nullptr : object->if_contains("error");
+  if (error == nullptr || !error->is_object()) return std::nullopt;
+  const auto* message = error->get_object().if_contains("message");
+  if (message == nullptr || !message->is_string()) return std::nullopt;
+  return std::string(message->get_string().data(), message->get_string().size());
+}
+
+/// Takes the rows out of a page. False if the page has no such list.
+bool MoveRows(json::object& page, const std::string& member, json::array& into) {
+  auto* rows = page.if_contains(member);
+  if (rows == nullptr || !rows->is_array()) return false;
+  json::array& from = rows->get_array();
+  into.insert(into.end(), std::make_move_iterator(from.begin()),
+              std::make_move_iterator(from.end()));
+  page.erase(member);
+  return true;
+}
+
+/// Takes the token of the next page out of a page.
+std::string TakeToken(json::object& page) {
+  const auto* token = page.if_contains("nextPageToken");
+  std::string text;
+  if (token != nullptr && token->is_string()) {
+    text.assign(token->get_string().data(), token->get_string().size());
+  }
+  page.erase("nextPageToken");
+  return text;
+}
+
+}  // namespace
+
+std::string PathWith(const std::string& path, const Query& query) {
+  std::string target = path;
+  for (const auto& [name, value] : query) {
+    target += target.size() == path.size() ? '?' : '&';
+    target += name + "=" + link::PercentEncoded(value);
+  }
+  return target;
+}
+
+absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answer) const {
+  const std::optional<std::string> message = MessageOf(answer.body);
+  if (!message) {
+    return absl::InternalError(
+        fmt::format("{}: the server answers {}, and not as uplinkd does: {}; the address is {}",
+                    path, answer.status, PrintableUtf8(answer.body, kShownMax), source_));
+  }
+  switch (answer.status) {
+    case kBadRequest:
+    case kTooManyBytes:
+      return absl::InvalidArgumentError(*message);
+    case kNotFound:
+      // No row is missing then, but the path.
+      return absl::NotFoundError(
+          message->starts_with(kNothingAt)
+              ? *message + "; is the server older than this uplinkctl, or behind another path?"
+              : *message);
+    case kUnavailable:
+      return absl::UnavailableError(
+          fmt::format("{}; try again{}, and see uplinkctl health --ready", *message,
+                      answer.retry_after.empty() ? "" : " in " + answer.retry_after + " s"));
+    case kTooLong:
+      return absl::DeadlineExceededError(
+          fmt::format("{}; ask for less: --since, --robot, a lower --limit", *message));
+    default:
+      return absl::InternalError(fmt::format("{}: {}: {}", path, answer.status, *message));
+  }
+}
+
+absl::StatusOr<json::object> Api::Get(const std::string& path, const Query& query) {
+  absl::StatusOr<link::HttpAnswer> answer = ask_(PathWith(prefix_ + path, query));
+  if (!answer.ok()) {
+    return absl::UnavailableError(fmt::format(
+        "{}; the address is {}. Does uplinkd run there? --server http://HOST:PORT or uplinkctl "
+        "contexts use NAME chooses another",
+        std::string(answer.status().message()), source_));
+  }
+  if (answer->status != kOk) return ErrorOf(path, *answer);
+  std::optional<json::value> value = uplink::json::ParseExact(answer->body);
+  if (!value || !value->is_object()) return ErrorOf(path, *answer);
+  return std::move(value->get_object());
+}
+
+absl::StatusOr<Rows> Api::List(const std::string& path, const std::string& member,
+                               const Query& query, std::size_t limit) {
+  Rows rows;
+  std::string token;
+  do {
+    Query page_query = query;
+    const std::size_t wanted = std::min(limit - rows.rows.size(), kPageRowsMax);
+    page_query.emplace_back("pageSize", fmt::format("{}", wanted));
+    if (!token.empty()) page_query.emplace_back("pageToken", token);
+    absl::StatusOr<json::object> page = Get(path, page_query);
+    if (!page.ok()) return page.status();
+    if (!MoveRows(*page, member, rows.rows)) {
+      return absl::InternalError(fmt::format("{}: the answer has no {}", path, member));
+    }
+    token = TakeToken(*page);
+    rows.beside = *std::move(page);
+  } while (!token.empty() && rows.rows.size() < limit);
+  rows.more = !token.empty();
+  return rows;
+}
+
+}  // namespace uplink::ctl

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <absl/status/statusor.h>
+#include <boost/json.hpp>
+
+#include "tools/link/http_client.h"
+
+namespace uplink::ctl {
+
+/// The parameters of a request, in their order.
+using Query = std::vector<std::pair<std::string, std::string>>;
+
+/// `/api/v1/events?kind=a%20b`.
+[[nodiscard]] std::string PathWith(const std::string& path, const Query& query);
+
+/// Rows of a list, perhaps of several pages. A value.
+struct Rows {
+  boost::json::array rows;
+  /// There are further ones.
+  bool more = false;
+  /// The last page without its rows: `total`, `droppedByReason`.
+  boost::json::object beside;
+};
+
+/// Rows of one page; the server's own bound.
+inline constexpr std::size_t kPageRowsMax = 1000;
+
+/// Questions to a server's API.
+///
+/// Errors: kInvalidArgument for a question that the server refuses, kNotFound, kUnavailable if it
+///         cannot be reached or says 503, kInternal otherwise. Each says what to try.
+/// Thread: confined to one thread; blocks.
+class Api final {
+ public:
+  /// How the server is reached.
+  using Ask = std::function<absl::StatusOr<link::HttpAnswer>(const std::string& target)>;
+
+  /// `prefix` comes before each path; `source` says where the address comes from.
+  Api(Ask ask, std::string prefix, std::string source)
+      : ask_(std::move(ask)), prefix_(std::move(prefix)), source_(std::move(source)) {}
+
+  /// The object that a path answers.
+  [[nodiscard]] absl::StatusOr<boost::json::object> Get(const std::string& path,
+                                                        const Query& query = {});
+  /// Up to `limit` rows of the list below `member`, over as many pages as they take.
+  [[nodiscard]] absl::StatusOr<Rows> List(const std::string& path, const std::string& member,
+                                          const Query& query, std::size_t limit);
+
+ private:
+  [[nodiscard]] absl::Status ErrorOf(const std::string& path, const link::HttpAnswer& answer) const;
+
+  Ask ask_;
+  std::string prefix_;
+  std::string source_;
+};
+
+}  // namespace uplink::ctl

@@ -1,0 +1,31 @@
+#include "tools/uplinkctl/show/csv.h"
+
+#include <string_view>
+
+#include "schema/base/utf8.h"
+
+namespace uplink::ctl {
+namespace {
+
+std::string FieldOf(std::string_view text) {
+  const std::string shown = PrintableUtf8(text, std::string::npos);
+  const bool plain = shown.find_first_of(",\"") == std::string::npos && !shown.starts_with(' ') &&
+                     !shown.ends_with(' ');
+  if (plain) return shown;
+  std::string quoted = "\"";
+  for (const char c : shown) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace
+
+std::string CsvLine(const std::vector<std::string>& fields) {
+  std::string line;
+  for (const std::string& field : fields) {
+    if (&field != fields.data()) line += ',';
+    line += FieldOf(field);
+  }
+  return line + '\n';
+}
+
+}  // namespace uplink::ctl

@@ -1,0 +1,118 @@
+#include "tools/uplinkctl/verbs/common.h"
+
+#include <chrono>
+#include <cstdio>
+#include <string_view>
+#include <thread>
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include "tools/link/http_client.h"
+#include "tools/terminal/terminal.h"
+#include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/show/json_text.h"
+#include "tools/uplinkctl/show/one_line.h"
+
+namespace uplink::ctl {
+namespace {
+
+/// How often --follow looks.
+constexpr std::chrono::seconds kFollowEvery{2};
+/// To the first cell, and what was there goes.
+constexpr std::string_view kClear = "\x1b[H\x1b[2J";
+
+bool Print(std::string_view text, std::FILE* to) {
+  return std::fwrite(text.data(), 1, text.size(), to) == text.size() && std::fflush(to) == 0;
+}
+
+}  // namespace
+
+void AddServerFlags(config::Flags& verb, ServerFlags& flags, const char* about_config) {
+  verb.Add({"--server", fmt::format("Which server: http://HOST:PORT, perhaps with a path (without "
+                                    "a flag {}, the current context, {})",
+                                    kServerVariable, kServerDefault)},
+           flags.server);
+  verb.Add({"--context", "Which server: by its name of uplinkctl contexts"}, flags.context);
+  verb.Add({"--config", about_config}, flags.config);
+  verb.AtMostOne({"--server", "--context", "--config"});
+}
+
+void AddOutputFlags(config::Flags& verb, CommonFlags& flags, bool follows) {
+  verb.AddChoice({"-o,--output",
+                  "How it is printed: json as the server answers it, csv with whole "
+                  "names and times"},
+                 flags.output, {kTableWord, kJsonWord, kCsvWord});
+  if (follows) verb.AddSwitch({"--follow", "Look again every 2 s, until Ctrl-C"}, flags.follow);
+}
+
+Screen ProcessScreen(const Clock& clock) {
+  const Terminal terminal = TerminalOf(STDOUT_FILENO, environ);
+  Screen screen{
+      .print = [](std::string_view text) { static_cast<void>(Print(text, stdout)); },
+      .note =
+          [](std::string_view line) {
+            static_cast<void>(Print(fmt::format("uplinkctl: {}\n", OneLine(line)), stderr));
+          },
+      .wait =
+          [] {
+            std::this_thread::sleep_for(kFollowEvery);
+            // The reader of a pipe may have gone.
+            return std::ferror(stdout) == 0;
+          },
+      .clock = clock,
+      .updates = terminal.updates,
+      .table = {}};
+  // Other programs get whole lines.
+  if (isatty(STDOUT_FILENO) == 1) screen.table.columns = SizeOf(STDOUT_FILENO).columns;
+  screen.table.palette = Palette(terminal);
+  return screen;
+}
+
+int WithServer(const ServerFlags& flags, const Work& work) {
+  const absl::StatusOr<ServerChoice> choice = ChooseServer(flags, ProcessSources());
+  if (!choice.ok()) return ExitOf(choice.status());
+  link::HttpClient client(choice->url.address);
+  Api api([&client](const std::string& target) { return client.Ask(target); }, choice->url.prefix,
+          choice->source);
+  const SystemClock clock;
+  return ExitOf(work(api, ProcessScreen(clock)));
+}
+
+absl::Status ShowAgain(const Screen& screen, bool follow,
+                       const std::function<absl::StatusOr<std::string>()>& text) {
+  absl::StatusOr<std::string> shown = text();
+  if (!shown.ok()) return shown.status();
+  if (!follow) {
+    screen.print(*shown);
+    return absl::OkStatus();
+  }
+  screen.print((screen.updates ? std::string(kClear) : "") + *shown);
+  while (screen.wait()) {
+    shown = text();
+    if (!shown.ok()) {
+      screen.note(std::string(shown.status().message()));
+      continue;
+    }
+    screen.print((screen.updates ? std::string(kClear) : "\n") + *shown);
+  }
+  return absl::OkStatus();
+}
+
+std::string ObjectText(const boost::json::object& object, Format format, const Screen& screen) {
+  switch (format) {
+    case Format::kJson:
+      return DocumentText(object, false);
+    case Format::kCsv:
+      return FieldsCsvOf(object);
+    case Format::kTable:
+      return FieldsOf(object, screen.Terms());
+  }
+  return {};
+}
+
+std::string DocumentText(const boost::json::value& value, bool follow) {
+  return (follow ? LineJson(value) : PrettyJson(value)) + '\n';
+}
+
+}  // namespace uplink::ctl

@@ -1,0 +1,50 @@
+#include "tools/uplinkctl/verbs/nouns.h"
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "tools/uplinkctl/verbs/list_verb.h"
+#include "tools/uplinkctl/verbs/records.h"
+
+namespace uplink::ctl {
+namespace {
+
+const std::map<std::string_view, std::string_view>& Abouts() {
+  static const std::map<std::string_view, std::string_view> abouts = {
+      {"fleets", "Fleets, each with its robots in figures"},
+      {"robots", "Robots: what each is now, what happened to it, who sends most"},
+      {"faults", "Faults, now and before"},
+      {"missions", "Mission runs and what was reported of them"},
+      {"events", "Events that robots reported"},
+      {"messages", "Texts that robots wrote for people"},
+      {"presence", "When robots came and went"},
+      {"shapes", "Areas that robots reported"},
+      {"objects", "Objects that robots track"},
+      {"gaps", "Numbers that robots skipped"},
+      {"connections", "Connections of robots, and why each ended"},
+      {"quarantine", "Messages that the server rejected"},
+      {"scope-updates", "Cyberwave environments and workflow runs"},
+      {"operator-requests", "What drones asked operators to confirm"},
+  };
+  return abouts;
+}
+
+}  // namespace
+
+void AddQuestions(config::Flags& program) {
+  AddStatus(program);
+  std::map<std::string_view, config::Flags*> nouns;
+  for (const List& list : Lists()) {
+    config::Flags*& noun = nouns[list.noun];
+    if (noun == nullptr) {
+      noun = &program.AddCommand(std::string(list.noun), std::string(Abouts().at(list.noun)));
+    }
+    AddList(*noun, list);
+  }
+  AddRobotsGet(*nouns.at("robots"));
+  AddMissionsShow(*nouns.at("missions"));
+  AddQuarantineShow(*nouns.at("quarantine"));
+}
+
+}  // namespace uplink::ctl
