@@ -11,7 +11,7 @@ import socket
 import subprocess
 import unittest
 
-from harness import BIN, EndToEnd, uplinkctl, wait_until
+from harness import BIN, EndToEnd, run, uplinkctl, wait_until
 
 ROBOTS = 3
 PREFIX = "rcan://local.rcan/uplink/synthetic/1.0/robot-000"
@@ -182,6 +182,11 @@ class Asking(Everyday):
         self.assertIn("[listen]", self.ctl("config", "show", "--config", path).stdout)
         self.assertIn("good", self.ctl("config", "check", "--config", path).stdout)
 
+    def test_the_store_of_a_running_server_is_only_looked_at(self):
+        shown = self.ctl("store", "status", "--config", self.settings.configuration()).stdout
+        for line in (r"schema +((\d+) of \2|in the WAL.*)", r"server has it +yes", r"file +[\d.]+ \w+"):
+            self.assertRegex(shown, f"(?m)^{line}$")
+
 
 class Choosing(Everyday):
     """Which server is asked, and what an operator reads where none answers."""
@@ -238,6 +243,26 @@ class Choosing(Everyday):
                 _, error = asked.communicate(timeout=30)
         self.assertEqual(asked.returncode, 1)
         self.assertIn("the store is away; try again in 2 s", error)
+
+
+class Certificates(Everyday):
+    def test_a_folder_is_listed_and_each_shown(self):
+        pki = self.folder / "keys"
+        self.ctl("pki", "init", "--dir", pki)
+        self.ctl("pki", "server", "--dir", pki, "--host", "uplink.example.org")
+        self.ctl("pki", "robot", "--dir", pki, "--name", "r1", "--fleet", "north", "--ruri", "rcan://a/b/c/1/r1")
+        (pki / "odd.crt").write_text("no certificate", encoding="utf-8")
+        rows = {row["name"]: row for row in self.rows("pki", "list", "--dir", pki)}
+        self.assertEqual({name: row["kind"] for name, row in rows.items()},
+                         {"ca": "authority", "odd": "unknown", "r1": "robot", "server": "server"})  # fmt: skip
+        self.assertIn("odd.crt", rows["odd"]["why"])
+        self.assertRegex(self.ctl("pki", "list", "--dir", pki).stdout, r"(?m)^r1 +robot +north +in 36[45] d +yes ")
+        shown = json.loads(self.ctl("pki", "show", "--dir", pki, "r1", "-o", "json").stdout)
+        self.assertEqual(shown["names"], ["rcan://a/b/c/1/r1"])
+        serial = run("openssl", "x509", "-in", pki / "r1.crt", "-noout", "-serial").stdout
+        self.assertEqual(f"serial={shown['serial']}\n", serial)
+        self.assertIn("pki list", self.ctl("pki", "show", "--dir", pki, "r2", code=1).stderr)
+        self.assertIn("name the folder by --dir", self.ctl("pki", "list", "--dir", pki / "none", code=1).stderr)
 
 
 if __name__ == "__main__":

@@ -116,7 +116,6 @@ class Schema(EndToEnd):
         for flags, text in (
             (["store", "status"], "give either --config or --url"),
             (["store", "status", "--url", url, "--config", "x"], "give either --config or --url"),
-            (["store", "status", "--url", "sqlite:///x.db"], "status is for PostgreSQL; an SQLite file is checked when uplinkd starts"),
             (["store", "migrate", "--url", "sqlite:///x.db"], "the server migrates it when it starts"),
             (["store", "status", "--url", "foo"], "the URL is of no store"),
             (["store", "migrate", "--url", "foo"], "the URL is of no store"),

@@ -12,6 +12,7 @@
 #include "tools/pki/kept.h"
 #include "tools/pki/profile.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/pki_list.h"
 
 namespace uplink::ctl {
 namespace {
@@ -245,6 +246,7 @@ void AddPki(config::Flags& program) {
   AddRobot(noun);
   AddOperator(noun);
   AddGateway(noun);
+  AddPkiList(noun);
 }
 
 }  // namespace uplink::ctl

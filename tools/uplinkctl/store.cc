@@ -11,6 +11,7 @@
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/store_clock.h"
 #include "tools/uplinkctl/store_forget.h"
+#include "tools/uplinkctl/store_status.h"
 #include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
@@ -85,31 +86,9 @@ int Migrate(const Arguments& arguments) {
   return kExitDone;
 }
 
-std::string SchemaText(const storage::postgres::StoreState& state) {
-  if (state.schema_fits.ok() && state.schema_version <= state.schema_needed) {
-    return fmt::format("{} of {}", state.schema_version, state.schema_needed);
-  }
-  return fmt::format("{} (this program knows {}; {} use it)", state.schema_version,
-                     state.schema_needed, state.schema_fits.ok() ? "may" : "may not");
-}
-
 int Status(const Arguments& arguments) {
-  const absl::StatusOr<AdminOptions> target = DatabaseTarget(
-      arguments, "status is for PostgreSQL; an SQLite file is checked when uplinkd starts");
-  if (!target.ok()) return ExitOf(target.status());
-  const SystemClock clock;
-  const auto state = storage::postgres::ReadState(*target, clock);
-  if (!state.ok()) return ExitOf(state.status());
-  const auto yes = [](bool value) { return value ? "yes" : "no"; };
-  fmt::print("store           {}\n", state->where);
-  fmt::print("server          PostgreSQL {}.{}\n", state->server_version / 10'000,
-             state->server_version % 10'000);
-  fmt::print("schema          {}\n", SchemaText(*state));
-  fmt::print("fsync           {}\n", yes(state->fsync));
-  fmt::print("takes writes    {}\n", yes(!state->read_only && !state->standby));
-  fmt::print("clock offset    {} ms\n", state->clock_offset.count());
-  if (!state->schema_fits.ok()) return ExitOf(state->schema_fits);
-  return state->steps_missing == 0 ? kExitDone : kExitFailed;
+  const absl::StatusOr<AdminOptions> target = AnyTarget(arguments);
+  return target.ok() ? StoreStatus(*target) : ExitOf(target.status());
 }
 
 }  // namespace
@@ -137,8 +116,10 @@ void AddStore(config::Flags& program) {
       {"--grant-to", "The role that the server logs in as: it may read and write, and no more"},
       arguments->grant_to);
   migrate.Example("uplinkctl store migrate --url postgresql://owner@db/uplinkd --grant-to uplinkd");
-  add("status", "Show the server and the schema of a PostgreSQL database; 1 if steps are missing",
-      kDatabase, Status)
+  add("status",
+      "Show a store: where it is, its schema, its size; 1 if no server could use it, or a database "
+      "lacks steps",
+      kAny, Status)
       .Example("uplinkctl store status --config /etc/uplinkd/uplinkd.toml");
   config::Flags& clock =
       add("clock", "Show whether this machine's clock is vouched for; 1 if it is not", kAny, Clock);
