@@ -100,7 +100,7 @@ TEST_P(StoreContract, DropsTheOldestPayloadsPastTheBoundAndKeepsTheirRows) {
   EXPECT_EQ(result.rejects.front().rejection, BadReason());
   storage::HistoryQuery oldest;
   oldest.page_size = storage::kPageSizeMax;
-  oldest.ruri = robot_->ruri;
+  oldest.ruris = {robot_->ruri};
   const auto first = store_->reader().Quarantine({.rows = oldest});
   ASSERT_TRUE(first.ok()) << first.status();
   oldest.page_token = first->next_token;

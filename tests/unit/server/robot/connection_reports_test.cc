@@ -112,8 +112,9 @@ TEST(RobotStatePresence, ARobotThatGoesOfflineSaysWhyItsLastConnectionEnded) {
   std::vector<Told> told;
   testing::ManualClock clock;
   const PresenceLimits limits{};
-  RobotState state(clock.Steady(), clock.Steady(), clock.System(),
-                   [&](auto presence, auto /*at*/, auto why) { told.emplace_back(presence, why); });
+  RobotState state(
+      clock.Steady(), clock.Steady(), clock.System(),
+      [&](const storage::StoredPresence& now, auto why) { told.emplace_back(now.presence, why); });
   const auto hear = [&] { state.SignOfLife(clock.Steady(), clock.System(), limits); };
   const auto fall_silent = [&] {
     clock.Advance(limits.timeout + milliseconds(1));
