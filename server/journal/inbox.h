@@ -111,7 +111,7 @@ class Inbox final {
   /// A new robot has its row once its stream is opened or it is claimed: connections wait for that,
   /// unless it takes so long that they would be lost.
   [[nodiscard]] bool ConnectionsMayGo() const {
-    const bool rows_are_made = opens_.empty() && claims_.empty();
+    const bool rows_are_made = opens_.empty() && !opens_taken_ && claims_.empty();
     return !connections_.empty() &&
            (rows_are_made || connections_.size() >= limits_.connections_max / 2);
   }
@@ -123,6 +123,8 @@ class Inbox final {
   std::condition_variable_any work_;
   EntryQueue queue_;
   OpenQueue opens_;
+  /// The writer has some that the store has not answered.
+  bool opens_taken_ = false;
   ClaimQueue claims_;
   AdoptQueue adopts_;
   PresenceLog presence_;

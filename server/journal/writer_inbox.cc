@@ -8,7 +8,11 @@ namespace uplink::journal {
 
 WriterInbox::TakenOpens WriterInbox::TakeOpens(std::vector<OpenEntry> taken, std::size_t most) {
   const std::lock_guard lock(inbox_.mutex_);
-  return {.opens = inbox_.opens_.MoveTo(std::move(taken), most), .records_wait = inbox_.HasBatch()};
+  TakenOpens all;
+  all.opens = inbox_.opens_.MoveTo(std::move(taken), most);
+  inbox_.opens_taken_ = !all.opens.empty();
+  all.records_wait = inbox_.HasBatch();
+  return all;
 }
 
 void WriterInbox::PutBackOpens(std::vector<OpenEntry> taken) {

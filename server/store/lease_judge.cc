@@ -37,6 +37,11 @@ void LeaseJudge::NoteFailure(SteadyTime now) {
   blind_ = {.from = blind_ ? blind_->from : now, .to = now};
 }
 
+void LeaseJudge::NoteReplaced() {
+  looked_.reset();
+  for (auto& [process, known] : known_) known.written_before.reset();
+}
+
 bool LeaseJudge::blind() const { return blind_ && blind_->to - blind_->from <= rules_.cut_off_max; }
 
 void LeaseJudge::NoteLook(SteadyTime now, std::span<const storage::Lease> leases) {

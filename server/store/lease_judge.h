@@ -65,15 +65,16 @@ class LeaseJudge final {
 
   /// A look at `now` failed: silence counts from the next one.
   void NoteFailure(SteadyTime now);
-  /// The next look is at a store that may have lost renewals: silence counts from then.
-  void NoteReplaced() { looked_.reset(); }
+  /// The next look is at a store that may have lost renewals: silence counts from then. Its robots
+  /// may be those of earlier holders again, so its first list shows no signs either.
+  void NoteReplaced();
   /// A look at `now` showed these leases.
   void NoteLook(SteadyTime now, std::span<const storage::Lease> leases);
   /// The process wrote to the store since the last look, or opened a stream: it lives, even if its
   /// lease does not show it.
   void NoteSign(const storage::ProcessId& process);
   /// A robot of the process was written at this time. That is a sign of life if it is later than
-  /// all writes that earlier lists showed. The first list shows none.
+  /// all writes that earlier lists showed. The first list of a store shows none.
   void NoteWritten(const storage::ProcessId& process, SystemTime at);
   /// Ends a list of all robots that others hold. Forgets processes without a lease that were not
   /// asked for since the last call: they hold no robot.

@@ -36,7 +36,7 @@ class OpenRunsContract : public StoreContract {
   std::size_t OpenCount(const std::string& ruri = "") {
     storage::MissionsQuery query;
     query.open = true;
-    query.rows.ruris = {ruri};
+    if (!ruri.empty()) query.rows.ruris = {ruri};
     query.rows.page_size = storage::kPageSizeMax;
     std::size_t count = 0;
     do {

@@ -1,6 +1,6 @@
 """How far behind agents are, and whether their clocks are right: what operators see of a real fleet."""
 
-import time
+import datetime
 import unittest
 
 from harness import EndToEnd, wait_until
@@ -28,21 +28,22 @@ class AgentLag(EndToEnd):
 
     def test_a_fleet_that_is_held_back_says_how_far_behind_it_is(self):
         server = self.server(SLOW).start()
-        fleet = self.fleet(server, "--robots", ROBOTS, "--faults", 200)
+        fleet = self.fleet(server, "--robots", ROBOTS, "--faults", 100)
         robots = self.wait_for_robots(
             server,
             lambda robot: int(robot.get("backlog", {"uplinks": 0})["uplinks"]) > 0,
             "each robot has a backlog",
         )
-        now_ms = time.time_ns() // 1_000_000
+        now = datetime.datetime.now(datetime.timezone.utc)
         for robot in robots:
-            backlog = robot["backlog"]
-            self.assertGreater(int(backlog["oldestUnsentMs"]), now_ms - SECONDS * 1000)
-            self.assertLessEqual(int(backlog["oldestUnsentMs"]), int(backlog["saidAtMs"]))
-            self.assertLessEqual(int(backlog["saidAtMs"]), now_ms)
+            oldest, said = (datetime.datetime.fromisoformat(robot["backlog"][name]) for name in ("oldestUnsent", "saidAt"))
+            self.assertGreater(oldest, now - datetime.timedelta(seconds=SECONDS))
+            self.assertLessEqual(oldest, said)
+            self.assertLessEqual(said, now)
         self.assert_agrees(fleet)
         for robot in self.wait_for_robots(server, lambda robot: not robot["connected"], "the fleet has left"):
-            self.assertEqual((robot["backlog"]["uplinks"], robot["backlog"]["oldestUnsentMs"]), ("0", "0"))
+            self.assertEqual(robot["backlog"]["uplinks"], "0")
+            self.assertNotIn("oldestUnsent", robot["backlog"])
         self.assertGreater(server.metric('uplinkd_message_age_seconds_count{source="uplink",kind="durable"}'), 0)
 
     def test_a_fleet_with_a_wrong_clock_shows_by_how_much(self):

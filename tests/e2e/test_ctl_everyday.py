@@ -6,7 +6,6 @@ import json
 import os
 import pty
 import re
-import signal
 import socket
 import subprocess
 import unittest
@@ -164,7 +163,7 @@ class Asking(Everyday):
                            WAIT_SECONDS, "the new robot's row")  # fmt: skip
                 self.assert_agrees(fleet)
             finally:
-                follower.send_signal(signal.SIGINT)
+                follower.terminate()
                 follower.wait(10)
         rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
         keys = [(row["at"], row["ruri"], row["presence"]) for row in rows]

@@ -88,7 +88,10 @@ class Commands(EndToEnd):
             ("rcan://example.org/acme/rover/1.0/r1", ROBOT),
             ("/RURI", f"/{urllib.parse.quote(ROBOT, safe='')}"),
             # Robots here are online and not held back: ask for those, so that filters get rows.
+            ("ruri=RURI", f"ruri={urllib.parse.quote(ROBOT, safe='')}"),
             ("presence=offline", "presence=online"),
+            ("--presence offline", "--presence online"),
+            ("r17", ROBOT.rsplit("/", 1)[-1]),
             ('.heldBack != ""', '.heldBack == ""'),
         ):
             command = command.replace(there, here)
@@ -98,7 +101,8 @@ class Commands(EndToEnd):
         # In the folder of the keys, which pages name without a path.
         return subprocess.run(
             ["bash", "-eu", "-o", "pipefail", "-c", script], cwd=self.running.pki,
-            env={**os.environ, "PATH": f"{self.shims}:{BIN}:{os.environ['PATH']}", "UPLINK_LOG": str(self.running.log)},
+            env={**os.environ, "PATH": f"{self.shims}:{BIN}:{os.environ['PATH']}", "UPLINK_LOG": str(self.running.log),
+                 "UPLINKCTL_SERVER": f"http://{self.running.http}"},
             capture_output=True, text=True, timeout=COMMAND_SECONDS, check=False,
         )  # fmt: skip
 

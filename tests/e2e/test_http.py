@@ -144,7 +144,7 @@ class SlowReads(EndToEnd):
             wait_until(server.process, self.locked, WAIT_SECONDS, "the table is locked")
             slow = connect(server)
             slow.sendall(
-                b"GET /api/v1/robots/rcan%3A%2F%2Fa HTTP/1.1\r\n"
+                b"GET /api/v1/events HTTP/1.1\r\n"
                 b"Host: localhost\r\nConnection: close\r\n\r\n"
             )
             for target in ("/api/v1/status", "/api/v1/robots", "/api/v1/faults", "/api/v1/gaps"):

@@ -52,7 +52,7 @@ FIELDS = {
     "Response": "description headers content",
     "Header": "description schema",
     "Media Type": "schema",
-    "Components": "parameters responses schemas",
+    "Components": "headers parameters responses schemas",
     "Schema": "$ref title type enum const description pattern format default minimum maximum exclusiveMaximum minLength"
               " minItems maxItems items prefixItems properties required additionalProperties propertyNames"
               " dependentRequired contentEncoding anyOf oneOf discriminator",
@@ -81,8 +81,9 @@ class Offline(unittest.TestCase):
             responses += [(path, each) for each in item["get"]["responses"].values() if "$ref" not in each]
         for name, each in responses:
             yield "Response", name, each
-            yield from (("Media Type", name, media) for media in each["content"].values())
-            yield from (("Header", name, header) for header in each.get("headers", {}).values())
+            yield from (("Media Type", name, media) for media in each.get("content", {}).values())
+            yield from (("Header", name, header) for header in each.get("headers", {}).values() if "$ref" not in header)
+        yield from (("Header", name, header) for name, header in components["headers"].items())
         yield from (("Schema", where, schema) for where, schema in self.document.schemas())
 
     def test_no_object_has_a_field_that_openapi_does_not_know(self):

@@ -86,11 +86,12 @@ class Questions(EndToEnd):
         for group in questions.GROUPS.values():
             for question in group:
                 with self.subTest(question.ask):
-                    path = question.path.format(**facts)
+                    path = question.path.format(**facts).replace(" ", "%20")
                     began = time.monotonic()
                     rows = rows_of(self.get(path))
                     asked = time.monotonic()
-                    command = shlex.split(question.command.format(**facts))
+                    words = {name: shlex.quote(fact) for name, fact in facts.items()}
+                    command = shlex.split(question.command.format(**words))
                     shown = uplinkctl(*command, "--server", facts["server"]).stdout
                     done = time.monotonic()
                     found[question.path] = rows
@@ -124,7 +125,9 @@ class Questions(EndToEnd):
         every("mission-reports?runId={run}", lambda row: row["runId"] == facts["run"])
         every("quarantine?reason={reason}", lambda row: row["reason"] == facts["reason"])
         every("events?fleet={fleet}&from={since}", lambda row: row["ruri"] != "")
-        every("top?by=messages", lambda row: row["fleet"] == FLEET)
+        every("top?by=messages", lambda row: row["perSecond"] > 0)
+        rates = [row["perSecond"] for row in found["top?by=messages"]]
+        self.assertEqual(rates, sorted(rates, reverse=True))
         every("robots?orderBy=-backlog&parts=none", lambda row: True)
         self.assertEqual(found["robots?heldBack=true&parts=none"], [])
 

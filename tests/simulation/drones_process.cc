@@ -89,9 +89,10 @@ DronesProcess::DronesProcess(const Ground& ground)
                              .process = ground_.id,
                              .presence = {},
                              .is_gone = ground_.is_gone}) {
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-    shards_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-  });
+  fleet_.OnPresence(
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+        shards_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+      });
 }
 
 storage::Store& DronesProcess::WayToStore() {

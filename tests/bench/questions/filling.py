@@ -1,5 +1,6 @@
 """Rows of a fleet's months, written into a migrated store by SQL alone: the same in SQLite and PostgreSQL."""
 
+import re
 import sqlite3
 import time
 
@@ -10,7 +11,9 @@ DAYS_A_CALL = 30
 FLEETS = 20
 # Rows of each table, of a million in all histories.
 SHARES = {
-    "events": 400_000,
+    "events": 350_000,
+    "connections": 40_000,
+    "scope_updates": 10_000,
     "messages": 200_000,
     "mission_reports": 120_000,
     "faults_history": 100_000,
@@ -31,6 +34,12 @@ COLUMNS = {
     "severity=(CASE WHEN i%1000=0 THEN 3 ELSE i%3 END) active={true} category='drive' description='slip' "
     "suggested_action=''",
     "presence_changes": "changed_at={at} presence=1+i%2",
+    "connections": "id={number} began_at={at} source=i%2 process={id} server='bench' address='192.0.2.1:5000' gateway='' "
+    "agent_version='1.0' certificate_serial='01' certificate_sha256='' certificate_key_sha256='' "
+    "certificate_not_after=NULL messages=i bytes=i takeovers=0 held_back_ms=0 held_back_why='' is_open={false} "
+    "ended_at={at} ended_why=i%10 ended_code='' ended_detail=''",
+    "scope_updates": "received_at={at} session={id} seq=i sampled_ms=0 scope=1+i%2 id='00000000-0000-4000-8000-00000000000'||(i%10) type='kind' "
+    "detail='{{}}'",
     "quarantine": "received_at={at} session={id} seq=i reason=(CASE WHEN i%1000=0 THEN 3 ELSE 1+i%2 END) field='speed' "
     "detail='is_not_finite' payload_bytes=3 payload=NULL source=0 topic=''",
     "gaps": "seen_at={at} session={id} first=i last=i+2",
@@ -40,10 +49,19 @@ COLUMNS = {
     "severity=(CASE WHEN i%1000=0 THEN 3 ELSE i%3 END) category='drive' description='slip' suggested_action=''",
 }  # fmt: skip
 # What differs between the stores.
-SQLITE = {"id": "x'00112233445566778899aabbccddeeff'", "true": "1", "open": "i%100=0", "never": "0"}
+SQLITE = {
+    "id": "x'00112233445566778899aabbccddeeff'",
+    "number": "CAST(printf('%016d',i) AS BLOB)",
+    "true": "1",
+    "false": "0",
+    "open": "i%100=0",
+    "never": "0",
+}
 POSTGRES = {
     "id": "'00112233-4455-6677-8899-aabbccddeeff'::uuid",
+    "number": "lpad(i::text,32,'0')::uuid",
     "true": "true",
+    "false": "false",
     "open": "i%100=0",
     "never": "'epoch'::timestamptz",
 }
@@ -61,7 +79,8 @@ def inserts(rows, robots, now_ms, form, at, series):
         count = max(share * rows // 1_000_000, 1)
         when = at.format(ms=f"({now_ms} - {DAYS * DAY_MS} + i * {DAYS * DAY_MS // count})")
         values = COLUMNS[table].format(at=when.replace(" ", ""), **form)
-        pairs = [pair.split("=", 1) for pair in values.split(" ")]
+        # A column begins with its name; its value may have spaces.
+        pairs = [pair.split("=", 1) for pair in re.split(r" (?=\w+=)", values)]
         names = ["ruri", "fleet", "entry", *(name for name, _ in pairs)]
         who = RURI.format(number=f"(i % {robots})")
         what = [who, f"'fleet'||(i % {robots} % {FLEETS})", f"{first} + i", *(value for _, value in pairs)]
@@ -92,7 +111,8 @@ def fill_sqlite(path, rows, robots):
         )
         store.execute(f"UPDATE epochs SET last = {robots + 1}")
         store.execute(
-            f"INSERT INTO presence_latest SELECT {RURI.format(number='(i - 1)')}, 2, {now_ms} FROM {series(robots)}"
+            "INSERT INTO presence_latest (ruri, presence, changed_at)"
+            f" SELECT {RURI.format(number='(i - 1)')}, 2, {now_ms} FROM {series(robots)}"
         )
         store.execute("COMMIT")
         store.execute("ANALYZE")
@@ -123,5 +143,8 @@ def fill_postgres(cluster, rows, robots):
         f" gen_random_uuid(), now(), now(), true FROM {series(robots)}"
     )
     run(f"SELECT setval('epochs', {robots + 1})")
-    run(f"INSERT INTO presence_latest SELECT {RURI.format(number='(i - 1)')}, 2, now() FROM {series(robots)}")
+    run(
+        "INSERT INTO presence_latest (ruri, presence, changed_at)"
+        f" SELECT {RURI.format(number='(i - 1)')}, 2, now() FROM {series(robots)}"
+    )
     run("ANALYZE")

@@ -27,6 +27,10 @@ LOAD_ROBOTS = 100
 FLEET = "fleet7"
 # A robot that is of that fleet.
 ROBOT = filling.ruri(27)
+ROBOT_FILTERS = (
+    "presence=offline", "batteryBelow=20", "bbox=7,46,8,48", "software=1.0", "heldBack=true", "estop=true", "faulted=true",
+    "certificateExpiresBefore=2999-01-01T00:00:00Z", "orderBy=battery", "orderBy=-lastHeard", "orderBy=-backlog",
+)  # fmt: skip
 OTHERS = [filling.ruri(47), filling.ruri(67)]
 
 
@@ -40,19 +44,25 @@ def questions(robots):
         "events": ["kind=kind7"],
         "messages": ["level=error"],
         "faults": ["severity=critical", "faultId=fault7", "source=drive7", "active=true", "active=true&severity=critical"],
-        "missions": ["status=failed", "missionId=mission7", "runId=run777", "open=true"],
-        "mission-reports": ["status=failed", "missionId=mission7", "runId=run777"],
+        "missions": ["status=error", "missionId=mission7", "runId=run777", "open=true"],
+        "mission-reports": ["status=error", "missionId=mission7", "runId=run777"],
         "presence": [],
         "gaps": [],
-        "quarantine": ["reason=bad_field"],
+        "quarantine": ["reason=unknown_variant"],
         "operator-requests": ["open=true"],
-        "scope-updates": [],
+        "connections": ["open=true", "why=broken", "source=uplink"],
+        "scope-updates": ["id=00000000-0000-4000-8000-000000000007"],
     }  # fmt: skip
     for name, filters in lists.items():
-        for text in ("", f"from={day}", "orderBy=oldest", f"ruri={ruri}", several, *filters):
+        # What a scope reports is no robot's.
+        by_robot = [] if name == "scope-updates" else [f"ruri={ruri}", several]
+        for text in ("", f"from={day}", "orderBy=oldest", *by_robot, *filters):
             yield f"/api/v1/{name}", text
-    for text in ("", "presence=offline", f"q=r{robots - 1}", "batteryBelow=20", "faulted=true", "orderBy=battery"):
-        yield "/api/v1/robots", text
+    for text in ("", *ROBOT_FILTERS, f"q=r{robots - 1}", f"offlineBefore={day}"):
+        yield "/api/v1/robots", f"{text}&parts=none".lstrip("&")
+    yield "/api/v1/robots", ""
+    yield "/api/v1/fleets", ""
+    yield "/api/v1/robot/story", f"ruri={ruri}"
 
 
 class Asker:
@@ -103,6 +113,8 @@ def survey(asker, arguments):
     rows = []
     for path, text in questions(arguments.robots):
         for fleet in ("", f"fleet={FLEET}"):
+            if fleet and path.endswith("/story"):
+                continue
             target = f"{path}?{'&'.join(part for part in (text, fleet, f'pageSize={PAGE_ROWS}') if part)}"
             if arguments.only and arguments.only not in target:
                 continue

@@ -7,8 +7,8 @@ namespace {
 
 TEST(SqliteInsertSql, NamesEachColumnInTheOrderOfItsParameters) {
   EXPECT_EQ(InsertSql(kPresenceChangesTable).view(),
-            "INSERT INTO presence_changes AS t (ruri, changed_at, entry, fleet, presence)"
-            " VALUES (?, ?, ?, ?, ?)");
+            "INSERT INTO presence_changes AS t (ruri, changed_at, entry, fleet, presence, why)"
+            " VALUES (?, ?, ?, ?, ?, ?)");
 }
 
 TEST(SqliteInsertSql, ReplacesTheValuesOfARowThatIsThereAndKeepsTheRest) {

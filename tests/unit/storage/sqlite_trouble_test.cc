@@ -80,7 +80,7 @@ class SqliteTrouble : public ::testing::Test {
 TEST_F(SqliteTrouble, SaysThatTheStoreIsFullAndRecovers) {
   StoreOptions options;
   // The empty schema and what is small fit; what is large does not.
-  options.pages_max = 140;
+  options.pages_max = 190;
   OpenStore(options);
   const Batch small = Faults(1, 10);
   ASSERT_TRUE(store_->Commit(small).ok());

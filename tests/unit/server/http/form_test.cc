@@ -134,10 +134,10 @@ TEST_F(FormTest, TheOpenapiFileIsPartOfTheProgram) {
 TEST_F(FormTest, TheConfigurationSaysWhereEachKeyWasSet) {
   const std::string body = Get("/api/v1/config").body;
   EXPECT_THAT(body, StartsWith(R"({"file":"/etc/uplinkd/uplinkd.toml","sections":[{"name":)"));
-  EXPECT_THAT(body, HasSubstr(R"({"key":"level","value":"info","source":"file",)"
-                              R"("place":"uplinkd.toml:7","effect":"reload"})"));
-  EXPECT_THAT(body, HasSubstr(R"({"key":"robots_max","value":20000,"source":"default",)"
-                              R"("place":"","effect":"restart"})"));
+  EXPECT_THAT(body, HasSubstr(R"({"key":"level","source":"file","place":"uplinkd.toml:7",)"
+                              R"("effect":"reload","value":"info"})"));
+  EXPECT_THAT(body, HasSubstr(R"({"key":"robots_max","source":"default","place":"",)"
+                              R"("effect":"restart","value":20000})"));
   EXPECT_EQ(Get("/api/v1/config?section=log").status, 400);
 }
 

@@ -288,6 +288,24 @@ TEST_F(LeaseJudgeTest, LooksAtAnotherStoreDoNotGoOnFromThoseBefore) {
   EXPECT_EQ(Other(), Over::kSilent);
 }
 
+TEST_F(LeaseJudgeTest, ARobotThatAnotherStoreGivesBackToItsHolderIsNoSignOfIt) {
+  storage::Lease lease = LeaseOf(kOther, 5);
+  lease.renewed_ago = kCutOffMax + seconds(1);
+  Look({lease});
+  judge_.NoteWritten(kOther, FromUnixMs(1));
+  judge_.EndList();
+  judge_.NoteReplaced();
+  clock_.Advance(kLateAfter);
+  Look({lease});
+  judge_.NoteWritten(kOther, FromUnixMs(2));
+  judge_.EndList();
+  EXPECT_TRUE(judge_.Late().empty()) << "it was written before, and was another's meanwhile";
+  judge_.NoteWritten(kOther, FromUnixMs(3));
+  clock_.Advance(kLateAfter);
+  Look({lease});
+  EXPECT_EQ(judge_.Late().size(), 1U) << "it wrote since";
+}
+
 TEST_F(LeaseJudgeTest, IsBlindWhileItCannotLookAndNotForEver) {
   Look({LeaseOf(kSelf, 1)});
   EXPECT_FALSE(judge_.blind());

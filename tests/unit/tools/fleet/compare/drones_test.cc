@@ -105,8 +105,12 @@ TEST_F(Drones, AWrongRowIsFound) {
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("events")));
   stored.robot.faults.back().set_severity("minor");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("alerts raised and cleared")));
-  view::SetTimeMs(stored.requests.front(), &v1::OperatorRequest::mutable_closed_at,
-                  view::UnixMs(stored.requests.front().closed_at()) == 0 ? 1 : 0);
+  v1::OperatorRequest& request = stored.requests.front();
+  if (request.has_closed_at()) {
+    request.clear_closed_at();
+  } else {
+    request.mutable_closed_at()->set_seconds(1);
+  }
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("operator requests, open or closed")));
   stored.robot.quarantine.back().set_field("other");
   EXPECT_THAT(Found(), ElementsAre(HasSubstr("nothing like it"), HasSubstr("no such row")));
