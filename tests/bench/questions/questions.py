@@ -154,6 +154,8 @@ def main():
     settings = f"[limits]\nrobots_max = {max(arguments.robots + LOAD_ROBOTS, 1000)}\n"
     with contextlib.ExitStack() as things, tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
+        # The user postgres reads below it.
+        folder.chmod(0o755)
         cluster = None
         if arguments.store == "postgres":
             cluster = Cluster(folder).create().migrate()
