@@ -14,7 +14,8 @@
 
 namespace uplink::storage {
 
-/// Connections of one robot that the store keeps; the oldest go first.
+/// Connections of one robot that the store keeps. Ended ones go before open ones, and of each those
+/// first that were written first: by no clock.
 inline constexpr std::size_t kConnectionsPerRobotMax = 64;
 /// Processes that Store::ProcessesWithOpenConnections names.
 inline constexpr std::size_t kOpenProcessesMax = 64;
@@ -50,7 +51,8 @@ inline constexpr std::string_view kServerEndedDetail =
 
 /// One connection of a robot: a stream of its own on the relay, a twin's client at a broker, or a
 /// drone's calls. Written when it begins and again when it ends; it has no number of its own:
-/// writing it twice is writing it once (key: robot, id), and the end stays once it is there.
+/// writing it twice is writing it once (key: robot, id), and the end stays once it is there
+/// (Replaces).
 struct ConnectionItem {
   RobotRef robot;
   ConnectionId id{};
@@ -76,11 +78,18 @@ struct ConnectionItem {
   std::optional<ConnectionEnded> ended;
 };
 
+/// True if others wrote this end (Store::EndConnections), who took the process for dead.
+[[nodiscard]] inline bool IsPresumed(const ConnectionEnded& ended) {
+  return ended.why == model::ConnectionEnd::kServerEnded && ended.detail == kServerEndedDetail;
+}
+
 /// True if `newer`, which was noted after `older` of the same connection, takes its place: an end
-/// stays, unless others only presumed it (kServerEnded) and the process itself tells another.
+/// stays, unless others only presumed it (kServerEnded) and the process itself tells another, or
+/// that the connection goes on.
 [[nodiscard]] inline bool Replaces(const ConnectionItem& newer, const ConnectionItem& older) {
   if (!older.ended) return true;
-  return older.ended->why == model::ConnectionEnd::kServerEnded && newer.ended.has_value();
+  if (newer.ended) return older.ended->why == model::ConnectionEnd::kServerEnded;
+  return IsPresumed(*older.ended) && newer.process == older.process;
 }
 
 /// The item as stores take it: its texts are clean UTF-8 of at most their bounds.

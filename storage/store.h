@@ -116,8 +116,8 @@ class Store {
   /// kOpenProcessesMax.
   [[nodiscard]] virtual absl::StatusOr<std::vector<ProcessId>> ProcessesWithOpenConnections() = 0;
   /// Ends the open connections of a process that is over: kServerEnded, when its lease was renewed
-  /// last, or at `now` if it has no lease; never before they began. At most kSweepRowsMax; returns
-  /// how many.
+  /// last, or at `now` if it has no lease; never before they began. What the process still tells of
+  /// them takes the place of that (Replaces). At most kSweepRowsMax; returns how many.
   [[nodiscard]] virtual absl::StatusOr<std::size_t> EndConnections(const ProcessId& process,
                                                                    SystemTime now) = 0;
 

@@ -9,9 +9,10 @@ namespace uplink::storage::sqlite {
 
 absl::Status RobotConnections::Prepare(Database& database) {
   Preparer prepare(database);
+  // By no clock: one that was ahead would keep its rows before all that begin later.
   prepare.Into(trim_,
                "DELETE FROM connections WHERE rowid IN (SELECT rowid FROM connections"
-               " WHERE ruri = ? ORDER BY began_at DESC, entry DESC LIMIT -1 OFFSET ?)");
+               " WHERE ruri = ? ORDER BY is_open DESC, entry DESC LIMIT -1 OFFSET ?)");
   // From process to process by the index: not all of their rows are read.
   prepare.Into(processes_,
                "WITH RECURSIVE p (process) AS (SELECT min(process) FROM connections WHERE is_open"

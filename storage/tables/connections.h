@@ -9,6 +9,7 @@
 
 #include "storage/connection.h"
 #include "storage/rows.h"
+#include "storage/sql_text.h"
 #include "storage/tables/table.h"
 
 // The connections of robots.
@@ -32,8 +33,15 @@ constexpr auto OfEnd(std::string_view column) {
   });
 }
 
-/// An end stays; one that another process presumed gives way to the one that the connection's own
-/// process tells (Replaces). ended_why 9 is ConnectionEnd::kServerEnded.
+/// The rows `t` that a later word of the connection updates, as Replaces. ended_why 9 is
+/// ConnectionEnd::kServerEnded.
+inline constexpr SqlText kReplacedConnections = {
+    "t.is_open OR (t.ended_why = 9 AND (NOT excluded.is_open"
+    " OR (t.process = excluded.process AND t.ended_detail = '",
+    kServerEndedDetail, "')))"};
+static_assert(static_cast<int>(model::ConnectionEnd::kServerEnded) == 9);
+
+/// An end stays; one that others presumed gives way to what the connection's own process tells.
 inline constexpr Table<NotedConnection, ConnectionRow, 25> kConnectionsTable = {
     "connections",
     Writes::kUpserts,
@@ -69,7 +77,6 @@ inline constexpr Table<NotedConnection, ConnectionRow, 25> kConnectionsTable = {
         OfEnd<&ConnectionEnded::detail, &ConnectionRow::detail>("ended_detail"),
     },
     {},
-    "t.is_open OR (t.ended_why = 9 AND NOT excluded.is_open)"};
-static_assert(static_cast<int>(model::ConnectionEnd::kServerEnded) == 9);
+    kReplacedConnections.view()};
 
 }  // namespace uplink::storage

@@ -235,6 +235,41 @@ TEST_P(ConnectionsContract, AreTheLastOfARobot) {
   EXPECT_THAT(Ids({.rows = {.ruris = {other.robot->ruri}}}), ElementsAre(200));
 }
 
+TEST_P(ConnectionsContract, AreTheLastThoughTheClockWasAhead) {
+  constexpr auto kMax = static_cast<std::uint8_t>(storage::kConnectionsPerRobotMax);
+  constexpr std::int64_t kHourMs = 3'600'000;
+  std::vector<ConnectionItem> ahead;
+  for (std::uint8_t id = 0; id < kMax; ++id) {
+    ahead.push_back(Ended(Began(id, kHourMs + id), kHourMs + 100));
+  }
+  Write(ahead);
+  Write({Began(kMax, 1)});
+  EXPECT_THAT(Ids(OnlyOpen()), ElementsAre(kMax)) << "the clock is right again";
+  ASSERT_THAT(Rows(), SizeIs(kMax));
+  Write({Ended(Began(kMax, 1), 2), Began(kMax + 1, 3)});
+  const std::vector<int> ids = Ids();
+  ASSERT_THAT(ids, SizeIs(kMax));
+  EXPECT_THAT(std::vector<int>(ids.end() - 3, ids.end()), ElementsAre(2, kMax + 1, kMax))
+      << "those written first went";
+}
+
+TEST_P(ConnectionsContract, AreKeptWhileOpenBeforeEndedOnes) {
+  constexpr auto kMax = static_cast<std::uint8_t>(storage::kConnectionsPerRobotMax);
+  Write({Began(0)});
+  std::vector<ConnectionItem> others;
+  for (std::uint8_t id = 1; id <= kMax; ++id) others.push_back(Ended(Began(id, id), 100));
+  Write(others);
+  EXPECT_THAT(Ids(), SizeIs(kMax));
+  EXPECT_THAT(Ids(OnlyOpen()), ElementsAre(0)) << "the first written of all";
+  EXPECT_EQ(Ids()[kMax - 2], 2);
+  for (ConnectionItem& item : others) {
+    item = Began(static_cast<std::uint8_t>(item.id[3] + kMax), item.id[3]);
+  }
+  Write(others);
+  EXPECT_THAT(Ids(OnlyOpen()), SizeIs(kMax));
+  EXPECT_EQ(Ids(OnlyOpen()).back(), kMax + 1) << "of open ones, too, the first written goes";
+}
+
 TEST_P(ConnectionsContract, GoByTheirAgeOnceTheyHaveEnded) {
   storage::StoreRules rules;
   rules.retain_connections = std::chrono::days(2);
@@ -272,11 +307,35 @@ TEST_P(ConnectionsContract, AreEndedForAProcessThatIsOver) {
   }
 }
 
+TEST_P(ConnectionsContract, ThatOthersEndedGoOnByTheWordOfTheirOwnProcess) {
+  ConnectionItem item = Began(1);
+  Write({item});
+  EXPECT_EQ(End(kProcess, 5), 1U);
+  Write({Began(1, 0, kOther)}, kOther);
+  EXPECT_EQ(Rows()[0].why, ConnectionEnd::kServerEnded) << "another's word";
+  item.messages = 7;
+  Write({item});
+  ASSERT_THAT(Ids(OnlyOpen()), ElementsAre(1)) << "the process only stood still";
+  EXPECT_EQ(Rows()[0].messages, 7U);
+  EXPECT_EQ(Rows()[0].ended_at, std::nullopt);
+  EXPECT_EQ(Rows()[0].why, std::nullopt);
+  EXPECT_EQ(Rows()[0].detail, "");
+  EXPECT_THAT(Processes(kOther), ElementsAre(Process(kProcess)));
+  EXPECT_EQ(End(kProcess, 6), 1U) << "and then it died";
+  EXPECT_EQ(Rows()[0].ended_at, Time(6));
+}
+
+TEST_P(ConnectionsContract, KeepTheEndThatTheirOwnProcessToldThoughTheServerEnded) {
+  Write({Ended(Began(1), 5, ConnectionEnd::kServerEnded)});
+  Write({Began(1)});
+  Write({Ended(Began(2), 5, ConnectionEnd::kServerEnded), Began(2)});
+  EXPECT_THAT(Rows(), SizeIs(2));
+  EXPECT_THAT(Ids(OnlyOpen()), IsEmpty());
+}
+
 TEST_P(ConnectionsContract, ThatOthersEndedStillTakeTheirOwnEnd) {
   Write({Began(1)});
   EXPECT_EQ(End(kProcess, 5), 1U);
-  Write({Began(1)});
-  EXPECT_EQ(Rows()[0].why, ConnectionEnd::kServerEnded) << "a word of life does not open it";
   Write({Ended(Began(1), 9, ConnectionEnd::kOrderly)});
   EXPECT_EQ(Rows()[0].why, ConnectionEnd::kOrderly);
   EXPECT_EQ(Rows()[0].ended_at, Time(9));

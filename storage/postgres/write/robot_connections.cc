@@ -17,11 +17,13 @@ constexpr std::string_view kWithRobots =
 constexpr std::string_view kOfRobots = " WHERE u.ruri IN (SELECT k.ruri FROM known AS k)";
 constexpr SqlText kWrite = InsertSql(kConnectionsTable, kWithRobots, kOfRobots);
 
+// By no clock: one that was ahead would keep its rows before all that begin later. A row that
+// another server opens or ends meanwhile is left to the next trim.
 constexpr std::string_view kTrim =
     "DELETE FROM uplinkd.connections AS c USING unnest($1::text[]) AS u (ruri) CROSS JOIN LATERAL"
-    " (SELECT p.id FROM uplinkd.connections AS p WHERE p.ruri = u.ruri"
-    " ORDER BY p.began_at DESC, p.entry DESC OFFSET $2::bigint) AS old"
-    " WHERE c.ruri = u.ruri AND c.id = old.id";
+    " (SELECT p.id, p.is_open FROM uplinkd.connections AS p WHERE p.ruri = u.ruri"
+    " ORDER BY p.is_open DESC, p.entry DESC OFFSET $2::bigint) AS old"
+    " WHERE c.ruri = u.ruri AND c.id = old.id AND c.is_open = old.is_open";
 
 // From process to process by the index: not all of their rows are read.
 constexpr std::string_view kProcesses =

@@ -37,8 +37,7 @@ TEST(InsertSql, UpdatesOnlyTheRowsThatTheTableNames) {
   EXPECT_TRUE(sql.view().starts_with("WITH known AS (SELECT 1) INSERT INTO uplinkd.connections"));
   EXPECT_NE(sql.view().find(" WHERE known ON CONFLICT (ruri, id) DO UPDATE SET agent_version ="),
             std::string_view::npos);
-  EXPECT_TRUE(
-      sql.view().ends_with(" WHERE t.is_open OR (t.ended_why = 9 AND NOT excluded.is_open)"));
+  EXPECT_TRUE(sql.view().ends_with(" WHERE " + std::string(kReplacedConnections.view())));
 }
 
 TEST(InsertSql, CountsPastNineParameters) {
