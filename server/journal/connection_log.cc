@@ -5,6 +5,19 @@
 
 namespace uplink::journal {
 
+bool ConnectionLog::HasRoomFor(const storage::ConnectionItem& item) const {
+  if (uncommitted_.load() >= connections_max_) return false;
+  const auto share = shares_.find(SharerOf(item));
+  if (share == shares_.end()) return true;
+  return share->second <
+         (item.gateway.empty() ? storage::kConnectionsPerRobotMax : connections_max_ / 2);
+}
+
+void ConnectionLog::CountOut(const storage::ConnectionItem& item) {
+  const auto share = shares_.find(SharerOf(item));
+  if (--share->second == 0) shares_.erase(share);
+}
+
 bool ConnectionLog::Note(storage::ConnectionItem item) {
   const auto known = places_.find(KeyOf(item));
   if (known != places_.end()) {
@@ -12,10 +25,13 @@ bool ConnectionLog::Note(storage::ConnectionItem item) {
     if (!storage::Replaces(item, waiting)) return true;
     // The key's view is of this one.
     item.robot = waiting.robot;
+    CountOut(waiting);
     waiting = std::move(item);
+    ++shares_[SharerOf(waiting)];
     return true;
   }
-  if (uncommitted_.load() >= connections_max_) return false;
+  if (!HasRoomFor(item)) return false;
+  ++shares_[SharerOf(item)];
   waiting_.push_back(std::move(item));
   places_.emplace(KeyOf(waiting_.back()), std::prev(waiting_.end()));
   uncommitted_.fetch_add(1);
@@ -27,6 +43,7 @@ std::vector<storage::ConnectionItem> ConnectionLog::Take(std::size_t items_max) 
   items.reserve(std::min(items_max, waiting_.size()));
   while (!waiting_.empty() && items.size() < items_max) {
     places_.erase(KeyOf(waiting_.front()));
+    CountOut(waiting_.front());
     items.push_back(std::move(waiting_.front()));
     waiting_.pop_front();
   }
@@ -40,11 +57,14 @@ void ConnectionLog::PutBack(std::vector<storage::ConnectionItem> items) {
       storage::ConnectionItem& waiting = *known->second;
       if (!storage::Replaces(waiting, *item)) {
         item->robot = waiting.robot;
+        CountOut(waiting);
         waiting = std::move(*item);
+        ++shares_[SharerOf(waiting)];
       }
       uncommitted_.fetch_sub(1);
       continue;
     }
+    ++shares_[SharerOf(*item)];
     waiting_.push_front(std::move(*item));
     places_.emplace(KeyOf(waiting_.front()), waiting_.begin());
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <list>
 #include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,7 +16,9 @@ namespace uplink::journal {
 /// The connections of robots that are not in the store as they are now, each once, as it was noted
 /// last; those that wait longest first.
 ///
-/// Limits: so many connections as it was made for, taken ones included; one more is refused.
+/// Limits: so many connections as it was made for, taken ones included; one more is refused. So is
+///         one more of a robot with kConnectionsPerRobotMax waiting, which the store would not
+///         keep, and of a gateway that has half of the room: others need some.
 /// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class ConnectionLog final {
  public:
@@ -42,10 +45,18 @@ class ConnectionLog final {
   using Key = std::pair<std::string_view, storage::ConnectionId>;
   using Items = std::list<storage::ConnectionItem>;
   static Key KeyOf(const storage::ConnectionItem& item) { return {item.robot->ruri, item.id}; }
+  /// Whose share a connection is of: a gateway's, else its robot's.
+  static const std::string& SharerOf(const storage::ConnectionItem& item) {
+    return item.gateway.empty() ? item.robot->ruri : item.gateway;
+  }
+  [[nodiscard]] bool HasRoomFor(const storage::ConnectionItem& item) const;
+  void CountOut(const storage::ConnectionItem& item);
 
   const std::size_t connections_max_;
   Items waiting_;
   std::map<Key, Items::iterator> places_;
+  /// Those that wait, by sharer.
+  std::map<std::string, std::size_t> shares_;
   std::atomic<std::size_t> uncommitted_{0};
 };
 

@@ -113,6 +113,22 @@ TEST_F(JournalConnections, PastTheirBoundAreDroppedAndTold) {
   EXPECT_THAT(Ids(), SizeIs(5)) << "its end tells all of it";
 }
 
+TEST_F(JournalConnections, OfOneGatewayLeaveHalfOfTheRoomToOthers) {
+  for (std::uint8_t id = 1; id <= 3; ++id) {
+    storage::ConnectionItem item = Item(id);
+    item.gateway = "CN=site";
+    journal.NoteConnection(item);
+  }
+  EXPECT_EQ(probe.connections_dropped.value(), 1) << "two of four are its share";
+  journal.NoteConnection(Item(4));
+  Run();
+  EXPECT_THAT(Ids(), ElementsAre(4, 2, 1));
+  storage::ConnectionItem again = Item(5);
+  again.gateway = "CN=site";
+  journal.NoteConnection(again);
+  EXPECT_EQ(probe.connections_dropped.value(), 1) << "what is written takes no share";
+}
+
 TEST_F(JournalConnections, OfANewRobotWaitForItsRow) {
   RecordingClient other("rcan://b");
   Open(other);
