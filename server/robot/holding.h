@@ -5,6 +5,7 @@
 #include <string>
 
 #include "schema/base/clock.h"
+#include "schema/model/connection.h"
 #include "schema/model/presence.h"
 #include "storage/adopt.h"
 #include "storage/epoch.h"
@@ -33,6 +34,13 @@ struct HoldNews {
   /// For an adopted robot: how long it may be silent before it counts as offline.
   milliseconds grace{0};
 };
+
+/// Why the last connection of an adopted robot ended, by the presence that its former holder wrote
+/// last: a server that stops in order writes first that presence is unknown.
+[[nodiscard]] inline std::optional<model::ConnectionEnd> EndOfHolder(model::Presence written) {
+  if (written == model::Presence::kOnline) return model::ConnectionEnd::kServerEnded;
+  return std::nullopt;
+}
 
 /// A robot that this process does not hold, as its holder last wrote it. A value.
 struct Foreign {

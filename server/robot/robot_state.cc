@@ -149,6 +149,7 @@ void RobotState::BeginHold(const HoldNews& news, SteadyTime now, SystemTime syst
       presence_.Claim(stored, now);
       return;
     case HoldBegan::kAdopted:
+      if (connections_ == 0) last_end_ = EndOfHolder(stored.presence);
       presence_.Adopt({.stored = stored,
                        .end = news.end,
                        .unknown_until = now + news.grace,

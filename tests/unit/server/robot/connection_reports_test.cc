@@ -107,6 +107,22 @@ TEST_F(ConnectionReportsTest, ADetailIsCutAndShowsNoControlCharacters) {
   EXPECT_EQ(detail.find('\n'), std::string::npos);
 }
 
+TEST(RobotStatePresence, ARobotThatIsAdoptedLostItsServerUnlessThatStoppedInOrder) {
+  testing::ManualClock clock;
+  for (const auto& [written, why] :
+       {std::pair(Presence::kOnline, std::optional(ConnectionEnd::kServerEnded)),
+        std::pair(Presence::kUnknown, std::optional<ConnectionEnd>())}) {
+    RobotState state(clock.Steady(), clock.Steady(), clock.System());
+    state.BeginConnection();
+    state.EndConnection(ConnectionEnd::kReplaced);
+    state.BeginHold({.how = HoldBegan::kAdopted,
+                     .since = 2,
+                     .presence = storage::StoredPresence{written, clock.System()}},
+                    clock.Steady(), clock.System());
+    EXPECT_EQ(state.last_end(), why) << "not the one that ended here before";
+  }
+}
+
 TEST(RobotStatePresence, ARobotThatGoesOfflineSaysWhyItsLastConnectionEnded) {
   using Told = std::pair<Presence, std::optional<model::ConnectionEnd>>;
   std::vector<Told> told;
