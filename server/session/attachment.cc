@@ -189,12 +189,12 @@ robot::Resume Attachment::Resume() {
 }
 
 void Attachment::Park(SystemTime until) {
-  said_goodbye_ = true;
+  parked_until_ = until;
   robot_->state.Park(until, context_.clock.Steady());
 }
 
 void Attachment::Detach() {
-  if (said_goodbye_) robot_->state.EndParkingStream(context_.clock.Steady());
+  if (parked_until_) robot_->state.EndParkingStream(context_.clock.Steady());
   robot_->NoteHeard(context_.clock.System());
   robot_->sessions.Detach(self_, context_.clock.Steady()).Wake();
   if (!robot_->HasStream()) robot_->state.EndClaim();

@@ -52,6 +52,8 @@ class Attachment final {
   [[nodiscard]] robot::Resume Resume();
   /// The stream says that the robot is parked; its signs of life do not end that.
   void Park(SystemTime until);
+  /// Until when the stream said so; nothing if it did not.
+  [[nodiscard]] std::optional<SystemTime> parked_until() const { return parked_until_; }
   /// The stream takes no more frames: wakes the one that waits for the robot.
   void Detach();
 
@@ -109,7 +111,7 @@ class Attachment final {
   robot::Reconnects::Arrival arrival_;
   bool waits_ = false;
   bool attached_ = false;
-  bool said_goodbye_ = false;
+  std::optional<SystemTime> parked_until_;
   std::uint32_t takeovers_ = 0;
   std::uint64_t open_id_ = 0;
   /// From Open on; null for a robot without a gateway.

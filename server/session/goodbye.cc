@@ -15,16 +15,15 @@ ExpectedBack JudgeGoodbye(std::int64_t expected_back_unix_ms, SystemTime now,
     return {.until = {},
             .dropped = model::Rejection{.reason = model::RejectReason::kMissingField,
                                         .field = kField,
-                                        .detail = "it says no time, and the robot is not parked"}};
+                                        .detail = "it says no time, and changes nothing"}};
   }
   if (expected_back_unix_ms <= UnixMs(now)) {
-    return {
-        .until = {},
-        .dropped = model::Rejection{
-            .reason = model::RejectReason::kOutOfRange,
-            .field = kField,
-            .detail = fmt::format("{} is not after the server's {}, and the robot is not parked",
-                                  expected_back_unix_ms, UnixMs(now))}};
+    return {.until = {},
+            .dropped = model::Rejection{
+                .reason = model::RejectReason::kOutOfRange,
+                .field = kField,
+                .detail = fmt::format("{} is not after the server's {}, and changes nothing",
+                                      expected_back_unix_ms, UnixMs(now))}};
   }
   return {.until = FromUnixMs(std::min(expected_back_unix_ms, UnixMs(now + parked_max))),
           .dropped = {}};
@@ -38,7 +37,11 @@ bool TakeGoodbye(std::string_view bytes, const SessionContext& context, Attachme
       JudgeGoodbye(frame.goodbye().expected_back_unix_ms(), context.clock.System(),
                    context.fleet.presence_limits_of(robot.robot()).parked_max);
   if (back.until) robot.Park(*back.until);
-  if (back.dropped) outgoing.Push(NoticeFrame(0, *back.dropped));
+  if (back.dropped &&
+      robot.robot().sessions.MayNotice(back.dropped->field, context.clock.Steady())) {
+    context.probe.notices_total.Add();
+    outgoing.Push(NoticeFrame(0, *back.dropped));
+  }
   return true;
 }
 

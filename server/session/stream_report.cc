@@ -1,8 +1,10 @@
 #include "server/session/stream_report.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "schema/base/rfc3339.h"
 #include "schema/base/utf8.h"
 #include "schema/model/ids.h"
 #include "server/identity/shown_certificate.h"
@@ -14,7 +16,10 @@ namespace {
 using transport::EndCause;
 
 /// An agent reads the same for a drain, an age and an expiry; a person reads which one it was.
-std::string DetailOf(const transport::Ending& ending) {
+std::string DetailOf(const transport::Ending& ending, std::optional<SystemTime> parked_until) {
+  if (ending.cause == EndCause::kClosed && parked_until) {
+    return "the robot said Goodbye until " + Rfc3339(*parked_until);
+  }
   const bool told = ending.cause != EndCause::kAge && ending.cause != EndCause::kExpired;
   return std::string(told && !ending.detail.empty() ? ending.detail : SentenceOf(ending.cause));
 }
@@ -70,7 +75,7 @@ void StreamReport::End(const transport::Ending& ending) {
       .at = sources_.context.clock.System(),
       .why = transport::WhyOf(ending.cause),
       .code = ending.code ? absl::StatusCodeToString(*ending.code) : std::string(),
-      .detail = DetailOf(ending)};
+      .detail = DetailOf(ending, sources_.robot.parked_until())};
   sources_.context.reports->End(sources_.robot.robot(), std::move(item));
 }
 

@@ -91,8 +91,11 @@ TEST_F(GoodbyeTest, ABadTimeGetsANoticeAndNothingElseIsLost) {
   BenchStream& stream = Welcomed(1);
   stream.Send(BatchFrame({{1, Fault()}}));
   stream.Send(Goodbye(0));
+  stream.Send(Goodbye(0));
+  clock_.Advance(std::chrono::seconds(1));
   stream.Send(Goodbye(-1));
   EXPECT_EQ(parked(), std::nullopt);
+  EXPECT_EQ(server().probe().notices_total.value(), 2) << "one a second";
   EXPECT_THAT(stream.TakeLines(),
               ::testing::IsSupersetOf({"notice 0 missing_field goodbye.expected_back_unix_ms",
                                        "notice 0 out_of_range goodbye.expected_back_unix_ms"}));

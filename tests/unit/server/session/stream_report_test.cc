@@ -1,6 +1,7 @@
 // Streams as connections of their robots: what is reported at their begin and their end.
 #include "server/session/stream_report.h"
 
+#include "schema/base/rfc3339.h"
 #include "tests/support/kept_connections.h"
 #include "tests/unit/server/session/session_test.h"
 
@@ -106,6 +107,17 @@ TEST_F(StreamReportTest, AHalfCloseThatSettlesIsOrderly) {
   server().Commit();
   EXPECT_THAT(End(), ElementsAre("orderly", "OK: the robot closed it"));
   EXPECT_EQ(server().robot().state.last_end(), model::ConnectionEnd::kOrderly);
+}
+
+TEST_F(StreamReportTest, AHalfCloseAfterAGoodbyeSaysUntilWhen) {
+  BenchStream& stream = Welcomed();
+  v1::RelayRequest goodbye;
+  const SystemTime back = clock_.System() + std::chrono::hours(2);
+  goodbye.mutable_goodbye()->set_expected_back_unix_ms(UnixMs(back));
+  stream.Send(goodbye);
+  stream.HalfClose();
+  EXPECT_THAT(End(),
+              ElementsAre("orderly", "OK: the robot said Goodbye until " + uplink::Rfc3339(back)));
 }
 
 TEST_F(StreamReportTest, AHalfCloseThatDoesNotSettleInTimeIsOrderlyToo) {
