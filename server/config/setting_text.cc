@@ -1,7 +1,10 @@
 // The texts of a setting: its names, its values, what it takes.
 #include <algorithm>
 #include <cctype>
+#include <string_view>
 
+#include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -28,12 +31,25 @@ std::string Quoted(std::string_view text) {
   return quoted + '"';
 }
 
-/// A URL without the password of its user part.
-std::string MaskedUrl(const std::string& url) {
-  const std::size_t scheme = url.find("://");
+constexpr const char* kMask = "***";
+
+/// Whether a text may hold a password where a start refuses one, however its letters are written.
+bool MayTellPassword(std::string_view text) {
+  return text.find('%') != std::string_view::npos ||
+         absl::StrContains(absl::AsciiStrToLower(std::string(text)), "pass");
+}
+
+/// A URL without the password of its user part, and without a query that may hold one.
+std::string MaskedUrl(const std::string& whole) {
+  const std::size_t scheme = whole.find("://");
   if (scheme == std::string::npos) {
-    return url;
+    return MayTellPassword(whole) ? kMask : whole;
   }
+  const std::size_t query = whole.find('?', scheme);
+  if (query != std::string::npos && MayTellPassword(std::string_view(whole).substr(query))) {
+    return MaskedUrl(whole.substr(0, query)) + "?" + kMask;
+  }
+  const std::string& url = whole;
   const std::size_t user = scheme + 3;
   const std::size_t at = url.substr(0, url.find('/', user)).rfind('@');
   const std::size_t colon = url.find(':', user);

@@ -44,6 +44,22 @@ TEST(EffectiveKeys, MaskThePasswordsOfUrls) {
   }
 }
 
+TEST(EffectiveKeys, MaskWhatMayBeAPasswordWhereAStartRefusesIt) {
+  for (const char* url :
+       {"postgresql://u@h/d?password=geheim", "postgresql://u@h/d?sslPassword=geheim",
+        "postgresql://u@h/d?pass%77ord=geheim", "host=h user=u password=geheim"}) {
+    Config config;
+    config.store.url = url;
+    for (const EffectiveKey& key : EffectiveKeys(config, {})) {
+      EXPECT_THAT(key.value, Not(HasSubstr("geheim"))) << url;
+    }
+  }
+  Config config;
+  config.store.url = "postgresql://u@h/d?sslmode=verify-full";
+  EXPECT_EQ(Find(EffectiveKeys(config, {}), "store.url")->value,
+            "\"postgresql://u@h/d?sslmode=verify-full\"");
+}
+
 TEST(InEffect, TakesOverOnlyWhatAReloadMayChange) {
   InEffect in_effect("u.toml", {}, {{"log.level", "u.toml:1"}, {"presence.timeout", "u.toml:2"}});
   EXPECT_EQ(in_effect.file(), "u.toml");
