@@ -35,6 +35,14 @@ std::vector<std::string> Named(const std::vector<std::string>& found, const std:
   return named;
 }
 
+std::vector<std::string> RurisOf(const Rows& rows) {
+  std::vector<std::string> ruris;
+  for (const auto& row : rows.rows) {
+    if (row.is_object()) ruris.push_back(TextAt(row.get_object(), "ruri"));
+  }
+  return ruris;
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> ResolveRobot(Api& api, const std::string& name) {
@@ -42,10 +50,7 @@ absl::StatusOr<std::string> ResolveRobot(Api& api, const std::string& name) {
   const absl::StatusOr<Rows> rows =
       api.List("/api/v1/robots", "robots", {{"q", name}, {"parts", "none"}}, kFoundMax);
   if (!rows.ok()) return rows.status();
-  std::vector<std::string> found;
-  for (const auto& row : rows->rows) {
-    if (row.is_object()) found.push_back(TextAt(row.get_object(), "ruri"));
-  }
+  const std::vector<std::string> found = RurisOf(*rows);
   const std::vector<std::string> named = Named(found, name);
   if (named.size() == 1) return named.front();
   if (named.size() > 1) {
@@ -68,6 +73,12 @@ absl::StatusOr<std::vector<std::string>> ResolveRobots(Api& api,
     ruris.push_back(*std::move(ruri));
   }
   return ruris;
+}
+
+std::vector<std::string> RobotsOf(Api& api) {
+  const absl::StatusOr<Rows> rows =
+      api.List("/api/v1/robots", "robots", {{"parts", "none"}}, kNamedRobotsMax);
+  return rows.ok() ? RurisOf(*rows) : std::vector<std::string>();
 }
 
 }  // namespace uplink::ctl

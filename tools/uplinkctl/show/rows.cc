@@ -20,8 +20,8 @@ namespace {
 
 namespace json = boost::json;
 
-ShortNames NamesIn(const Columns& columns, const json::array& rows) {
-  std::vector<std::string> ruris;
+ShortNames NamesIn(const Columns& columns, const json::array& rows,
+                   std::vector<std::string> ruris) {
   for (const Column& column : columns) {
     if (column.kind != Kind::kRobot) continue;
     for (const json::value& row : rows) {
@@ -86,7 +86,7 @@ Format FormatOf(std::string_view word) {
 }
 
 std::string TableOf(const Columns& columns, const json::array& rows, const RowTerms& terms) {
-  const ShortNames names = NamesIn(columns, rows);
+  const ShortNames names = NamesIn(columns, rows, terms.robots);
   std::vector<Heading> headings;
   for (const Column& column : columns) headings.push_back(HeadingOf(column));
   Table table(std::move(headings));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <boost/json.hpp>
 
@@ -23,6 +24,8 @@ inline constexpr const char* kJsonWord = "json";
 struct RowTerms {
   SystemTime now;
   TableTerms table;
+  /// RURIs from which a short name must tell a robot, beside those in the rows.
+  std::vector<std::string> robots{};
 };
 
 /// The rows as a table, with the short names of the robots in them. Pure; any thread.

@@ -115,4 +115,10 @@ std::string DocumentText(const boost::json::value& value, bool follow) {
   return (follow ? LineJson(value) : PrettyJson(value)) + '\n';
 }
 
+config::FlagForm NotEmpty() {
+  return {.name = "TEXT", .problem = [](const std::string& text) {
+            return text.empty() ? std::string("it is empty, which would show everything") : "";
+          }};
+}
+
 }  // namespace uplink::ctl

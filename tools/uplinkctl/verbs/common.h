@@ -54,4 +54,8 @@ using Work = std::function<absl::Status(Api& api, const Screen& screen)>;
 /// JSON of a document: pretty, or with `follow` a line.
 [[nodiscard]] std::string DocumentText(const boost::json::value& value, bool follow);
 
+/// The form of a text that restricts an answer: an empty variable of a shell must not ask for
+/// everything.
+[[nodiscard]] config::FlagForm NotEmpty();
+
 }  // namespace uplink::ctl

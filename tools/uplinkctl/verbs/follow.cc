@@ -1,10 +1,12 @@
 #include "tools/uplinkctl/verbs/follow.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "schema/base/rfc3339.h"
 #include "tools/uplinkctl/show/json_text.h"
@@ -19,14 +21,20 @@ namespace json = boost::json;
 /// Thread: confined to one thread.
 class Follower final {
  public:
-  Follower(const List& list, const CommonFlags& flags, const Screen& screen)
-      : list_(list), flags_(flags), screen_(screen), newest_(screen.clock.System()) {}
+  /// `robots` tells which there are, for their short names.
+  Follower(const List& list, const CommonFlags& flags, const Screen& screen,
+           std::function<std::vector<std::string>()> robots)
+      : list_(list),
+        flags_(flags),
+        screen_(screen),
+        robots_(std::move(robots)),
+        newest_(screen.clock.System()) {}
 
   /// Shows those of the rows that were not in the last ones.
-  void Take(json::array rows) {
+  void Take(Rows rows, bool oldest_first) {
     std::unordered_set<std::string> seen;
     json::array fresh;
-    for (json::value& row : rows) {
+    for (json::value& row : rows.rows) {
       if (!row.is_object()) continue;
       Note(row.get_object());
       std::string text = LineJson(row);
@@ -34,11 +42,13 @@ class Follower final {
       seen.insert(std::move(text));
     }
     seen_ = std::move(seen);
+    // Looking back would read the same rows again, and never those behind them.
+    if (oldest_first && rows.more) first_ = newest_;
     if (!fresh.empty()) Show(fresh);
   }
 
   /// From the time of the newest row, less the overlap, but never before the first row: those
-  /// before it were left out by the limit.
+  /// before it were left out by the limit, or are shown.
   [[nodiscard]] SystemTime From() const {
     return std::max(newest_ - kFollowOverlap, first_.value_or(SystemTime::min()));
   }
@@ -64,6 +74,7 @@ class Follower final {
       case Format::kTable: {
         RowTerms terms = screen_.Terms();
         terms.table.headings = headings_;
+        terms.robots = robots_();
         text = TableOf(list_.columns, rows, terms);
         break;
       }
@@ -75,6 +86,7 @@ class Follower final {
   const List& list_;
   const CommonFlags& flags_;
   const Screen& screen_;
+  const std::function<std::vector<std::string>()> robots_;
   std::unordered_set<std::string> seen_;
   std::optional<SystemTime> first_;
   SystemTime newest_;
@@ -108,15 +120,16 @@ absl::Status FollowRows(const List& list, const ListFlags& flags, const Query& q
   absl::StatusOr<Rows> rows = api.List(path, member, query, static_cast<std::size_t>(flags.limit));
   if (!rows.ok()) return rows.status();
   if (!flags.oldest) std::ranges::reverse(rows->rows);
-  Follower follower(list, flags.common, screen);
-  follower.Take(std::move(rows->rows));
+  Follower follower(list, flags.common, screen,
+                    [&] { return NamedBeside(list, flags.common, api); });
+  follower.Take(*std::move(rows), flags.oldest);
   while (screen.wait()) {
     rows = api.List(path, member, Since(query, follower.From()), kFollowRowsMax);
     if (!rows.ok()) {
       screen.note(std::string(rows.status().message()));
       continue;
     }
-    follower.Take(std::move(rows->rows));
+    follower.Take(*std::move(rows), true);
   }
   return absl::OkStatus();
 }

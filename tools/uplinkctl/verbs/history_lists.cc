@@ -1,6 +1,9 @@
 // Lists of what robots reported, and of what the server noted about them.
 #include <iterator>
+#include <string>
+#include <vector>
 
+#include "schema/model/connection.h"
 #include "tools/uplinkctl/verbs/list_tables.h"
 
 namespace uplink::ctl {
@@ -126,6 +129,14 @@ List Gaps() {
           .grows_by = "seenAt"};
 }
 
+/// Why a connection may have ended.
+std::vector<std::string> EndWords() {
+  std::vector<std::string> words;
+  for (const model::ConnectionEnd why : model::kAllConnectionEnds)
+    words.emplace_back(model::ToText(why));
+  return words;
+}
+
 List Connections() {
   return {.noun = "connections",
           .about = "List connections of robots: from where, how long, and why each ended",
@@ -143,16 +154,12 @@ List Connections() {
                       {"CODE", "end.code", Kind::kText, Fit::kDrop},
                       {"HELD BACK", "heldBack.why", Kind::kText, Fit::kDrop},
                       {"AGENT", "agentVersion", Kind::kText, Fit::kDrop},
+                      {"SERIAL", "certificate.serial", Kind::kText, Fit::kDrop},
                       {"CERTIFICATE", "certificate.notAfter", Kind::kAge, Fit::kDrop},
                       {"GATEWAY", "gateway", Kind::kText, Fit::kDrop},
                       {"SERVER", "server", Kind::kText, Fit::kDrop}},
           .filters = {{"--open", "open", "Only connections that last", Filter::Kind::kSwitch},
-                      {"--why",
-                       "why",
-                       "Only those that ended so",
-                       Filter::Kind::kText,
-                       {"orderly", "broken", "silent", "replaced", "drained", "not_read",
-                        "protocol_error", "refused", "certificate_expired", "server_ended"}},
+                      {"--why", "why", "Only those that ended so", Filter::Kind::kText, EndWords()},
                       {"--source",
                        "source",
                        "Only those of robots that are heard this way",

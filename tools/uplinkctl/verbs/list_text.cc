@@ -19,14 +19,14 @@ std::string Document(std::string_view member, Rows rows, bool follow) {
 
 }  // namespace
 
-std::string ListText(const List& list, const CommonFlags& flags, Rows rows, const Screen& screen) {
+std::string ListText(const List& list, const CommonFlags& flags, Rows rows, const RowTerms& terms) {
   switch (flags.format()) {
     case Format::kJson:
       return Document(list.member, std::move(rows), flags.follow);
     case Format::kCsv:
       return CsvOf(list.columns, rows.rows, true);
     case Format::kTable:
-      return TableOf(list.columns, rows.rows, screen.Terms());
+      return TableOf(list.columns, rows.rows, terms);
   }
   return {};
 }

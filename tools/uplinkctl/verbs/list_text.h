@@ -10,7 +10,7 @@ namespace uplink::ctl {
 
 /// The rows in the format of the flags; JSON is one document with the members of the answer.
 [[nodiscard]] std::string ListText(const List& list, const CommonFlags& flags, Rows rows,
-                                   const Screen& screen);
+                                   const RowTerms& terms);
 
 /// Says on the screen if there are no rows, or further ones.
 void NoteRows(const Rows& rows, const Screen& screen);

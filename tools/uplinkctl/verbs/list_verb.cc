@@ -1,5 +1,6 @@
 #include "tools/uplinkctl/verbs/list_verb.h"
 
+#include <algorithm>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -64,15 +65,16 @@ void AddFilterFlag(config::Flags& verb, const Filter& filter, FilterValue& value
   if (filter.kind == Filter::Kind::kSwitch || filter.kind == Filter::Kind::kUnless) {
     verb.AddSwitch(flag, value.on);
   } else if (filter.choices.empty()) {
-    verb.Add(flag, value.text);
+    verb.Add(flag, value.text, NotEmpty());
   } else {
     verb.AddChoice(flag, value.text, filter.choices);
   }
 }
 
 void AddTimes(config::Flags& verb, ListFlags& flags) {
-  verb.Add({"--since", fmt::format("Only what arrived since then: {}", kMomentForm)}, flags.since);
-  verb.Add({"--until", "Only what arrived until then"}, flags.until);
+  verb.Add({"--since", fmt::format("Only rows from then on, by their first time: {}", kMomentForm)},
+           flags.since, NotEmpty());
+  verb.Add({"--until", "Only rows until then, by their first time"}, flags.until, NotEmpty());
   verb.AddSwitch({"--oldest", "The oldest first, instead of the newest"}, flags.oldest);
   verb.AtMostOne({"--until", "--follow"});
 }
@@ -94,7 +96,7 @@ void AddList(config::Flags& noun, const List& list) {
     verb.Add({"ROBOT", "The robot: its RURI, or the end of it", config::Flag::Need::kRequired},
              flags->robot);
   }
-  if (list.of_fleet) verb.Add({"--fleet", "Only this fleet's"}, flags->fleet);
+  if (list.of_fleet) verb.Add({"--fleet", "Only this fleet's"}, flags->fleet, NotEmpty());
   if (list.of_robots) {
     verb.Add({"--robot", "Only this robot's: its RURI, or the end of it (repeatable)"},
              flags->robots);
@@ -128,6 +130,12 @@ absl::StatusOr<Query> QueryOf(const List& list, const ListFlags& flags,
   return query;
 }
 
+std::vector<std::string> NamedBeside(const List& list, const CommonFlags& flags, Api& api) {
+  const bool names = std::ranges::any_of(
+      list.columns, [](const Column& column) { return column.kind == Kind::kRobot; });
+  return names && flags.format() == Format::kTable ? RobotsOf(api) : std::vector<std::string>();
+}
+
 absl::Status ShowList(const List& list, const ListFlags& flags, Api& api, const Screen& screen) {
   std::vector<std::string> names = flags.robots;
   if (list.of_one_robot) names = {flags.robot};
@@ -146,7 +154,9 @@ absl::Status ShowList(const List& list, const ListFlags& flags, Api& api, const 
                                          static_cast<std::size_t>(flags.limit));
     if (!rows.ok()) return rows.status();
     if (!flags.common.follow) NoteRows(*rows, screen);
-    return ListText(list, flags.common, *std::move(rows), screen);
+    RowTerms terms = screen.Terms();
+    if (!rows->rows.empty()) terms.robots = NamedBeside(list, flags.common, api);
+    return ListText(list, flags.common, *std::move(rows), terms);
   });
 }
 

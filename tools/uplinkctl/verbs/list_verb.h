@@ -46,6 +46,10 @@ void AddList(config::Flags& noun, const List& list);
 [[nodiscard]] absl::StatusOr<Query> QueryOf(const List& list, const ListFlags& flags,
                                             const std::vector<std::string>& ruris, SystemTime now);
 
+/// RURIs from which a table of the list tells robots by short names; none where it names no robot.
+[[nodiscard]] std::vector<std::string> NamedBeside(const List& list, const CommonFlags& flags,
+                                                   Api& api);
+
 /// Asks for the rows and shows them, once or with --follow until the screen's wait ends it.
 [[nodiscard]] absl::Status ShowList(const List& list, const ListFlags& flags, Api& api,
                                     const Screen& screen);

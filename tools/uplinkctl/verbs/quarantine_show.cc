@@ -79,10 +79,12 @@ void AddQuarantineShow(config::Flags& noun) {
   config::Flags& verb =
       noun.AddCommand("show", "Show the newest rejected message that matches, in hex and decoded",
                       [request, work] { return WithServer(request->common.server, work); });
-  verb.Add({"ROBOT", "The robot that sent it: its RURI, or the end of it"}, request->robot);
-  verb.Add({"--seq", "With this number"}, request->seq);
-  verb.Add({"--at", "That arrived at this time, as receivedAt of -o json has it"}, request->at);
-  verb.Add({"--reason", "That was rejected for this reason"}, request->reason);
+  verb.Add({"ROBOT", "The robot that sent it: its RURI, or the end of it"}, request->robot,
+           NotEmpty());
+  verb.Add({"--seq", "With this number"}, request->seq, NotEmpty());
+  verb.Add({"--at", "That arrived at this time, as receivedAt of -o json has it"}, request->at,
+           NotEmpty());
+  verb.Add({"--reason", "That was rejected for this reason"}, request->reason, NotEmpty());
   AddOutputFlags(verb, request->common, false);
   AddServerFlags(verb, request->common.server);
   verb.Example("uplinkctl quarantine show r17 --seq 4711");

@@ -8,6 +8,7 @@
 
 #include "schema/base/rfc3339.h"
 #include "tests/unit/tools/uplinkctl/fake_api.h"
+#include "tools/uplinkctl/verbs/follow.h"
 
 namespace uplink::ctl {
 namespace {
@@ -122,6 +123,20 @@ TEST_F(ShowListTest, ATableHasAgesAndShortNames) {
   EXPECT_EQ(screen_.notes, "the first 1; --limit shows more\n");
 }
 
+TEST_F(ShowListTest, AShortNameIsNoOtherRobotsOfTheServer) {
+  server_.Answer(200, Events(EventAt("2026-05-01T12:28:00Z", "estopEngaged")));
+  server_.Answer(200, R"({"robots":[{"ruri":"rcan://a/b/c/1/r1"},{"ruri":"rcan://a/b/c/2/r1"}],)"
+                      R"("nextPageToken":""})");
+  ASSERT_TRUE(Show(Named("events"), FlagsFor(Named("events"))).ok());
+  EXPECT_THAT(screen_.printed, HasSubstr(" 1/r1 "));
+  EXPECT_EQ(server_.asked.at(1), "/api/v1/robots?parts=none&pageSize=1000");
+}
+
+TEST(NotEmpty, RefusesAnEmptyTextAlone) {
+  EXPECT_THAT(NotEmpty().problem(""), HasSubstr("it is empty"));
+  EXPECT_EQ(NotEmpty().problem(" "), "");
+}
+
 TEST_F(ShowListTest, NothingIsSaidApart) {
   server_.Answer(200, Events(""));
   ASSERT_TRUE(Show(Named("events"), FlagsFor(Named("events"))).ok());
@@ -163,6 +178,27 @@ TEST_F(ShowListTest, FollowAddsEachNewRowOnceAlsoOneThatCameLate) {
   EXPECT_EQ(server_.asked.at(0), "/api/v1/events?from=2026-05-01T11%3A30%3A00Z&pageSize=100");
   EXPECT_EQ(server_.asked.at(1),
             "/api/v1/events?from=2026-05-01T12%3A29%3A40Z&orderBy=oldest&pageSize=1000");
+}
+
+TEST_F(ShowListTest, FollowGoesOnWhereOneLookDoesNotReachTheNewest) {
+  server_.Answer(200, Events(EventAt("2026-05-01T12:29:00Z", "first")));
+  // Ten pages of one second, and further ones.
+  std::string full;
+  for (std::size_t i = 0; i < kPageRowsMax; ++i) {
+    full += (i == 0 ? "" : ",") + EventAt("2026-05-01T12:29:01Z", "k" + std::to_string(i));
+  }
+  for (std::size_t page = 0; page < kFollowRowsMax / kPageRowsMax; ++page) {
+    server_.Answer(200, Events(full, "more"));
+  }
+  server_.Answer(200, Events(EventAt("2026-05-01T12:29:01Z", "k7") + "," +
+                             EventAt("2026-05-01T12:29:02Z", "after")));
+  ListFlags flags = FlagsFor(Named("events"));
+  flags.common.follow = true;
+  flags.common.output = kCsvWord;
+  screen_.waits = 2;
+  ASSERT_TRUE(Show(Named("events"), flags).ok());
+  EXPECT_THAT(server_.asked.back(), HasSubstr("from=2026-05-01T12%3A29%3A01Z&"));
+  EXPECT_TRUE(screen_.printed.ends_with("2026-05-01T12:29:02Z,rcan://a/b/c/1/r1,after,\n"));
 }
 
 TEST_F(ShowListTest, FollowShowsAListThatDoesNotGrowAgain) {

@@ -70,6 +70,11 @@ TEST(Csv, QuotesWhatNeedsIt) {
   EXPECT_EQ(CsvLine({"a,b", "say \"no\"", " x"}), "\"a,b\",\"say \"\"no\"\"\",\" x\"\n");
 }
 
+TEST(Csv, ATextIsNoFormula) {
+  EXPECT_EQ(CsvLine({"=1+1", "@SUM(1)", "+x", "-x"}), "'=1+1,'@SUM(1),'+x,'-x\n");
+  EXPECT_EQ(CsvLine({"-3", "+4", "-1.5e3", "a=b"}), "-3,+4,-1.5e3,a=b\n");
+}
+
 TEST(Csv, ARecordStaysALine) {
   EXPECT_EQ(CsvLine({"two\nlines", "\x1b[31m"}), "two\\x0alines,\\x1b[31m\n");
 }
