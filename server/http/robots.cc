@@ -92,13 +92,13 @@ view::RobotsFilter ReadFilter(Parameters& parameters) {
   filter.q = parameters.Text("q");
   filter.presence = ReadPresence(parameters);
   filter.offline_before = parameters.Time("offlineBefore");
-  filter.battery_below = ReadPercent(parameters, "batteryBelow");
-  filter.bbox = ReadBox(parameters);
-  filter.software = parameters.Text("software");
-  filter.held_back = parameters.MaybeFlag("heldBack");
-  filter.estop = parameters.MaybeFlag("estop");
-  filter.faulted = parameters.MaybeFlag("faulted");
-  filter.certificate_expires_before = parameters.Time("certificateExpiresBefore");
+  filter.values.battery_below = ReadPercent(parameters, "batteryBelow");
+  filter.values.bbox = ReadBox(parameters);
+  filter.values.software = parameters.Text("software");
+  filter.values.held_back = parameters.MaybeFlag("heldBack");
+  filter.values.estop = parameters.MaybeFlag("estop");
+  filter.values.faulted = parameters.MaybeFlag("faulted");
+  filter.values.certificate_expires_before = parameters.Time("certificateExpiresBefore");
   return filter;
 }
 

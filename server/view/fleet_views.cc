@@ -53,7 +53,8 @@ absl::StatusOr<FleetsPage> Queries::Fleets(const FleetsQuery& query) {
   }
   const Seen seen = See(true);
   const RobotsFilter filter{.fleet = query.fleet};
-  FilteredRobots filtered(filter, FilterSourcesOf(seen), true);
+  FilteredRobots filtered(filter, true);
+  filtered.SetSources(FilterSourcesOf(seen));
   std::map<std::string, FleetView> fleets;
   for (const SortedRobots::Entry& entry : *sorted_.Get()) {
     const fleet::RobotPtr robot = entry.robot.lock();

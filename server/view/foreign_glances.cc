@@ -1,9 +1,9 @@
 #include "server/view/foreign_glances.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
-#include "schema/json/text.h"
 #include "server/robot/live_bytes.h"
 
 namespace uplink::view {
@@ -16,7 +16,34 @@ void AddLive(const storage::LiveRow& row, schema::Judge& judge, Glance& glance) 
   glance.last_heard = before.last_sign_of_life;
 }
 
+/// These robots were looked at. What the store does not have of one stays empty, but a status that
+/// is not there says no fault.
+void Put(std::span<const std::string> ruris, const ForeignRead& read, GlanceMap& glances) {
+  for (const std::string& ruri : ruris) glances[ruri].faulted = false;
+  schema::Judge judge(robot::JudgeLimitsOfLive());
+  for (const storage::LiveRow& row : read.live.rows) {
+    if (const auto at = glances.find(row.ruri); at != glances.end())
+      AddLive(row, judge, at->second);
+  }
+  for (const storage::LatestRow& row : read.infos) {
+    if (const auto at = glances.find(row.ruri); at != glances.end()) {
+      FillVersions(row.body_json, at->second);
+    }
+  }
+}
+
 }  // namespace
+
+absl::StatusOr<ForeignRead> ReadForeign(storage::Reader& reader,
+                                        std::span<const std::string> ruris) {
+  auto live = reader.LiveOf(ruris);
+  if (!live.ok()) return live.status();
+  auto infos =
+      reader.Latest(ruris.first(live->complete), storage::BitOf(storage::LatestKind::kAgentInfo));
+  if (!infos.ok()) return infos.status();
+  live->complete = std::clamp<std::size_t>(infos->complete, 1, live->complete);
+  return ForeignRead{.live = *std::move(live), .infos = std::move(infos->rows)};
+}
 
 std::vector<std::string> ForeignGlances::Foreign() const {
   std::vector<std::string> ruris;
@@ -39,11 +66,13 @@ bool ForeignGlances::due() const {
 
 absl::Status ForeignGlances::Read() {
   const std::vector<std::string> ruris = Foreign();
-  auto map = std::make_shared<Map>();
+  auto map = std::make_shared<GlanceMap>();
   for (std::span<const std::string> left = ruris; !left.empty();) {
-    const auto read = ReadFirst(left.first(std::min(left.size(), kForeignAtOnce)), *map);
+    const std::span<const std::string> first = left.first(std::min(left.size(), kForeignAtOnce));
+    const absl::StatusOr<ForeignRead> read = ReadForeign(context_.reader, first);
     if (!read.ok()) return read.status();
-    left = left.subspan(*read);
+    Put(first.first(read->live.complete), *read, *map);
+    left = left.subspan(read->live.complete);
   }
   const std::lock_guard lock(mutex_);
   glances_ = std::move(map);
@@ -51,32 +80,10 @@ absl::Status ForeignGlances::Read() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::size_t> ForeignGlances::ReadFirst(std::span<const std::string> ruris,
-                                                      Map& map) {
-  const auto live = context_.reader.LiveOf(ruris);
-  if (!live.ok()) return live.status();
-  const auto infos = context_.reader.Latest(ruris.first(live->complete),
-                                            storage::BitOf(storage::LatestKind::kAgentInfo));
-  if (!infos.ok()) return infos.status();
-  const std::size_t complete = std::clamp<std::size_t>(infos->complete, 1, live->complete);
-  schema::Judge judge(robot::JudgeLimitsOfLive());
-  for (const std::string& ruri : ruris.first(complete)) map[ruri];
-  for (const storage::LiveRow& row : live->rows) {
-    if (const auto at = map.find(row.ruri); at != map.end()) AddLive(row, judge, at->second);
-  }
-  for (const storage::LatestRow& row : infos->rows) {
-    const auto at = map.find(row.ruri);
-    if (at == map.end()) continue;
-    at->second.agent_version = json::StringIn(row.body_json, "agentVersion").value_or("");
-    at->second.software_version = json::StringIn(row.body_json, "softwareVersion").value_or("");
-  }
-  return complete;
-}
-
-std::shared_ptr<const ForeignGlances::Map> ForeignGlances::glances() const {
+std::shared_ptr<const GlanceMap> ForeignGlances::glances() const {
   const SteadyTime now = context_.clock.Steady();
   const std::lock_guard lock(mutex_);
-  return now - read_at_ > kForeignAgeMax ? std::make_shared<const Map>() : glances_;
+  return now - read_at_ > kForeignAgeMax ? std::make_shared<const GlanceMap>() : glances_;
 }
 
 }  // namespace uplink::view

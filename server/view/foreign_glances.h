@@ -6,7 +6,6 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -26,6 +25,17 @@ inline constexpr std::chrono::seconds kForeignAgeMax{60};
 /// Robots of one question to the store.
 inline constexpr std::size_t kForeignAtOnce = 500;
 
+/// What the store has of robots that other processes hold. A value.
+struct ForeignRead {
+  storage::Reader::LiveRows live;
+  /// The agentInfos of the same robots.
+  std::vector<storage::LatestRow> infos;
+};
+/// Asks for `ruris`, which ascend, at least one, and waits. The first `live.complete` of them were
+/// looked at. Errors: of the reader.
+[[nodiscard]] absl::StatusOr<ForeignRead> ReadForeign(storage::Reader& reader,
+                                                      std::span<const std::string> ruris);
+
 /// Glances at the robots that other processes hold, from what those keep in the store: that has the
 /// live parts of streams, but neither those of twins and drones nor connections.
 ///
@@ -33,8 +43,6 @@ inline constexpr std::size_t kForeignAtOnce = 500;
 /// Thread: thread-safe.
 class ForeignGlances final {
  public:
-  using Map = std::unordered_map<std::string, Glance>;
-
   /// All of them outlive it.
   struct Context {
     const Clock& clock;
@@ -48,15 +56,14 @@ class ForeignGlances final {
   /// Reads them, and waits for the store. Errors: of the reader; the last ones stay.
   [[nodiscard]] absl::Status Read();
   /// Never null. A robot that is not in it is unknown.
-  [[nodiscard]] std::shared_ptr<const Map> glances() const;
+  [[nodiscard]] std::shared_ptr<const GlanceMap> glances() const;
 
  private:
   [[nodiscard]] std::vector<std::string> Foreign() const;
-  [[nodiscard]] absl::StatusOr<std::size_t> ReadFirst(std::span<const std::string> ruris, Map& map);
 
   const Context context_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const Map> glances_ = std::make_shared<const Map>();
+  std::shared_ptr<const GlanceMap> glances_ = std::make_shared<const GlanceMap>();
   SteadyTime read_at_{};
 };
 

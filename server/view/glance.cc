@@ -3,25 +3,23 @@
 #include <utility>
 
 #include "schema/cyberwave/ruri.h"
+#include "schema/json/text.h"
 
 namespace uplink::view {
 namespace {
 
-/// True unless another process holds the robot.
-bool TakeState(const robot::Robot& robot, Glance& glance) {
-  bool is_ours = true;
+void TakeState(const robot::Robot& robot, Glance& glance) {
   robot.state.LookAt([&](const robot::StateView& view) {
-    is_ours = !view.foreign;
+    glance.foreign = view.foreign;
+    if (view.foreign) return;
     glance.vitals = VitalsOf({.parts = &view.parts,
                               .status_arrived = view.status_arrived,
                               .rcan_arrived = view.rcan_arrived});
     glance.faulted = view.parts.status && view.parts.status->faulted;
     glance.last_heard = view.last_sign_of_life;
     if (view.backlog) glance.backlog = view.backlog->uplinks;
-    glance.agent_version = view.reported.agent_version;
-    glance.software_version = view.reported.software_version;
+    FillVersions(view.reported.agent_version, view.reported.software_version, glance);
   });
-  return is_ours;
 }
 
 void TakeTwin(const cyberwave::Twins* twins, const std::string& ruri, Vitals& vitals) {
@@ -42,18 +40,41 @@ void TakeDrone(const uncrew::Drones* drones, const robot::Robot& robot, Vitals& 
   });
 }
 
+/// As the store told it.
+Glance ForeignGlance(const GlanceMap* foreign, const std::string& ruri) {
+  Glance glance;
+  if (foreign != nullptr) {
+    const auto known = foreign->find(ruri);
+    if (known != foreign->end()) glance = known->second;
+  }
+  glance.foreign = true;
+  return glance;
+}
+
 }  // namespace
 
 Glance GlanceOf(const robot::Robot& robot, const LiveSources& sources) {
-  Glance glance;
-  if (TakeState(robot, glance)) {
+  robot::AgentFacts::View agent = robot.agent.Get();
+  Glance glance{.agent_version = std::move(agent.version)};
+  TakeState(robot, glance);
+  if (!glance.foreign) {
     TakeTwin(sources.twins, robot.ruri(), glance.vitals);
     TakeDrone(sources.drones, robot, glance.vitals);
+  } else {
+    glance = ForeignGlance(sources.foreign, robot.ruri());
   }
-  robot::AgentFacts::View agent = robot.agent.Get();
-  if (!agent.version.empty()) glance.agent_version = std::move(agent.version);
   glance.certificate_not_after = agent.certificate_not_after;
   return glance;
+}
+
+void FillVersions(std::string_view agent, std::string_view software, Glance& glance) {
+  if (glance.agent_version.empty()) glance.agent_version = agent;
+  if (glance.software_version.empty()) glance.software_version = software;
+}
+
+void FillVersions(std::string_view agent_info, Glance& glance) {
+  FillVersions(json::StringIn(agent_info, "agentVersion").value_or(""),
+               json::StringIn(agent_info, "softwareVersion").value_or(""), glance);
 }
 
 }  // namespace uplink::view

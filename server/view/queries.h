@@ -214,7 +214,7 @@ class Queries final {
   struct Lookup;
   /// What a list looks at: it stays while the list is made.
   struct Seen {
-    std::shared_ptr<const ForeignGlances::Map> foreign;
+    std::shared_ptr<const GlanceMap> foreign;
     std::shared_ptr<const FaultCounts::Map> faults;
   };
 
@@ -232,8 +232,8 @@ class Queries final {
   void FillRobot(std::vector<RobotView>& one);
   /// Adds the store's part to a list without stored parts, if the store answers soon.
   void FillBriefly(RobotsPage& page);
-  /// Reads the live parts of robots that other processes hold. Returns how many of `robots`, from
-  /// the first, are complete.
+  /// Reads what the store has of robots that other processes hold. Returns how many of `robots`,
+  /// from the first, are complete.
   [[nodiscard]] absl::StatusOr<std::size_t> FillForeign(std::vector<RobotView>& robots) const;
   /// False if the store did not answer; the numbers are then the last that were read.
   bool FillCounts(std::vector<RobotView>& robots);

@@ -29,9 +29,11 @@ storage::LatestKindSet KindsOf(const PartSet& parts) {
   return kinds;
 }
 
-void SetStored(storage::LatestRow row, StoredParts& stored) {
+void SetStored(storage::LatestRow row, RobotView& robot) {
+  StoredParts& stored = robot.stored;
   switch (row.kind) {
     case storage::LatestKind::kAgentInfo:
+      FillVersions(row.body_json, robot.glance);
       stored.agent_info = std::move(row.body_json);
       break;
     case storage::LatestKind::kSettings:
@@ -56,7 +58,7 @@ void EndPageAfter(std::size_t robots, RobotsPage& page) {
 struct Queries::Lookup {
   std::vector<std::string> ruris;
   std::vector<std::string> foreign;
-  absl::StatusOr<storage::Reader::LiveRows> live = absl::UnavailableError("not read");
+  absl::StatusOr<ForeignRead> read = absl::UnavailableError("not read");
 };
 
 absl::Status Queries::FillPage(RobotsPage& page, const PartSet& parts) {
@@ -92,11 +94,11 @@ void Queries::FillBriefly(RobotsPage& page) {
   look->foreign = ForeignOf(page.robots);
   const bool in_time = brief_look_.Run([this, look] {
     static_cast<void>(counts_.Read(look->ruris));
-    if (!look->foreign.empty()) look->live = sources_.reader.LiveOf(look->foreign);
+    if (!look->foreign.empty()) look->read = ReadForeign(sources_.reader, look->foreign);
   });
   // A late look may still be writing its answer: do not read that.
-  if (in_time && look->live.ok()) {
-    const std::size_t complete = PutForeign(look->foreign, *look->live, page.robots);
+  if (in_time && look->read.ok()) {
+    const std::size_t complete = PutForeign(look->foreign, *look->read, page.robots);
     EndPageAfter(std::max<std::size_t>(complete, 1), page);
     if (complete == 0) return FillBriefly(page);
   }
@@ -106,9 +108,9 @@ void Queries::FillBriefly(RobotsPage& page) {
 absl::StatusOr<std::size_t> Queries::FillForeign(std::vector<RobotView>& robots) const {
   const std::vector<std::string> foreign = ForeignOf(robots);
   if (foreign.empty()) return robots.size();
-  const auto live = sources_.reader.LiveOf(foreign);
-  if (!live.ok()) return live.status();
-  return PutForeign(foreign, *live, robots);
+  const absl::StatusOr<ForeignRead> read = ReadForeign(sources_.reader, foreign);
+  if (!read.ok()) return read.status();
+  return PutForeign(foreign, *read, robots);
 }
 
 bool Queries::FillCounts(std::vector<RobotView>& robots) {
@@ -125,8 +127,8 @@ absl::StatusOr<std::size_t> Queries::FillStored(std::vector<RobotView>& robots,
   if (!latest.ok()) return latest.status();
   UPLINK_CHECK(latest->complete >= 1 && latest->complete <= robots.size(),
                "the store looks at one robot at least");
-  std::unordered_map<std::string_view, StoredParts*> by_ruri;
-  for (RobotView& robot : robots) by_ruri.emplace(robot.id.ruri, &robot.stored);
+  std::unordered_map<std::string_view, RobotView*> by_ruri;
+  for (RobotView& robot : robots) by_ruri.emplace(robot.id.ruri, &robot);
   for (storage::LatestRow& row : latest->rows) {
     const auto robot = by_ruri.find(row.ruri);
     if (robot != by_ruri.end()) SetStored(std::move(row), *robot->second);

@@ -5,7 +5,7 @@
 
 #include <absl/status/status.h>
 
-#include "schema/json/text.h"
+#include "schema/cyberwave/ruri.h"
 #include "server/view/drone_json.h"
 #include "server/view/parts.h"
 #include "server/view/queries.h"
@@ -20,6 +20,12 @@ robot::RobotState::Parts Wanted(const PartSet& parts) {
   using enum robot::RobotState::Parts;
   if (parts.AnyLarge()) return kAll;
   return parts.AnyLive() ? kSmall : kNone;
+}
+
+/// Of a robot that another process holds: the store has it because it opened a stream, or called.
+/// The former leaves a session there.
+bool SpokeByCallsAlone(const RobotView& view) {
+  return view.state.foreign && !view.session.session && !cyberwave::IsTwinRuri(view.id.ruri);
 }
 
 /// A robot that matches, and where it stands.
@@ -66,16 +72,13 @@ RobotView Queries::Look(const robot::Robot& robot, const PartSet& parts) const {
   if (!view.session.connected) {
     view.session.gateway = robot.calls.open() ? robot.speaker().value_or("") : "";
   }
-  view.is_drone = robot.calls.spoke();
   for (std::size_t kind = 0; kind < metrics::kKinds; ++kind) {
     view.rate_limited[kind] = robot.rates.limited(kind);
   }
-  view.glance = GlanceOf(robot, {.twins = sources_.twins, .drones = sources_.drones});
-  if (!view.state.foreign) return view;
-  const std::shared_ptr<const ForeignGlances::Map> foreign = foreign_.glances();
-  if (const auto known = foreign->find(robot.ruri()); known != foreign->end()) {
-    view.glance = known->second;
-  }
+  view.is_drone = robot.calls.spoke() || SpokeByCallsAlone(view);
+  const auto foreign = view.state.foreign ? foreign_.glances() : nullptr;
+  view.glance = GlanceOf(
+      robot, {.twins = sources_.twins, .drones = sources_.drones, .foreign = foreign.get()});
   return view;
 }
 
@@ -95,9 +98,9 @@ Queries::Seen Queries::See(bool with_faults) {
 }
 
 FilterSources Queries::FilterSourcesOf(const Seen& seen) const {
-  return {.live = {.twins = sources_.twins, .drones = sources_.drones},
-          .foreign = seen.foreign.get(),
-          .faults = seen.faults.get()};
+  return {
+      .live = {.twins = sources_.twins, .drones = sources_.drones, .foreign = seen.foreign.get()},
+      .faults = seen.faults.get()};
 }
 
 std::size_t Queries::CopyLarge(RobotView& view, const PartSet& parts) const {
@@ -115,14 +118,14 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
     }
   }
   const bool by_value = query.order.by != RobotsBy::kRuri;
+  const bool by_faults = query.filter.values.faulted.has_value();
+  FilteredRobots filter(query.filter, by_value);
   Seen seen;
-  if (by_value || FilteredRobots::NeedsGlances(query.filter)) {
-    seen = See(query.filter.faulted.has_value());
-  }
-  if (query.filter.faulted && sources_.faults != nullptr && seen.faults == nullptr) {
+  if (filter.looks()) seen = See(by_faults);
+  filter.SetSources(FilterSourcesOf(seen));
+  if (by_faults && sources_.faults != nullptr && seen.faults == nullptr) {
     return absl::UnavailableError("active faults are unknown while the store is away");
   }
-  FilteredRobots filter(query.filter, FilterSourcesOf(seen), by_value);
   // One more shows whether another page follows.
   FoundRobots found(query.order, std::move(after), std::size_t{query.page_size} + 1);
   RobotsPage page;
@@ -158,12 +161,7 @@ absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
   CopyTwin(sources_.twins, one.front());
   CopyDrone(sources_.drones, true, one.front());
   FillRobot(one);
-  RobotView& view = one.front();
-  if (view.glance.agent_version.empty() && view.stored.agent_info) {
-    view.glance.agent_version =
-        json::StringIn(*view.stored.agent_info, "agentVersion").value_or("");
-  }
-  return std::move(view);
+  return std::move(one.front());
 }
 
 }  // namespace uplink::view

@@ -15,12 +15,50 @@ std::string LowerOf(std::string_view text) {
   return lower;
 }
 
-/// Whether it asks about what MatchesValues compares.
-bool AsksForValues(const RobotsFilter& filter) {
-  return filter.battery_below || filter.bbox || !filter.software.empty() || filter.estop;
+/// What conditions say of one robot together.
+class Verdict final {
+ public:
+  /// Whether it meets one more; empty: what that asks about is unknown.
+  void Add(std::optional<bool> meets) {
+    unknown_ = unknown_ || !meets;
+    no_ = no_ || (meets && !*meets);
+  }
+  [[nodiscard]] bool no() const { return no_; }
+  [[nodiscard]] bool unknown() const { return unknown_; }
+
+ private:
+  bool no_ = false;
+  bool unknown_ = false;
+};
+
+template <typename Value>
+std::optional<bool> IsBelow(const std::optional<Value>& value, const Value& bound) {
+  if (!value) return std::nullopt;
+  return *value < bound;
 }
 
-bool Is(const std::optional<bool>& value, bool wanted) { return value && *value == wanted; }
+std::optional<bool> Is(const std::optional<bool>& value, bool wanted) {
+  if (!value) return std::nullopt;
+  return *value == wanted;
+}
+
+std::optional<bool> IsWithin(const std::optional<Vitals::Place>& place, const BoundingBox& box) {
+  if (!place) return std::nullopt;
+  return box.Contains(place->latitude_deg, place->longitude_deg);
+}
+
+std::optional<bool> Runs(const Glance& glance, const std::string& version) {
+  if (glance.agent_version == version || glance.software_version == version) return true;
+  // An agentInfo tells both.
+  if (glance.agent_version.empty()) return std::nullopt;
+  return false;
+}
+
+/// The process that has its stream knows.
+std::optional<bool> IsHeldBack(const robot::Robot& robot, const Glance& glance) {
+  if (glance.foreign) return std::nullopt;
+  return robot.sessions.held_back() != robot::HeldBack::kNone;
+}
 
 }  // namespace
 
@@ -30,29 +68,17 @@ std::string ShortNameOf(std::string_view ruri) {
   return LowerOf(begin == std::string_view::npos ? ruri : ruri.substr(begin + 1));
 }
 
-FilteredRobots::FilteredRobots(const RobotsFilter& filter, const FilterSources& sources,
-                               bool with_glances)
+FilteredRobots::FilteredRobots(const RobotsFilter& filter, bool with_glances)
     : filter_(filter),
-      sources_(sources),
       q_(LowerOf(filter.q)),
-      looks_(with_glances || NeedsGlances(filter)) {}
-
-bool FilteredRobots::NeedsGlances(const RobotsFilter& filter) {
-  return AsksForValues(filter) || filter.held_back || filter.faulted ||
-         filter.certificate_expires_before;
-}
+      looks_(with_glances || filter.values != ValuesFilter()) {}
 
 FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::string_view short_name,
                                            Glance& glance) {
   if (!MatchesName(robot, short_name) || !MatchesPresence(robot)) return Match::kNo;
   if (!looks_) return Match::kYes;
-  if (robot.state.foreign()) return LookAtForeign(robot, glance);
   glance = GlanceOf(robot, sources_.live);
-  const bool held_back = robot.sessions.held_back() != robot::HeldBack::kNone;
-  if (filter_.held_back && held_back != *filter_.held_back) return Match::kNo;
-  if (filter_.faulted && HasFaults(robot, glance) != *filter_.faulted) return Match::kNo;
-  if (!MatchesCertificate(glance)) return Match::kNo;
-  return MatchesValues(glance) ? Match::kYes : Match::kNo;
+  return MatchesValues(robot, glance);
 }
 
 bool FilteredRobots::MatchesName(const robot::Robot& robot, std::string_view short_name) const {
@@ -69,51 +95,30 @@ bool FilteredRobots::MatchesPresence(const robot::Robot& robot) const {
          robot.state.presence_since() < *filter_.offline_before;
 }
 
-bool FilteredRobots::HasFaults(const robot::Robot& robot, const Glance& glance) const {
-  if (glance.faulted) return true;
-  return sources_.faults != nullptr && sources_.faults->contains(robot.ruri());
-}
-
-bool FilteredRobots::MatchesValues(const Glance& glance) const {
+FilteredRobots::Match FilteredRobots::MatchesValues(const robot::Robot& robot,
+                                                    const Glance& glance) const {
+  // Names each condition: this does not compile while one is missing.
+  const auto& [battery_below, bbox, software, held_back, estop, faulted, expires_before] =
+      filter_.values;
   const Vitals& vitals = glance.vitals;
-  if (filter_.battery_below &&
-      (!vitals.battery_percent || *vitals.battery_percent >= *filter_.battery_below)) {
-    return false;
-  }
-  if (filter_.bbox && (!vitals.place || !filter_.bbox->Contains(vitals.place->latitude_deg,
-                                                                vitals.place->longitude_deg))) {
-    return false;
-  }
-  if (!filter_.software.empty() && glance.agent_version != filter_.software &&
-      glance.software_version != filter_.software) {
-    return false;
-  }
-  return !filter_.estop || Is(vitals.estop, *filter_.estop);
+  Verdict verdict;
+  if (battery_below) verdict.Add(IsBelow(vitals.battery_percent, *battery_below));
+  if (bbox) verdict.Add(IsWithin(vitals.place, *bbox));
+  if (!software.empty()) verdict.Add(Runs(glance, software));
+  if (held_back) verdict.Add(Is(IsHeldBack(robot, glance), *held_back));
+  if (estop) verdict.Add(Is(vitals.estop, *estop));
+  if (faulted) verdict.Add(Is(HasFaults(robot, glance), *faulted));
+  if (expires_before) verdict.Add(IsBelow(glance.certificate_not_after, *expires_before));
+  if (verdict.no()) return Match::kNo;
+  if (!verdict.unknown()) return Match::kYes;
+  return glance.foreign ? Match::kUnknown : Match::kNo;
 }
 
-bool FilteredRobots::MatchesCertificate(const Glance& glance) const {
-  if (!filter_.certificate_expires_before) return true;
-  return glance.certificate_not_after &&
-         *glance.certificate_not_after < *filter_.certificate_expires_before;
-}
-
-FilteredRobots::Match FilteredRobots::LookAtForeign(const robot::Robot& robot,
-                                                    Glance& glance) const {
-  bool is_known = false;
-  if (sources_.foreign != nullptr) {
-    const auto found = sources_.foreign->find(robot.ruri());
-    is_known = found != sources_.foreign->end();
-    if (is_known) glance = found->second;
-  }
-  // Active faults are in the store, also those of others' robots.
-  const bool has_faults = HasFaults(robot, glance);
-  const bool knows_faults = is_known || has_faults;
-  if (filter_.faulted && knows_faults && has_faults != *filter_.faulted) return Match::kNo;
-  if (is_known && !MatchesValues(glance)) return Match::kNo;
-  // The other process alone has its connection, and so what holds that back.
-  if (filter_.held_back || filter_.certificate_expires_before) return Match::kUnknown;
-  if (!is_known && AsksForValues(filter_)) return Match::kUnknown;
-  return filter_.faulted && !knows_faults ? Match::kUnknown : Match::kYes;
+std::optional<bool> FilteredRobots::HasFaults(const robot::Robot& robot,
+                                              const Glance& glance) const {
+  // The store has the active faults of all robots.
+  if (sources_.faults != nullptr && sources_.faults->contains(robot.ruri())) return true;
+  return glance.faulted;
 }
 
 }  // namespace uplink::view

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "server/robot/robot.h"
 #include "server/view/fault_counts.h"
-#include "server/view/foreign_glances.h"
 #include "server/view/glance.h"
 #include "server/view/robots_query.h"
 
@@ -15,7 +15,6 @@ namespace uplink::view {
 /// What a filter looks at beside the robots. A view.
 struct FilterSources {
   LiveSources live{};
-  const ForeignGlances::Map* foreign = nullptr;
   /// Null: unknown.
   const FaultCounts::Map* faults = nullptr;
 };
@@ -28,37 +27,37 @@ struct FilterSources {
 /// Thread: confined to one.
 class FilteredRobots final {
  public:
-  /// Both outlive it. `with_glances`: the caller wants them also of robots that are not filtered by
-  /// them.
-  FilteredRobots(const RobotsFilter& filter, const FilterSources& sources,
-                 bool with_glances = false);
+  /// `filter` outlives it. `with_glances`: the caller wants them also of robots that are not
+  /// filtered by them.
+  explicit FilteredRobots(const RobotsFilter& filter, bool with_glances = false);
+
+  /// Whether it looks at more than names and presence, and so needs its sources.
+  [[nodiscard]] bool looks() const { return looks_; }
+  /// What they point at outlives it.
+  void SetSources(const FilterSources& sources) { sources_ = sources; }
 
   enum class Match : std::uint8_t {
     kNo,
     kYes,
-    /// Another process holds it, and the store has not told what the filter asks about.
+    /// It may match, but another process holds it, and the store has not told what the filter asks
+    /// about.
     kUnknown,
   };
-  /// Sets `glance` if it was needed.
+  /// Sets `glance` if looks().
   [[nodiscard]] Match Look(const robot::Robot& robot, std::string_view short_name, Glance& glance);
-
-  /// Whether such a filter asks about more than names and presence.
-  [[nodiscard]] static bool NeedsGlances(const RobotsFilter& filter);
 
  private:
   [[nodiscard]] bool MatchesName(const robot::Robot& robot, std::string_view short_name) const;
   [[nodiscard]] bool MatchesPresence(const robot::Robot& robot) const;
-  /// What the robot reported, and the versions.
-  [[nodiscard]] bool MatchesValues(const Glance& glance) const;
-  [[nodiscard]] bool MatchesCertificate(const Glance& glance) const;
-  [[nodiscard]] bool HasFaults(const robot::Robot& robot, const Glance& glance) const;
-  /// The same of a robot that another process holds.
-  [[nodiscard]] Match LookAtForeign(const robot::Robot& robot, Glance& glance) const;
+  [[nodiscard]] Match MatchesValues(const robot::Robot& robot, const Glance& glance) const;
+  /// Empty: unknown, as in all that it is judged by.
+  [[nodiscard]] std::optional<bool> HasFaults(const robot::Robot& robot,
+                                              const Glance& glance) const;
 
   const RobotsFilter& filter_;
-  const FilterSources sources_;
   const std::string q_;
   const bool looks_;
+  FilterSources sources_{};
 };
 
 }  // namespace uplink::view

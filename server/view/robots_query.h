@@ -26,6 +26,8 @@ struct BoundingBox {
     if (west <= east) return longitude >= west && longitude <= east;
     return longitude >= west || longitude <= east;
   }
+
+  friend bool operator==(const BoundingBox&, const BoundingBox&) = default;
 };
 
 /// By what a list of robots is ordered. A robot without the value comes last, either way.
@@ -41,15 +43,9 @@ struct RobotsOrder {
   friend bool operator==(const RobotsOrder&, const RobotsOrder&) = default;
 };
 
-/// Which robots. What is empty matches every robot; a robot whose value is unknown matches no
-/// filter by it. A value.
-struct RobotsFilter {
-  std::string fleet{};
-  /// A part of the last two segments of the RURI, in any case.
-  std::string q{};
-  std::optional<robot::Presence> presence{};
-  /// Offline since before that.
-  std::optional<SystemTime> offline_before{};
+/// Robots by what they reported and by their connections. What is empty matches every robot; a
+/// robot whose value is unknown matches no condition on it. A value.
+struct ValuesFilter {
   /// In percent.
   std::optional<double> battery_below{};
   /// Positions in a local frame never match.
@@ -62,6 +58,20 @@ struct RobotsFilter {
   std::optional<bool> faulted{};
   /// The certificate of its connection to this server expires before that.
   std::optional<SystemTime> certificate_expires_before{};
+
+  friend bool operator==(const ValuesFilter&, const ValuesFilter&) = default;
+};
+
+/// Which robots: by names and presence, which are known of every robot, and by values. What is
+/// empty matches every robot. A value.
+struct RobotsFilter {
+  std::string fleet{};
+  /// A part of the last two segments of the RURI, in any case.
+  std::string q{};
+  std::optional<robot::Presence> presence{};
+  /// Offline since before that.
+  std::optional<SystemTime> offline_before{};
+  ValuesFilter values{};
 };
 
 /// A page of robots. A value.

@@ -71,8 +71,10 @@ std::string BeginTitle(const storage::ConnectionRow& row) {
 
 std::string EndTitle(const storage::ConnectionRow& row) {
   const model::ConnectionEnd why = row.why.value_or(model::ConnectionEnd::kBroken);
-  if (row.detail.empty()) return fmt::format("The connection ended: {}.", model::ToText(why));
-  return fmt::format("The connection ended: {} ({}).", model::ToText(why), Shown(row.detail));
+  std::string title =
+      fmt::format("The connection from {} ended: {}", Shown(row.address), model::ToText(why));
+  if (!row.detail.empty()) title += fmt::format(" ({})", Shown(row.detail));
+  return title + ".";
 }
 
 std::string HeldBackTitle(const storage::ConnectionRow& row) {

@@ -54,6 +54,12 @@ class RobotFiltersTest : public ::testing::Test {
 
   robot::Robot& Admit(const std::string& ruri) { return **bench_.fleet().FindOrAdmit({ruri, "f"}); }
   robot::Robot& Find(const std::string& ruri) { return *bench_.fleet().Find(ruri); }
+  /// Another process holds it.
+  robot::Robot& AdmitForeign(const std::string& ruri) {
+    robot::Robot& robot = Admit(ruri);
+    robot.state.FollowHolder({.held_by = "b:2"}, {model::Presence::kOnline, {}});
+    return robot;
+  }
   void Apply(robot::Robot& robot, const model::Body& body) {
     std::vector<model::Record> records;
     records.push_back(test::RecordOf(body));
@@ -91,6 +97,7 @@ class RobotFiltersTest : public ::testing::Test {
     EXPECT_EQ(page.total, static_cast<std::int64_t>(page.robots.size()));
     return Ruris(page);
   }
+  std::vector<std::string> FoundBy(const ValuesFilter& values) { return Found({.values = values}); }
   std::vector<std::string> Ordered(RobotsOrder order, std::uint32_t page_size) {
     RobotsQuery query{.order = order, .page_size = page_size};
     std::vector<std::string> ruris;
@@ -146,40 +153,40 @@ TEST_F(RobotFiltersTest, ARobotOfEachSourceShowsItsVitals) {
 }
 
 TEST_F(RobotFiltersTest, ByBatteryBelow) {
-  EXPECT_THAT(Found({.battery_below = 10}), IsEmpty());
-  EXPECT_THAT(Found({.battery_below = 10.5}), ElementsAre(kArm));
-  EXPECT_THAT(Found({.battery_below = 41}), UnorderedElementsAre(kArm, twin_ruri_, kDrone));
-  EXPECT_THAT(Found({.battery_below = 100}),
+  EXPECT_THAT(FoundBy({.battery_below = 10}), IsEmpty());
+  EXPECT_THAT(FoundBy({.battery_below = 10.5}), ElementsAre(kArm));
+  EXPECT_THAT(FoundBy({.battery_below = 41}), UnorderedElementsAre(kArm, twin_ruri_, kDrone));
+  EXPECT_THAT(FoundBy({.battery_below = 100}),
               UnorderedElementsAre(kArm, twin_ruri_, kDrone, kRover));
   Admit("rcan://silent");
-  EXPECT_EQ(Found({.battery_below = 100}).size(), 4U) << "an unknown battery is not low";
+  EXPECT_EQ(FoundBy({.battery_below = 100}).size(), 4U) << "an unknown battery is not low";
 }
 
 TEST_F(RobotFiltersTest, ByBoxAndLocalPositionsNeverMatch) {
   const BoundingBox zurich{.west = 8, .south = 47, .east = 9, .north = 48};
-  EXPECT_THAT(Found({.bbox = zurich}), UnorderedElementsAre(kRover, kDrone));
-  EXPECT_THAT(Found({.bbox = BoundingBox{8.5, 47.5, 8.5, 47.5}}), ElementsAre(kRover)) << "edges";
-  EXPECT_THAT(Found({.bbox = BoundingBox{-180, -90, 180, 90}}),
+  EXPECT_THAT(FoundBy({.bbox = zurich}), UnorderedElementsAre(kRover, kDrone));
+  EXPECT_THAT(FoundBy({.bbox = BoundingBox{8.5, 47.5, 8.5, 47.5}}), ElementsAre(kRover)) << "edges";
+  EXPECT_THAT(FoundBy({.bbox = BoundingBox{-180, -90, 180, 90}}),
               UnorderedElementsAre(kRover, kDrone, twin_ruri_));
-  EXPECT_THAT(Found({.bbox = BoundingBox{179, -20, -179, -10}}), ElementsAre(twin_ruri_));
+  EXPECT_THAT(FoundBy({.bbox = BoundingBox{179, -20, -179, -10}}), ElementsAre(twin_ruri_));
 }
 
 TEST_F(RobotFiltersTest, ByEstopAndOneThatNeverToldItMatchesNeither) {
-  EXPECT_THAT(Found({.estop = true}), ElementsAre(kRover));
-  EXPECT_THAT(Found({.estop = false}), IsEmpty());
+  EXPECT_THAT(FoundBy({.estop = true}), ElementsAre(kRover));
+  EXPECT_THAT(FoundBy({.estop = false}), IsEmpty());
   model::StatusTelemetry released;
   released.estop = model::EStop{.active = false};
   Apply(Find(kDrone), released);
-  EXPECT_THAT(Found({.estop = false}), ElementsAre(kDrone)) << "a drone that also has a stream";
+  EXPECT_THAT(FoundBy({.estop = false}), ElementsAre(kDrone)) << "a drone that also has a stream";
 }
 
 TEST_F(RobotFiltersTest, ByFaultsOfAnySource) {
-  EXPECT_THAT(Found({.faulted = true}), IsEmpty());
-  EXPECT_EQ(Found({.faulted = false}).size(), 4U);
+  EXPECT_THAT(FoundBy({.faulted = true}), IsEmpty());
+  EXPECT_EQ(FoundBy({.faulted = false}).size(), 4U);
   model::StatusTelemetry faulted;
   faulted.faulted = true;
   Apply(Find(kArm), faulted);
-  EXPECT_THAT(Found({.faulted = true}), ElementsAre(kArm));
+  EXPECT_THAT(FoundBy({.faulted = true}), ElementsAre(kArm));
   model::Fault fault{.unix_time_ms = 1, .fault_id = "f", .source = "s", .active = true};
   std::vector<std::string> with_faults = {kArm};
   for (const std::string& ruri : {kRover, twin_ruri_, kDrone}) {
@@ -187,12 +194,13 @@ TEST_F(RobotFiltersTest, ByFaultsOfAnySource) {
     world_.CommitFault(ruri, fault);
     with_faults.push_back(ruri);
     clock_.Advance(kFaultCountsFresh);
-    EXPECT_EQ(Found({.faulted = true}).size(), with_faults.size()) << ruri;
+    EXPECT_EQ(FoundBy({.faulted = true}).size(), with_faults.size()) << ruri;
   }
-  EXPECT_THAT(Found({.faulted = true}), ::testing::UnorderedElementsAreArray(with_faults));
+  EXPECT_THAT(FoundBy({.faulted = true}), ::testing::UnorderedElementsAreArray(with_faults));
   world_.reader.SetAway(true);
   clock_.Advance(kFaultCountsAgeMax + milliseconds(1));
-  EXPECT_TRUE(absl::IsUnavailable(queries_.Robots({.filter = {.faulted = true}}).status()));
+  EXPECT_TRUE(
+      absl::IsUnavailable(queries_.Robots({.filter = {.values = {.faulted = true}}}).status()));
 }
 
 TEST_F(RobotFiltersTest, BySoftwareOfTheAgentOrTheRobot) {
@@ -201,11 +209,11 @@ TEST_F(RobotFiltersTest, BySoftwareOfTheAgentOrTheRobot) {
     Connect(robot, "agent-of-" + robot.ruri(), SystemTime());
     robot.state.KeepReport(model::AgentInfo{.agent_version = "a", .software_version = robot.ruri()},
                            clock_.System());
-    EXPECT_THAT(Found({.software = "agent-of-" + ruri}), ElementsAre(ruri));
-    EXPECT_THAT(Found({.software = ruri}), ElementsAre(ruri));
+    EXPECT_THAT(FoundBy({.software = "agent-of-" + ruri}), ElementsAre(ruri));
+    EXPECT_THAT(FoundBy({.software = ruri}), ElementsAre(ruri));
     EXPECT_EQ(Shown(ruri).agent_version(), "agent-of-" + ruri);
   }
-  EXPECT_THAT(Found({.software = "agent"}), IsEmpty()) << "a version is whole";
+  EXPECT_THAT(FoundBy({.software = "agent"}), IsEmpty()) << "a version is whole";
 }
 
 TEST_F(RobotFiltersTest, ByCertificatesOfConnectionsThatAreOpen) {
@@ -214,11 +222,11 @@ TEST_F(RobotFiltersTest, ByCertificatesOfConnectionsThatAreOpen) {
     Connect(Find(ruri), "1", soon);
     EXPECT_EQ(Shown(ruri).certificate_not_after().seconds(), UnixMs(soon) / 1000);
   }
-  EXPECT_THAT(Found({.certificate_expires_before = soon}), IsEmpty());
+  EXPECT_THAT(FoundBy({.certificate_expires_before = soon}), IsEmpty());
   const SystemTime later = soon + milliseconds(1);
-  EXPECT_EQ(Found({.certificate_expires_before = later}).size(), 4U);
+  EXPECT_EQ(FoundBy({.certificate_expires_before = later}).size(), 4U);
   Find(kArm).agent.End({});
-  EXPECT_EQ(Found({.certificate_expires_before = later}).size(), 3U);
+  EXPECT_EQ(FoundBy({.certificate_expires_before = later}).size(), 3U);
   EXPECT_EQ(Shown(kArm).agent_version(), "1") << "the last one that is known";
 }
 
@@ -226,8 +234,8 @@ TEST_F(RobotFiltersTest, ByWhatIsHeldBack) {
   for (const std::string& ruri : {kRover, kArm, twin_ruri_, kDrone}) {
     robot::Robot& robot = Find(ruri);
     robot.sessions.SetHeldBack(robot::HeldBack::kFlow, clock_.System());
-    EXPECT_THAT(Found({.held_back = true}), ElementsAre(ruri));
-    EXPECT_EQ(Found({.held_back = false}).size(), 3U);
+    EXPECT_THAT(FoundBy({.held_back = true}), ElementsAre(ruri));
+    EXPECT_EQ(FoundBy({.held_back = false}).size(), 3U);
     robot.sessions.SetHeldBack(robot::HeldBack::kNone, clock_.System());
   }
 }
@@ -256,8 +264,9 @@ TEST_F(RobotFiltersTest, ByOfflineSince) {
 
 TEST_F(RobotFiltersTest, FiltersAddUp) {
   const BoundingBox zurich{.west = 8, .south = 47, .east = 9, .north = 48};
-  EXPECT_THAT(Found({.fleet = "f", .battery_below = 50, .bbox = zurich}), ElementsAre(kDrone));
-  EXPECT_THAT(Found({.fleet = "g", .battery_below = 50}), IsEmpty());
+  EXPECT_THAT(Found({.fleet = "f", .values = {.battery_below = 50, .bbox = zurich}}),
+              ElementsAre(kDrone));
+  EXPECT_THAT(Found({.fleet = "g", .values = {.battery_below = 50}}), IsEmpty());
 }
 
 TEST_F(RobotFiltersTest, EachOrderGoesBothWaysPageByPage) {
@@ -304,10 +313,10 @@ TEST_F(RobotFiltersTest, OthersRobotsAreJudgedByWhatTheStoreHasOrCountAsUnjudged
   storage::LiveRow row = robot::ToRow("rcan://other", changes);
   row.held_since = opened->front().held_since;
   ASSERT_TRUE(world_.store.Checkpoint({&row, 1}).ok());
-  Admit("rcan://other").state.FollowHolder({.held_by = "b:2"}, {model::Presence::kOnline, {}});
+  AdmitForeign("rcan://other");
 
   world_.reader.SetAway(true);
-  RobotsQuery query{.filter = {.battery_below = 20}};
+  RobotsQuery query{.filter = {.values = {.battery_below = 20}}};
   const RobotsPage unread = Page(query);
   EXPECT_THAT(Ruris(unread), ElementsAre(kArm));
   EXPECT_EQ(unread.unjudged, 1);
@@ -316,8 +325,79 @@ TEST_F(RobotFiltersTest, OthersRobotsAreJudgedByWhatTheStoreHasOrCountAsUnjudged
   EXPECT_THAT(Ruris(read), UnorderedElementsAre(kArm, "rcan://other"));
   EXPECT_EQ(read.unjudged, 0);
   EXPECT_EQ(Shown("rcan://other").battery_percent(), 5);
-  query.filter.held_back = false;
+  query.filter.values.held_back = false;
   EXPECT_EQ(Page(query).unjudged, 1) << "its stream is not here";
+}
+
+/// Each condition alone. A robot that told nothing meets none of them.
+std::vector<ValuesFilter> EachCondition() {
+  return {{.battery_below = 100},
+          {.bbox = BoundingBox{-180, -90, 180, 90}},
+          {.software = "1"},
+          {.held_back = true},
+          {.estop = false},
+          {.faulted = true},
+          {.certificate_expires_before = FromUnixMs(std::int64_t{1} << 42)}};
+}
+
+TEST_F(RobotFiltersTest, EachConditionIsLookedAt) {
+  Admit("rcan://silent");
+  for (const ValuesFilter& values : EachCondition()) {
+    const RobotsPage page = Page({.filter = {.q = "silent", .values = values}});
+    EXPECT_EQ(page.total + page.unjudged, 0);
+  }
+}
+
+TEST_F(RobotFiltersTest, OthersTwinsAndDronesAreUnjudgedWhereTheStoreLacksTheirValues) {
+  const auto uuid = *model::cyberwave::Uuid::FromText("00000000-0000-4000-8000-000000000009");
+  AdmitForeign(cyberwave::TwinRuri("", uuid, cyberwave::RobotKind::kReal));
+  AdmitForeign("rcan://local.rcan/uncrew/uav/9");
+  for (const ValuesFilter& values : EachCondition()) {
+    const RobotsPage page = Page({.filter = {.q = "9", .values = values}});
+    EXPECT_EQ(page.total, 0);
+    // All active faults are in the store.
+    EXPECT_EQ(page.unjudged, values.faulted ? 0 : 2);
+  }
+  ValuesFilter faultless{.faulted = false};
+  EXPECT_EQ(Page({.filter = {.q = "9", .values = faultless}}).total, 2);
+  faultless.battery_below = 100;
+  EXPECT_EQ(Page({.filter = {.q = "9", .values = faultless}}).unjudged, 2);
+  faultless.faulted = true;
+  EXPECT_EQ(Page({.filter = {.q = "9", .values = faultless}}).unjudged, 0) << "it cannot match";
+}
+
+TEST_F(RobotFiltersTest, OthersRobotsShowWhatTheySpeakBy) {
+  AdmitForeign("rcan://local.rcan/uncrew/uav/9");
+  EXPECT_EQ(Shown("rcan://local.rcan/uncrew/uav/9").source(), "uncrew");
+  AdmitForeign("rcan://streams").sessions.Restore({testing::ServerWorld::session(), 1});
+  EXPECT_EQ(Shown("rcan://streams").source(), "uplink");
+  Find("rcan://streams").calls.NoteSpoken();
+  EXPECT_EQ(Shown("rcan://streams").source(), "uplink,uncrew");
+  Find(twin_ruri_).state.FollowHolder({.held_by = "b:2"}, {model::Presence::kOnline, {}});
+  EXPECT_EQ(Shown(twin_ruri_).source(), "cyberwave");
+}
+
+TEST_F(RobotFiltersTest, OthersRobotsShowTheirAgentsWhateverWasAskedBefore) {
+  const auto versions = [this] {
+    std::vector<std::string> found;
+    for (const RobotView& robot : Page({.filter = {.q = "other"}, .parts = {}}).robots) {
+      found.push_back(ToMessage(robot).agent_version());
+    }
+    return found;
+  };
+  for (const char* ruri : {"rcan://other-1", "rcan://other-2"}) {
+    world_.AddRobot(ruri, "f");
+    world_.CommitBody(ruri, model::AgentInfo{.agent_version = "1"});
+    AdmitForeign(ruri);
+  }
+  const int before = world_.reader.calls();
+  EXPECT_THAT(versions(), ElementsAre("1", "1"));
+  EXPECT_EQ(world_.reader.calls(), before + 4) << "faults, requests, live parts, agents: once each";
+  EXPECT_EQ(FoundBy({.software = "1"}).size(), 2U);
+  world_.CommitBody("rcan://other-1", model::AgentInfo{.agent_version = "2"});
+  EXPECT_THAT(versions(), ElementsAre("2", "1")) << "the filter's look is older";
+  world_.reader.SetAway(true);
+  EXPECT_THAT(versions(), ElementsAre("1", "1")) << "as last read";
 }
 
 TEST_F(RobotFiltersTest, OthersRobotsAreWalkedInAnyOrderWithTheirLargeParts) {

@@ -111,13 +111,13 @@ TEST_F(StoryTest, TellsWhatHappenedOldestFirstAsItWent) {
   End(first, ConnectionEnd::kSilent);
   Pass();
   world_.CommitPresence(kA, Presence::kOffline, ConnectionEnd::kSilent);
-  EXPECT_THAT(
-      Titles(Page({.order = ListOrder::kOldestFirst})),
-      ElementsAre("The robot connected from 192.0.2.1:1.", "The robot is online.",
-                  "Mission m began; by its last report it is error.",
-                  "Fault E12 was raised (critical).", "A message was rejected: out_of_range.",
-                  "Fault E12 was cleared.", "The connection ended: silent (as it was).",
-                  "The robot is offline: its last connection ended as silent."));
+  EXPECT_THAT(Titles(Page({.order = ListOrder::kOldestFirst})),
+              ElementsAre("The robot connected from 192.0.2.1:1.", "The robot is online.",
+                          "Mission m began; by its last report it is error.",
+                          "Fault E12 was raised (critical).",
+                          "A message was rejected: out_of_range.", "Fault E12 was cleared.",
+                          "The connection from 192.0.2.1:1 ended: silent (as it was).",
+                          "The robot is offline: its last connection ended as silent."));
 }
 
 TEST_F(StoryTest, BeginsWithTheNewestUnlessAskedOtherwise) {
