@@ -19,6 +19,7 @@ EXAMPLES = {
     "software": "2.1.0",
     "since": "2026-05-01T22:00:00Z",
     "later": "2026-05-15T00:00:00Z",
+    "within": "14d",
 }
 TITLE = "Questions of a day and a night"
 
@@ -66,7 +67,7 @@ GROUPS = {
         ),
         Question(
             "Whose certificate expires soon?", "robots?certificateExpiresBefore={later}&parts=none",
-            "robots list --certificate-expires-within 5000d",
+            "robots list --certificate-expires-within {within}",
             "Robots that are connected to this server; `unjudged` counts those of others.",
         ),
     ),
@@ -80,7 +81,7 @@ GROUPS = {
             "faults list --history --robot {name} --fault-id {fault}",
         ),
         Question(
-            "Which missions are or ended {status} since then?", "missions?status={status}&from={since}",
+            "Which missions that began since then are or ended {status}?", "missions?status={status}&from={since}",
             "missions list --status {status} --since {since}",
         ),
         Question("What did one run report?", "mission-reports?runId={run}", "missions show {run}"),

@@ -78,6 +78,7 @@ class Questions(EndToEnd):
             "software": next((robot["agentVersion"] for robot in robots if robot.get("agentVersion")), "none"),
             "since": self.began.strftime("%Y-%m-%dT%H:%M:%SZ"),
             "later": "2999-01-01T00:00:00Z",
+            "within": "5000d",
         }
 
     def test_each_is_one_request_and_one_command(self):

@@ -1,6 +1,7 @@
 #include "tests/support/fake_connections.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <set>
 #include <utility>
@@ -49,10 +50,12 @@ void FakeConnections::Write(const ConnectionItem& item, std::uint64_t entry) {
   });
   if (there == rows_.end()) {
     rows_.push_back({item.began_at, entry, RowOf(item)});
-    return Trim(item.robot->ruri);
+    return;
   }
-  const bool presumed = there->row.why == model::ConnectionEnd::kServerEnded;
-  if (there->row.ended_at && !(presumed && item.ended)) return;
+  const bool server_ended = there->row.why == model::ConnectionEnd::kServerEnded;
+  const bool goes_on = server_ended && there->row.detail == storage::kServerEndedDetail &&
+                       there->row.process == item.process;
+  if (there->row.ended_at && !(item.ended ? server_ended : goes_on)) return;
   ConnectionRow row = RowOf(item);
   // What the first write said stays.
   row.robot = there->row.robot;
@@ -66,13 +69,20 @@ void FakeConnections::Write(const ConnectionItem& item, std::uint64_t entry) {
 }
 
 void FakeConnections::Trim(const std::string& ruri) {
-  std::vector<std::pair<SystemTime, std::uint64_t>> places;
+  // Ended ones before open ones, and the last to go last.
+  const auto place = [](const FakeEntry<ConnectionRow>& known) {
+    return std::pair(!known.row.ended_at, known.entry);
+  };
+  std::vector<std::pair<bool, std::uint64_t>> places;
   for (const auto& known : rows_) {
-    if (known.row.robot.ruri == ruri) places.emplace_back(known.at, known.entry);
+    if (known.row.robot.ruri == ruri) places.push_back(place(known));
   }
   if (places.size() <= storage::kConnectionsPerRobotMax) return;
-  const std::uint64_t oldest = std::ranges::min_element(places)->second;
-  std::erase_if(rows_, [oldest](const auto& known) { return known.entry == oldest; });
+  std::ranges::sort(places, std::greater());
+  const auto goes = places[storage::kConnectionsPerRobotMax];
+  std::erase_if(rows_, [&](const auto& known) {
+    return known.row.robot.ruri == ruri && place(known) <= goes;
+  });
 }
 
 void FakeConnections::DeleteAll(const std::string& ruri) {

@@ -19,6 +19,8 @@ class FakeConnections final {
   /// As storage::Batch::connections, of a robot that has a row. `entry` is above that of all rows
   /// before.
   void Write(const storage::ConnectionItem& item, std::uint64_t entry);
+  /// To the bound, after all of a batch are written.
+  void Trim(const std::string& ruri);
   void DeleteAll(const std::string& ruri);
 
   /// As storage::Store; `self` is the process that asks.
@@ -30,8 +32,6 @@ class FakeConnections final {
   [[nodiscard]] const std::vector<FakeEntry<storage::ConnectionRow>>& rows() const { return rows_; }
 
  private:
-  void Trim(const std::string& ruri);
-
   /// In the order of their entries.
   std::vector<FakeEntry<storage::ConnectionRow>> rows_;
 };

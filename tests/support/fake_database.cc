@@ -63,6 +63,9 @@ std::vector<Outcome> FakeDatabase::Commit(const ProcessId& process, const storag
   for (const storage::ConnectionItem& item : batch.connections) {
     if (FindRobot(item.robot->ruri) != nullptr) connections_.Write(item, ++entries_);
   }
+  for (const storage::ConnectionItem& item : batch.connections) {
+    connections_.Trim(item.robot->ruri);
+  }
   const auto is_fenced = [&](const storage::PresenceItem& item) {
     return !rules.presence_without_hold && IsFenced(process, item.robot, item.held_since);
   };

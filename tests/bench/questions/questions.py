@@ -151,7 +151,11 @@ def parse():
 
 def main():
     arguments = parse()
-    settings = f"[limits]\nrobots_max = {max(arguments.robots + LOAD_ROBOTS, 1000)}\n"
+    # Rows are as old as 90 days: none goes while the questions are asked.
+    settings = (
+        'retention.history = "0"\nretention.quarantine = "0"\nretention.connections = "0"\n'
+        f"[limits]\nrobots_max = {max(arguments.robots + LOAD_ROBOTS, 1000)}\n"
+    )
     with contextlib.ExitStack() as things, tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         # The user postgres reads below it.
