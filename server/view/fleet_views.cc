@@ -31,6 +31,7 @@ void Count(const robot::Robot& robot, const Glance& glance, const FaultCounts::M
 void BoundVersions(std::map<std::string, std::int64_t>& versions) {
   if (versions.size() <= kVersionsMax) return;
   std::vector<std::pair<std::int64_t, std::string>> by_count;
+  by_count.reserve(versions.size());
   for (const auto& [version, robots] : versions) by_count.emplace_back(robots, version);
   std::ranges::sort(by_count, [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;

@@ -42,9 +42,10 @@ HoldersProcess::HoldersProcess(const Ground& ground)
       watch_({ground_.clock, fleet_, liveness_, logger_, sweep_seconds_, kSessionIdle, [this] {
                 return ground_.fault != HoldersFault::kLateIsForgotten && leases_.OthersUnseen();
               }}) {
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-    shards_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-  });
+  fleet_.OnPresence(
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+        shards_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+      });
   journal_.CheckpointFrom(checkpoint_, kCheckpointEvery);
   journal_.OnReconnected([this](journal::Reconnected to) {
     const bool excuses = ground_.fault == HoldersFault::kReconnectExcuses;

@@ -123,9 +123,10 @@ SimServer::SimServer(const Ground& ground, const ServerLimits& limits,
       rejects_(ground.rows, testing::FakeRejectSource::Reads::kWhenTold),
       ledger_(book_.NewPage()) {
   if (ground.forwards.items != nullptr) forwards_.emplace(clock_, ground.forwards);
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-    journal_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-  });
+  fleet_.OnPresence(
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+        journal_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+      });
   if (ground.rows == nullptr) return;
   // The life before has ended: its robots are this one's.
   store::RobotLoader loader({fleet_, shards_, *ground.rows, limits_.presence.startup_grace});

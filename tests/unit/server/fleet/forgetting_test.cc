@@ -29,9 +29,10 @@ constexpr std::size_t kRobotsMax = 3;
 class ForgettingTest : public ::testing::Test {
  protected:
   ForgettingTest() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-      journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-    });
+    fleet_.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+          journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+        });
   }
 
   /// Null if it was refused.

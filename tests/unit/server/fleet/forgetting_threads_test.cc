@@ -30,9 +30,10 @@ struct NoInbox final : loop::WakeInbox {
 
 struct World {
   World() {
-    fleet.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-      journals.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-    });
+    fleet.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+          journals.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+        });
   }
 
   testing::ManualClock clock;

@@ -18,12 +18,12 @@ using ::testing::ElementsAre;
 TEST(Routes, HaveTheLabelsOfTheMetrics) {
   std::vector<std::string_view> names;
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
-  EXPECT_THAT(names, ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
-                                 "config", "robots", "robot", "robot_by_ruri", "robot_story",
-                                 "fleets", "top", "events", "messages", "connections", "presence",
-                                 "quarantine", "gaps", "scope_updates", "faults", "missions",
-                                 "mission_reports", "operator_requests", "shapes", "objects",
-                                 "other"));
+  EXPECT_THAT(names,
+              ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
+                          "config", "robots", "robot", "robot_by_ruri", "robot_story", "fleets",
+                          "top", "events", "messages", "connections", "presence", "quarantine",
+                          "gaps", "scope_updates", "faults", "missions", "mission_reports",
+                          "operator_requests", "shapes", "objects", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

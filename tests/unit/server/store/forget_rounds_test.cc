@@ -30,9 +30,10 @@ constexpr storage::Epoch kEpoch = 7;
 class ForgetRoundsTest : public ::testing::Test {
  protected:
   ForgetRoundsTest() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-      journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-    });
+    fleet_.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+          journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+        });
     trust_.Note(true, ClockPair::Of(clock_));
     requests_.hold_of = [this](const std::string&) { return hold_; };
   }

@@ -24,9 +24,10 @@ inline constexpr storage::ProcessId kThird{3};
 class LeaseRoundsTest : public ::testing::Test {
  protected:
   LeaseRoundsTest() {
-    fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-      journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-    });
+    fleet_.OnPresence(
+        [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+          journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+        });
     auto leases = std::make_unique<testing::FakeLeases>(database_, kSelf);
     leases_ = leases.get();
     rounds_ = std::make_unique<LeaseRounds>(

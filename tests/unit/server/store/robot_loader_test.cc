@@ -170,9 +170,10 @@ TEST_F(RobotLoaderTest, WhoWasOfflineStaysSoWithItsTimeAndWithoutARow) {
   batch.presence = {change("rcan://a", model::Presence::kOffline, 1),
                     change("rcan://b", model::Presence::kOnline, 2)};
   ASSERT_TRUE(store_.Commit(batch).ok());
-  fleet_.OnPresence([this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
-    journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
-  });
+  fleet_.OnPresence(
+      [this](const storage::RobotRef& robot, const storage::StoredPresence& now, auto why) {
+        journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
+      });
   const auto all = [this] {
     while (journal_.turns().Advance() == journal::Step::kWorked) {
     }

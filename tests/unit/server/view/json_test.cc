@@ -103,8 +103,10 @@ TEST(Json, ARobotShowsHowFarBehindItIs) {
   robot.state.backlog = {
       .uplinks = 12, .oldest_unsent = FromUnixMs(1600), .said_at = FromUnixMs(1700)};
   EXPECT_EQ(backlog().struct_value().fields().at("uplinks").string_value(), "12");
-  EXPECT_EQ(backlog().struct_value().fields().at("oldestUnsent").string_value(), "1970-01-01T00:00:01.600Z");
-  EXPECT_EQ(backlog().struct_value().fields().at("saidAt").string_value(), "1970-01-01T00:00:01.700Z");
+  EXPECT_EQ(backlog().struct_value().fields().at("oldestUnsent").string_value(),
+            "1970-01-01T00:00:01.600Z");
+  EXPECT_EQ(backlog().struct_value().fields().at("saidAt").string_value(),
+            "1970-01-01T00:00:01.700Z");
   robot.state.backlog = {.uplinks = 0, .said_at = FromUnixMs(1700)};
   EXPECT_EQ(backlog().struct_value().fields().at("uplinks").string_value(), "0");
   EXPECT_FALSE(backlog().struct_value().fields().contains("oldestUnsent"));
