@@ -251,7 +251,7 @@ bool IsTimeIn(const value* time, const TimeSpan& span) {
   const char* const fraction = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
   if (fraction == nullptr) return false;
   std::int64_t ms = timegm(&parts) * kMsPerSecond;
-  if (*fraction == '.') ms += std::atoi(fraction + 1);
+  if (*fraction == '.') ms += static_cast<int>(std::strtol(fraction + 1, nullptr, 10));
   // The same time has one text: this says that nothing else stands in it.
   return TimeText(ms) == text && ms >= span.from_ms && ms <= span.to_ms;
 }

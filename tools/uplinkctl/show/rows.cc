@@ -70,7 +70,7 @@ void Flatten(const json::object& object, const std::string& before, const TakeFi
 }
 
 std::string ValueText(const json::value& value, SystemTime now) {
-  const std::string text = OneLine(ScalarText(value));
+  std::string text = OneLine(ScalarText(value));
   const auto time = value.is_string() ? FromRfc3339(text) : std::nullopt;
   if (!time) return text;
   const std::string age = AgeText(*time, now);

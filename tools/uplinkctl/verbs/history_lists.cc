@@ -132,6 +132,7 @@ List Gaps() {
 /// Why a connection may have ended.
 std::vector<std::string> EndWords() {
   std::vector<std::string> words;
+  words.reserve(model::kAllConnectionEnds.size());
   for (const model::ConnectionEnd why : model::kAllConnectionEnds)
     words.emplace_back(model::ToText(why));
   return words;

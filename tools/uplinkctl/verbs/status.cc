@@ -46,7 +46,7 @@ std::string JournalText(const json::object& status) {
   const std::string records = ScalarAt(status, "journalRecords");
   if (records == "0") return "empty";
   const double bytes = std::strtod(ScalarAt(status, "journalBytes").c_str(), nullptr);
-  const long long oldest = std::atoll(ScalarAt(status, "journalOldestMs").c_str());
+  const long long oldest = std::strtoll(ScalarAt(status, "journalOldestMs").c_str(), nullptr, 10);
   return fmt::format("{} records, {}, the oldest waits for {}", CountText(records), SizeText(bytes),
                      LengthText(milliseconds(oldest)));
 }
