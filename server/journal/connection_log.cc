@@ -7,15 +7,17 @@ namespace uplink::journal {
 
 bool ConnectionLog::HasRoomFor(const storage::ConnectionItem& item) const {
   if (uncommitted_.load() >= connections_max_) return false;
-  const auto share = shares_.find(SharerOf(item));
-  if (share == shares_.end()) return true;
-  return share->second <
-         (item.gateway.empty() ? storage::kConnectionsPerRobotMax : connections_max_ / 2);
+  const auto share = shares_.find(item.gateway);
+  return share == shares_.end() || share->second < connections_max_ / 2;
+}
+
+void ConnectionLog::CountIn(const storage::ConnectionItem& item) {
+  if (!item.gateway.empty()) ++shares_[item.gateway];
 }
 
 void ConnectionLog::CountOut(const storage::ConnectionItem& item) {
-  const auto share = shares_.find(SharerOf(item));
-  if (--share->second == 0) shares_.erase(share);
+  const auto share = shares_.find(item.gateway);
+  if (share != shares_.end() && --share->second == 0) shares_.erase(share);
 }
 
 bool ConnectionLog::Note(storage::ConnectionItem item) {
@@ -25,13 +27,11 @@ bool ConnectionLog::Note(storage::ConnectionItem item) {
     if (!storage::Replaces(item, waiting)) return true;
     // The key's view is of this one.
     item.robot = waiting.robot;
-    CountOut(waiting);
     waiting = std::move(item);
-    ++shares_[SharerOf(waiting)];
     return true;
   }
   if (!HasRoomFor(item)) return false;
-  ++shares_[SharerOf(item)];
+  CountIn(item);
   waiting_.push_back(std::move(item));
   places_.emplace(KeyOf(waiting_.back()), std::prev(waiting_.end()));
   uncommitted_.fetch_add(1);
@@ -57,14 +57,12 @@ void ConnectionLog::PutBack(std::vector<storage::ConnectionItem> items) {
       storage::ConnectionItem& waiting = *known->second;
       if (!storage::Replaces(waiting, *item)) {
         item->robot = waiting.robot;
-        CountOut(waiting);
         waiting = std::move(*item);
-        ++shares_[SharerOf(waiting)];
       }
       uncommitted_.fetch_sub(1);
       continue;
     }
-    ++shares_[SharerOf(*item)];
+    CountIn(*item);
     waiting_.push_front(std::move(*item));
     places_.emplace(KeyOf(waiting_.front()), waiting_.begin());
   }

@@ -17,8 +17,7 @@ namespace uplink::journal {
 /// last; those that wait longest first.
 ///
 /// Limits: so many connections as it was made for, taken ones included; one more is refused. So is
-///         one more of a robot with kConnectionsPerRobotMax waiting, which the store would not
-///         keep, and of a gateway that has half of the room: others need some.
+///         one more of a gateway whose connections that wait take half of the room.
 /// Thread: confined to its owner's lock; uncommitted() and CountCommitted: any thread.
 class ConnectionLog final {
  public:
@@ -45,17 +44,14 @@ class ConnectionLog final {
   using Key = std::pair<std::string_view, storage::ConnectionId>;
   using Items = std::list<storage::ConnectionItem>;
   static Key KeyOf(const storage::ConnectionItem& item) { return {item.robot->ruri, item.id}; }
-  /// Whose share a connection is of: a gateway's, else its robot's.
-  static const std::string& SharerOf(const storage::ConnectionItem& item) {
-    return item.gateway.empty() ? item.robot->ruri : item.gateway;
-  }
   [[nodiscard]] bool HasRoomFor(const storage::ConnectionItem& item) const;
+  void CountIn(const storage::ConnectionItem& item);
   void CountOut(const storage::ConnectionItem& item);
 
   const std::size_t connections_max_;
   Items waiting_;
   std::map<Key, Items::iterator> places_;
-  /// Those that wait, by sharer.
+  /// Those that wait, by gateway. All connections of one id have one gateway.
   std::map<std::string, std::size_t> shares_;
   std::atomic<std::size_t> uncommitted_{0};
 };

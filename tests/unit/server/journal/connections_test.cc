@@ -129,6 +129,11 @@ TEST_F(JournalConnections, OfOneGatewayLeaveHalfOfTheRoomToOthers) {
   EXPECT_EQ(probe.connections_dropped.value(), 1) << "what is written takes no share";
 }
 
+TEST_F(JournalConnections, OfARobotByItselfTakeWhatRoomThereIs) {
+  for (std::uint8_t id = 1; id <= 4; ++id) journal.NoteConnection(Item(id));
+  EXPECT_EQ(probe.connections_dropped.value(), 0) << "its newest one must not be missing";
+}
+
 TEST_F(JournalConnections, OfANewRobotWaitForItsRow) {
   RecordingClient other("rcan://b");
   Open(other);
