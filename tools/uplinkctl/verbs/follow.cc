@@ -74,7 +74,8 @@ class Follower final {
       case Format::kTable: {
         RowTerms terms = screen_.Terms();
         terms.table.headings = headings_;
-        terms.robots = robots_();
+        if (!robots_known_) robots_known_ = robots_();
+        terms.robots = *robots_known_;
         text = TableOf(list_.columns, rows, terms);
         break;
       }
@@ -87,6 +88,8 @@ class Follower final {
   const CommonFlags& flags_;
   const Screen& screen_;
   const std::function<std::vector<std::string>()> robots_;
+  /// Asked for once, with the first rows.
+  std::optional<std::vector<std::string>> robots_known_;
   std::unordered_set<std::string> seen_;
   std::optional<SystemTime> first_;
   SystemTime newest_;

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -146,6 +149,8 @@ absl::Status ShowList(const List& list, const ListFlags& flags, Api& api, const 
   if (!first.ok()) return first.status();
   if (flags.common.follow && Grows(list, *first))
     return FollowRows(list, flags, *first, api, screen);
+  // Asked for once, with the first rows.
+  std::optional<std::vector<std::string>> robots;
   return ShowAgain(screen, flags.common.follow, [&]() -> absl::StatusOr<std::string> {
     // A time before now moves with the clock.
     const absl::StatusOr<Query> asked = query();
@@ -155,7 +160,8 @@ absl::Status ShowList(const List& list, const ListFlags& flags, Api& api, const 
     if (!rows.ok()) return rows.status();
     if (!flags.common.follow) NoteRows(*rows, screen);
     RowTerms terms = screen.Terms();
-    if (!rows->rows.empty()) terms.robots = NamedBeside(list, flags.common, api);
+    if (!rows->rows.empty() && !robots) robots = NamedBeside(list, flags.common, api);
+    if (robots) terms.robots = *robots;
     return ListText(list, flags.common, *std::move(rows), terms);
   });
 }
