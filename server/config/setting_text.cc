@@ -40,16 +40,15 @@ bool MayTellPassword(std::string_view text) {
 }
 
 /// A URL without the password of its user part, and without a query that may hold one.
-std::string MaskedUrl(const std::string& whole) {
-  const std::size_t scheme = whole.find("://");
+std::string MaskedUrl(const std::string& url) {
+  const std::size_t scheme = url.find("://");
   if (scheme == std::string::npos) {
-    return MayTellPassword(whole) ? kMask : whole;
+    return MayTellPassword(url) ? kMask : url;
   }
-  const std::size_t query = whole.find('?', scheme);
-  if (query != std::string::npos && MayTellPassword(std::string_view(whole).substr(query))) {
-    return MaskedUrl(whole.substr(0, query)) + "?" + kMask;
+  const std::size_t query = url.find('?', scheme);
+  if (query != std::string::npos && MayTellPassword(std::string_view(url).substr(query))) {
+    return MaskedUrl(url.substr(0, query)) + "?" + kMask;
   }
-  const std::string& url = whole;
   const std::size_t user = scheme + 3;
   const std::size_t at = url.substr(0, url.find('/', user)).rfind('@');
   const std::size_t colon = url.find(':', user);

@@ -95,7 +95,7 @@ TEST_F(GoodbyeTest, ABadTimeGetsANoticeAndNothingElseIsLost) {
   clock_.Advance(std::chrono::seconds(1));
   stream.Send(Goodbye(-1));
   EXPECT_EQ(parked(), std::nullopt);
-  EXPECT_EQ(server().probe().notices_total.value(), 2) << "one a second";
+  EXPECT_EQ(server().probe().notices_total.value(), 2) << "one per second";
   EXPECT_THAT(stream.TakeLines(),
               ::testing::IsSupersetOf({"notice 0 missing_field goodbye.expected_back_unix_ms",
                                        "notice 0 out_of_range goodbye.expected_back_unix_ms"}));
