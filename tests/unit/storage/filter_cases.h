@@ -92,16 +92,13 @@ inline std::vector<HistoryQuery> RobotQueries() {
   std::vector<HistoryQuery> queries;
   using Ruris = std::vector<std::string>;
   for (const Ruris& ruris : {Ruris{}, Ruris{"r"}, Ruris{"r", "s", "t"}}) {
-    for (const char* fleet : {"", "f"}) {
-      for (const char* token : {"", "x"}) {
-        for (const ListOrder order : {ListOrder::kNewestFirst, ListOrder::kOldestFirst}) {
-          HistoryQuery& query = queries.emplace_back();
-          query.ruris = ruris;
-          query.fleet = fleet;
-          query.order = order;
-          query.page_token = token;
-        }
-      }
+    // One bit each for the fleet, the page and the order.
+    for (unsigned bits = 0; bits < 8; ++bits) {
+      HistoryQuery& query = queries.emplace_back();
+      query.ruris = ruris;
+      query.fleet = (bits & 1U) != 0 ? "f" : "";
+      query.page_token = (bits & 2U) != 0 ? "x" : "";
+      query.order = (bits & 4U) != 0 ? ListOrder::kOldestFirst : ListOrder::kNewestFirst;
     }
   }
   return queries;

@@ -18,7 +18,7 @@ class FormTest : public ::testing::Test {
  protected:
   FormTest() { world_.AddRobot("rcan://a"); }
 
-  Response Get(Request request) { return world_.Get(request); }
+  Response Get(const Request& request) { return world_.Get(request); }
   Response Get(const std::string& target) { return world_.Get(target); }
 
   testing::ServerWorld world_;

@@ -30,6 +30,7 @@ ConnectionItem Ended(std::uint8_t id, std::uint64_t messages) {
 
 std::vector<std::string> Lines(const std::vector<ConnectionItem>& items) {
   std::vector<std::string> lines;
+  lines.reserve(items.size());
   for (const ConnectionItem& item : items) {
     lines.push_back(item.robot->ruri + std::to_string(item.id[0]) + ":" +
                     std::to_string(item.messages) + (item.ended ? " ended" : ""));

@@ -44,6 +44,7 @@ TEST(EndCause, ThePageHasEachReason) {
     if (line.starts_with("| `")) words.push_back(line.substr(3, line.find('`', 3) - 3));
   }
   std::vector<std::string> reasons;
+  reasons.reserve(model::kAllConnectionEnds.size());
   for (const model::ConnectionEnd end : model::kAllConnectionEnds) {
     reasons.emplace_back(model::ToText(end));
   }
