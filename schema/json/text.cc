@@ -22,6 +22,10 @@ boost::json::value MemberIn(std::string_view text, std::string_view name) {
 
 }  // namespace
 
+std::string ArrayText(std::span<const std::string> texts) {
+  return boost::json::serialize(boost::json::array(texts.begin(), texts.end()));
+}
+
 std::string DetailText(const model::EventKind& kind) {
   if (const auto* named = std::get_if<model::NamedEvent>(&kind)) return named->detail_json;
   return boost::json::serialize(RenderDetail(kind));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,8 @@ namespace uplink::json {
 [[nodiscard]] std::string Text(const model::Trajectory& trajectory);
 /// A Robot State as RCAN spells it.
 [[nodiscard]] std::string Text(const model::RcanState& state, std::string_view ruri);
+/// An array of texts, each well-formed UTF-8.
+[[nodiscard]] std::string ArrayText(std::span<const std::string> texts);
 /// A number that such a text holds at its top; nothing if there is none of that name.
 [[nodiscard]] std::optional<double> NumberIn(std::string_view text, std::string_view name);
 /// The same of a text.

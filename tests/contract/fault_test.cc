@@ -89,6 +89,30 @@ TEST_P(StoreContract, KeysActiveFaultsByRobotFaultAndSource) {
   EXPECT_EQ(sum, 3);
 }
 
+TEST_P(StoreContract, CountsActiveFaultsOfEveryNameInAnyOrder) {
+  Open();
+  const auto quoted = Robot("a\"b\\c");
+  OpenAlso({Robot("b"), quoted});
+  storage::CommitRecord of_b = Good(1, Fault("f"));
+  of_b.robot = Robot("b");
+  storage::CommitRecord of_quoted = Good(1, Fault("f"));
+  of_quoted.robot = quoted;
+  Commit({Good(1, Fault("f")), of_b, of_quoted});
+
+  // Not all of them, and not sorted.
+  const std::vector<std::string> ruris = {robot_->ruri, quoted->ruri};
+  const auto counts = store_->reader().ActiveFaultCounts(ruris);
+  ASSERT_TRUE(counts.ok()) << counts.status();
+  std::vector<std::string> named;
+  named.reserve(counts->size());
+  for (const storage::ActiveFaults& count : *counts) {
+    named.push_back(count.ruri);
+    EXPECT_EQ(count.count, 1) << count.ruri;
+  }
+  EXPECT_THAT(named, ::testing::UnorderedElementsAre(quoted->ruri, robot_->ruri));
+  EXPECT_TRUE(store_->reader().ActiveFaultCounts({}).ok());
+}
+
 TEST_P(StoreContract, CountsActiveFaultsBySeverity) {
   Open();
   model::Fault minor = Fault("minor");

@@ -100,5 +100,11 @@ TEST(TextTest, KeepsEveryBitOfANumber) {
   EXPECT_EQ(parsed.as_object().count("headingDeg"), 0U);
 }
 
+TEST(TextTest, AnArrayKeepsEachTextAsItIs) {
+  const std::vector<std::string> texts = {"", "a\"b\\c\n", "\u00e4"};
+  EXPECT_EQ(ArrayText(texts), "[\"\",\"a\\\"b\\\\c\\n\",\"\u00e4\"]");
+  EXPECT_EQ(ArrayText({}), "[]");
+}
+
 }  // namespace
 }  // namespace uplink::json
