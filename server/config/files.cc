@@ -108,6 +108,12 @@ void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
   if (!flaw.empty()) problems.push_back({path, "mqtt.password_file", std::move(flaw)});
 }
 
+void CheckHttpFiles(const HttpConfig& http, std::vector<Problem>& problems) {
+  CheckPair({"http.tls.certificate_file", http.tls_certificate_file, "http.tls.key_file",
+             http.tls_key_file, identity::CheckServerPair},
+            problems);
+}
+
 }  // namespace
 
 std::vector<Problem> ValidateFiles(const Config& config) {
@@ -121,6 +127,7 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
   CheckBrokerFiles(config.mqtt, problems);
+  CheckHttpFiles(config.http, problems);
   return problems;
 }
 
@@ -159,6 +166,7 @@ std::vector<Note> ExpiredFiles(const Config& config, SystemTime now) {
                      "certificate_expired"});
   };
   check("tls.certificate_file", config.tls.certificate_file);
+  check("http.tls.certificate_file", config.http.tls_certificate_file);
   check("mqtt.client_certificate_file", config.mqtt.client_certificate_file);
   return notes;
 }
