@@ -35,7 +35,7 @@ using TokenHash = std::array<std::uint8_t, 32>;
 /// One line of a file of tokens, which is a JSON object. A value.
 struct TokenEntry {
   /// 8 lower-case hexadecimal digits, the first of the hash: what people and logs call it.
-  std::string id;
+  std::string id{};
   Role role = Role::kViewer;
   Scope scope = Scope::Of({});
   /// Nothing: it never expires.
