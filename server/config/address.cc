@@ -10,8 +10,12 @@
 #include <fmt/core.h>
 #include <netinet/in.h>
 
+#include "schema/base/utf8.h"
+
 namespace uplink::config {
 namespace {
+
+constexpr std::string_view kUnixScheme = "unix:";
 
 std::optional<std::uint16_t> ParsePort(std::string_view text) {
   std::uint16_t port = 0;
@@ -41,9 +45,18 @@ bool Covers(const HostBytes& all, const HostBytes& host) {
   return all == v4 && std::equal(v4.begin(), v4.begin() + 12, host.begin());
 }
 
+/// A socket's path; nothing if it names no file.
+std::optional<ListenAddress> ParsePath(std::string_view path) {
+  const bool names_file = path.size() > 1 && path.front() == '/' && path.back() != '/';
+  const bool shown = CountControls(path) == 0U && path.find_first_of("\t\r\n") == path.npos;
+  if (!names_file || path.size() > kSocketPathBytesMax || !shown) return std::nullopt;
+  return ListenAddress{.host = {}, .port = 0, .path = std::string(path)};
+}
+
 }  // namespace
 
 std::optional<ListenAddress> ParseListenAddress(std::string_view text) {
+  if (text.starts_with(kUnixScheme)) return ParsePath(text.substr(kUnixScheme.size()));
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) {
     return std::nullopt;
@@ -63,23 +76,29 @@ std::optional<ListenAddress> ParseListenAddress(std::string_view text) {
   return ListenAddress{name, *port};
 }
 
-bool IsSet(const ListenAddress& address) { return !address.host.empty(); }
+bool IsSet(const ListenAddress& address) { return !address.host.empty() || IsUnix(address); }
+
+bool IsUnix(const ListenAddress& address) { return !address.path.empty(); }
 
 std::string ToText(const ListenAddress& address) {
   if (!IsSet(address)) return {};
+  if (IsUnix(address)) return fmt::format("{}{}", kUnixScheme, address.path);
   const bool v6 = address.host.find(':') != std::string::npos;
   return v6 ? fmt::format("[{}]:{}", address.host, address.port)
             : fmt::format("{}:{}", address.host, address.port);
 }
 
 bool Collide(const ListenAddress& a, const ListenAddress& b) {
+  if (IsUnix(a) || IsUnix(b)) return a.path == b.path;
   if (!IsSet(a) || !IsSet(b) || a.port == 0 || a.port != b.port) return false;
   const HostBytes bytes_a = BytesOf(a.host);
   const HostBytes bytes_b = BytesOf(b.host);
   return bytes_a == bytes_b || Covers(bytes_a, bytes_b) || Covers(bytes_b, bytes_a);
 }
 
-bool IsLoopback(const ListenAddress& address) { return IsLoopbackHost(address.host); }
+bool IsLoopback(const ListenAddress& address) {
+  return IsUnix(address) || IsLoopbackHost(address.host);
+}
 
 bool IsLoopbackHost(const std::string& host) {
   in6_addr v6{};

@@ -10,6 +10,7 @@
 #include "metrics/rcan/series.h"
 #include "schema/limits.h"
 #include "server/config/address.h"
+#include "server/config/http_config.h"
 #include "server/config/networks.h"
 #include "server/config/output_config.h"
 #include "storage/postgres/defaults.h"
@@ -52,7 +53,7 @@ struct TlsConfig {
   std::string certificate_file;
   std::string key_file;
   std::string client_ca_file;
-  /// Empty: client_ca_file.
+  /// Empty: client_ca_file. OperatorCaFile says which counts.
   std::string operator_ca_file;
   TlsVersion min_version = TlsVersion::k13;
   /// Groups for agreeing on keys, the best first; with TLS 1.2 ServedGroups has more.
@@ -243,19 +244,6 @@ struct UncrewConfig {
   std::string ruri_template = "rcan://local.rcan/uncrew/uav/{uav_id}";
 };
 
-/// Connections of listen.metrics held at once: room for some Prometheus servers with two jobs each
-/// and the probes of a cluster.
-inline constexpr std::size_t kMetricsConnectionsMax = 32;
-
-struct HttpConfig {
-  /// Names under which /api may be asked for, beside addresses and localhost; without a port.
-  std::vector<std::string> hosts;
-  /// Scrapes are shown under these names alone, too.
-  bool hosts_cover_metrics = false;
-  /// Connections held at once, those that are kept for probes and scrapes included.
-  std::size_t connections_max = 128;
-};
-
 struct DrainConfig {
   /// How long the drain may take after the signal (run::kExitWait is added until the exit); what is
   /// unsettled then is counted in a warning.
@@ -285,6 +273,8 @@ struct Config {
   DrainConfig drain;
 };
 
+/// The authorities that operators' certificates are verified by.
+[[nodiscard]] const std::string& OperatorCaFile(const TlsConfig& tls);
 /// The file that `store.url` names; empty if it is not `sqlite:///absolute/path`.
 [[nodiscard]] std::string SqlitePath(const StoreConfig& store);
 /// True if `store.url` names a PostgreSQL server, rightly or not.

@@ -15,6 +15,7 @@
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
 #include "server/identity/server_pair.h"
+#include "server/identity/token_file.h"
 
 namespace uplink::config {
 namespace {
@@ -108,6 +109,22 @@ void CheckBrokerFiles(const MqttConfig& mqtt, std::vector<Problem>& problems) {
   if (!flaw.empty()) problems.push_back({path, "mqtt.password_file", std::move(flaw)});
 }
 
+void CheckHttpFiles(const HttpConfig& http, std::vector<Problem>& problems) {
+  CheckPair({"http.tls.certificate_file", http.tls_certificate_file, "http.tls.key_file",
+             http.tls_key_file, identity::CheckServerPair},
+            problems);
+  const auto add = [&problems](const std::string& key, const std::string& path,
+                               const absl::Status& good) {
+    if (!good.ok()) problems.push_back({path, key, WithoutPath(path, good)});
+  };
+  if (const std::string& path = http.tokens_file; !path.empty()) {
+    add("http.tokens_file", path, identity::ReadTokenFile(path).status());
+  }
+  if (const std::string& path = http.metrics_token_file; !path.empty()) {
+    add("http.metrics_token_file", path, identity::ReadScrapeToken(path).status());
+  }
+}
+
 }  // namespace
 
 std::vector<Problem> ValidateFiles(const Config& config) {
@@ -121,6 +138,7 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
   CheckBrokerFiles(config.mqtt, problems);
+  CheckHttpFiles(config.http, problems);
   return problems;
 }
 
@@ -159,6 +177,7 @@ std::vector<Note> ExpiredFiles(const Config& config, SystemTime now) {
                      "certificate_expired"});
   };
   check("tls.certificate_file", config.tls.certificate_file);
+  check("http.tls.certificate_file", config.http.tls_certificate_file);
   check("mqtt.client_certificate_file", config.mqtt.client_certificate_file);
   return notes;
 }

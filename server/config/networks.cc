@@ -153,6 +153,8 @@ absl::StatusOr<std::vector<Network>> ParseNetworks(const std::vector<std::string
   return networks;
 }
 
+std::vector<Network> LoopbackNetworks() { return *ParseNetworks({"127.0.0.0/8", "::1"}); }
+
 bool Contains(const std::vector<Network>& networks, const sockaddr_storage& address) {
   return std::ranges::any_of(networks, [&](const Network& each) { return each.Contains(address); });
 }

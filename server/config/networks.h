@@ -44,6 +44,9 @@ class Network final {
 [[nodiscard]] absl::StatusOr<std::vector<Network>> ParseNetworks(
     const std::vector<std::string>& texts);
 
+/// This machine: 127.0.0.0/8 and ::1.
+[[nodiscard]] std::vector<Network> LoopbackNetworks();
+
 /// Whether any of them holds the address.
 [[nodiscard]] bool Contains(const std::vector<Network>& networks, const sockaddr_storage& address);
 

@@ -11,6 +11,7 @@
 #include "schema/base/utf8.h"
 #include "server/config/address.h"
 #include "server/config/broker_relations.h"
+#include "server/config/http_relations.h"
 #include "server/config/tls_groups.h"
 #include "server/config/units.h"
 #include "server/identity/uav_ruri.h"
@@ -22,8 +23,6 @@ namespace {
 constexpr std::string_view kSqliteScheme = "sqlite://";
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
 constexpr std::size_t kSubsystemBytesMax = 32;
-/// Of a name in the DNS.
-constexpr std::size_t kHostBytesMax = 253;
 /// Longest part of a wrong name that a problem repeats.
 constexpr std::size_t kShownBytesMax = 100;
 
@@ -40,14 +39,6 @@ class Breaches {
 };
 
 void CheckListen(const ListenConfig& listen, Breaches& breaches) {
-  if (!IsLoopback(listen.http)) {
-    breaches.Add("listen", "http",
-                 fmt::format("{} is not a loopback address; this version serves /api without "
-                             "authentication (operator certificates and bearer tokens come "
-                             "later), so it must be 127.0.0.1 or [::1]; put a proxy that "
-                             "authenticates in front of it",
-                             ToText(listen.http)));
-  }
   const auto collides = [&breaches](std::string_view key, const ListenAddress& address,
                                     std::string_view other_key, const ListenAddress& other) {
     if (!Collide(address, other)) return;
@@ -149,21 +140,11 @@ void CheckRcan(const RcanConfig& rcan, Breaches& breaches) {
   }
 }
 
-void CheckHttp(const HttpConfig& http, Breaches& breaches) {
-  for (const std::string& host : http.hosts) {
-    const bool name = std::ranges::all_of(host, [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-             c == '-' || c == '.' || c == '_';
-    });
-    if (name && !host.empty() && host.size() <= kHostBytesMax) continue;
-    breaches.Add("http", "hosts",
-                 fmt::format("\"{}\" is no host name; names stand without scheme and port, such as "
-                             "\"uplink.example.org\"",
-                             PrintableUtf8(host, kShownBytesMax)));
-  }
-}
-
 }  // namespace
+
+const std::string& OperatorCaFile(const TlsConfig& tls) {
+  return tls.operator_ca_file.empty() ? tls.client_ca_file : tls.operator_ca_file;
+}
 
 bool IsPostgres(const StoreConfig& store) { return storage::postgres::IsPostgresUrl(store.url); }
 
@@ -189,7 +170,7 @@ std::vector<Breach> CheckRelations(const Config& config) {
   CheckJournal(config.journal, breaches);
   CheckLimits(config.limits, breaches);
   CheckRcan(config.rcan, breaches);
-  CheckHttp(config.http, breaches);
+  for (Breach& breach : CheckHttp(config)) breaches.Add(std::move(breach));
   for (Breach& breach : CheckBroker(config)) breaches.Add(std::move(breach));
   if (const auto flaw = identity::FlawOfUavTemplate(config.uncrew.ruri_template)) {
     breaches.Add(

@@ -153,6 +153,10 @@ std::string AllowedText(const Setting& setting) {
       return fmt::format("\"{}\"", fmt::join(setting.choices, "\" or \""));
     case Kind::kAddress:
       return "a literal address with a port, such as \"127.0.0.1:7480\" or \"[::]:7443\"" +
+             (setting.unix_socket
+                  ? fmt::format(", or \"unix:\" and an absolute path of at most {} bytes",
+                                kSocketPathBytesMax)
+                  : std::string()) +
              (setting.empty.empty() ? std::string() : fmt::format(", or \"\": {}", setting.empty));
     case Kind::kList:
       return fmt::format("a list of at most {} strings of 1 to {} bytes", kListItemsMax,

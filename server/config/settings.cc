@@ -132,15 +132,19 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "listen",
      .key = "http",
      .kind = Kind::kAddress,
-     .text = "Probes, metrics and JSON, without authentication: a loopback address only.",
+     .unix_socket = true,
+     .text = "Probes, metrics and JSON. Other machines may reach it only where callers must show "
+             "who they are: with http.tokens_file, or with http.tls and operators' certificates. "
+             "Then all callers must, but those of the probes.",
      UPLINK_BIND(listen, ListenConfig, http)},
     {.section = "listen",
      .key = "metrics",
      .kind = Kind::kAddress,
      .empty = "no such listener",
      .text = "A further listener for probes and Prometheus on other machines: /livez, /readyz, "
-             "/metrics and /metrics/robots alone, under any name and without authentication. "
-             "listen.http answers them all the same.",
+             "/metrics and /metrics/robots alone, under any name, without TLS, and without "
+             "authentication unless http.metrics_token_file is set. listen.http answers them all "
+             "the same.",
      UPLINK_BIND(listen, ListenConfig, metrics)},
 
     {.section = "tls",
@@ -161,8 +165,8 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "tls",
      .key = "operator_ca_file",
      .kind = Kind::kFile,
-     .effect = Effect::kNone,
-     .text = "The authorities that sign operators' certificates; empty: tls.client_ca_file.",
+     .text = "The authorities that sign operators' certificates, which http.tls takes; empty: "
+             "tls.client_ca_file.",
      UPLINK_BIND(tls, TlsConfig, operator_ca_file)},
     {.section = "tls",
      .key = "min_version",
@@ -755,6 +759,45 @@ constexpr auto kSettings = std::to_array<Setting>({
              "addresses, localhost and http.hosts alone. Then http.hosts needs the name by which "
              "Prometheus asks.",
      UPLINK_BIND(http, HttpConfig, hosts_cover_metrics)},
+    {.section = "http",
+     .key = "socket_mode",
+     .kind = Kind::kText,
+     .allowed = "three or four octal digits up to \"0777\"",
+     .text = "The permissions of the socket, where listen.http is a path: who may write it may "
+             "connect.",
+     UPLINK_BIND(http, HttpConfig, socket_mode)},
+    {.section = "http",
+     .key = "tls.certificate_file",
+     .kind = Kind::kFile,
+     .text = "The certificate chain of listen.http, leaf first; set with http.tls.key_file. Then "
+             "one port speaks TLS and, to http.plain_from, plain HTTP; operators may show a "
+             "certificate that an authority of tls.operator_ca_file signed.",
+     UPLINK_BIND(http, HttpConfig, tls_certificate_file)},
+    {.section = "http",
+     .key = "tls.key_file",
+     .kind = Kind::kFile,
+     .text = "The private key of that certificate.",
+     UPLINK_BIND(http, HttpConfig, tls_key_file)},
+    {.section = "http",
+     .key = "plain_from",
+     .kind = Kind::kNetworks,
+     .text = "Who may speak plain HTTP to listen.http; others must speak TLS or are closed. Where "
+             "this names more than a proxy's address, tokens cross that network readable. A Unix "
+             "socket is always plain.",
+     UPLINK_BIND(http, HttpConfig, plain_from)},
+    {.section = "http",
+     .key = "tokens_file",
+     .kind = Kind::kFile,
+     .text = "The tokens by which people and programs may ask; `uplinkctl tokens` makes them. A "
+             "change counts within 5 s. Once it is set, every caller of listen.http must show a "
+             "token or an operator's certificate.",
+     UPLINK_BIND(http, HttpConfig, tokens_file)},
+    {.section = "http",
+     .key = "metrics_token_file",
+     .kind = Kind::kFile,
+     .text = "A file whose first line is the token that scrapes on listen.metrics must show "
+             "(Authorization: Bearer); empty: they show none.",
+     UPLINK_BIND(http, HttpConfig, metrics_token_file)},
 
     {.section = "metrics",
      .key = "fleets_max",

@@ -22,7 +22,7 @@ enum class Kind : std::uint8_t {
   kText,      // a string
   kFile,      // a path; may be empty
   kChoice,    // one of a few words
-  kAddress,   // "[::]:7443"
+  kAddress,   // "[::]:7443", "unix:/run/x.sock"
   kList,      // ["a", "b"]; in the environment a,b
   kNetworks,  // ["10.0.0.0/8", "::1"]; in the environment 10.0.0.0/8,::1
 };
@@ -62,6 +62,8 @@ struct Setting {
   std::string_view zero{};
   /// What an empty text means, if a kAddress setting may be empty.
   std::string_view empty{};
+  /// A kAddress setting may be a Unix socket.
+  bool unix_socket = false;
   /// The words of a kChoice setting, in the order of its enumeration.
   std::span<const std::string_view> choices{};
   /// What it takes, for people, where this version takes less than `kind` and `choices` say.

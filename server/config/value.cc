@@ -117,7 +117,8 @@ Interpreted InterpretText(const Setting& setting, std::string_view text) {
       return Chosen(setting, text, shown);
     case Kind::kAddress:
       if (text.empty() && !setting.empty.empty()) return Value(ListenAddress());
-      if (const std::optional<ListenAddress> address = ParseListenAddress(text)) {
+      if (const std::optional<ListenAddress> address = ParseListenAddress(text);
+          address && (setting.unix_socket || !IsUnix(*address))) {
         return Value(*address);
       }
       return Bad(setting, shown);

@@ -35,6 +35,25 @@ TEST(ListenAddressTextTest, ReadsBackToTheSameAddress) {
   }
 }
 
+TEST(ParseListenAddressTest, ReadsThePathOfASocket) {
+  const auto address = ParseListenAddress("unix:/run/uplinkd/http.sock");
+  ASSERT_TRUE(address);
+  EXPECT_EQ(address->path, "/run/uplinkd/http.sock");
+  EXPECT_TRUE(IsUnix(*address) && IsSet(*address) && IsLoopback(*address));
+  EXPECT_EQ(ToText(*address), "unix:/run/uplinkd/http.sock");
+  EXPECT_FALSE(IsUnix({"::1", 1}));
+}
+
+TEST(ParseListenAddressTest, RefusesAPathThatNoSocketCanHave) {
+  const std::string longest = "/" + std::string(kSocketPathBytesMax - 1, 'a');
+  EXPECT_TRUE(ParseListenAddress("unix:" + longest));
+  for (const std::string& path :
+       {std::string(), std::string("/"), std::string("run/x.sock"), std::string("/run/"),
+        longest + "a", std::string("/a\nb"), std::string("/a\0b", 4), std::string("/a\xff")}) {
+    EXPECT_EQ(ParseListenAddress("unix:" + path), std::nullopt) << path;
+  }
+}
+
 TEST(ListenAddressTextTest, OfNoListenerIsEmpty) { EXPECT_EQ(ToText(ListenAddress()), ""); }
 
 TEST(IsSetTest, AHostMakesAListenerAlsoOnAnyPort) {
@@ -62,6 +81,14 @@ TEST(CollideTest, OnePortOfOneHostIsTakenOnce) {
   EXPECT_FALSE(collide("0.0.0.0:9090", "[2001:db8::7]:9090"));
   EXPECT_FALSE(collide("[::]:0", "[::]:0")) << "each takes a free one";
   EXPECT_FALSE(Collide(ListenAddress(), ListenAddress())) << "no listener";
+}
+
+TEST(CollideTest, OnePathIsTakenOnce) {
+  const ListenAddress socket = ParseListenAddress("unix:/run/a").value();
+  EXPECT_TRUE(Collide(socket, socket));
+  EXPECT_FALSE(Collide(socket, ParseListenAddress("unix:/run/b").value()));
+  EXPECT_FALSE(Collide(socket, {"::", 7443}));
+  EXPECT_FALSE(Collide(socket, ListenAddress()));
 }
 
 TEST(IsLoopbackTest, KnowsTheMachineFromTheNetwork) {

@@ -135,6 +135,27 @@ TEST_F(FileModesTest, TheFilesForABrokerAreJudgedWhereThereIsOne) {
                                          Field(&Problem::key, "mqtt.client_key_file")));
 }
 
+TEST_F(FileModesTest, TheFilesOfHttpAreJudged) {
+  config_.http.tls_certificate_file = Make("h.crt");
+  config_.http.tls_key_file = Make("h.key");
+  config_.http.tokens_file = Make("tokens");
+  config_.http.metrics_token_file = Make("metrics_token");
+  for (const char* name : {"h.crt", "h.key", "tokens", "metrics_token"}) {
+    Change(folder_.File(name), 0666);
+  }
+  EXPECT_THAT(Check().problems, ElementsAre(Field(&Problem::key, "http.tls.certificate_file"),
+                                            Field(&Problem::key, "http.tls.key_file"),
+                                            Field(&Problem::key, "http.tokens_file"),
+                                            Field(&Problem::key, "http.metrics_token_file")));
+  for (const char* name : {"h.crt", "h.key", "tokens", "metrics_token"}) {
+    Change(folder_.File(name), 0644);
+  }
+  EXPECT_THAT(Check().problems, IsEmpty());
+  EXPECT_THAT(Check().notes, ElementsAre(Field(&Problem::key, "http.tls.key_file"),
+                                         Field(&Problem::key, "http.tokens_file"),
+                                         Field(&Problem::key, "http.metrics_token_file")));
+}
+
 TEST_F(FileModesTest, AConfigurationThatEverybodyMayWriteIsAProblem) {
   const std::string path = Make("u.toml");
   std::ofstream(path) << testing::kMinimal;

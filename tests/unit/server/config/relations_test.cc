@@ -8,6 +8,7 @@
 namespace uplink::config {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -47,8 +48,55 @@ TEST(RelationsTest, ABatchMayTakeTheWholeJournalButNotMore) {
 
 TEST(RelationsTest, HttpStaysOnLoopback) {
   EXPECT_EQ(OneProblem("[listen]\nhttp = \"[::1]:7480\"\n"), "");
+  EXPECT_EQ(OneProblem("[listen]\nhttp = \"unix:/run/uplinkd/http.sock\"\n"), "");
   EXPECT_THAT(OneProblem("[listen]\nhttp = \"0.0.0.0:7480\"\n"),
-              HasSubstr("is not a loopback address"));
+              AllOf(HasSubstr("listen.http: 0.0.0.0:7480 is not a loopback address"),
+                    HasSubstr("http.tokens_file"), HasSubstr("tls.operator_ca_file"),
+                    HasSubstr("[::1]"), HasSubstr("unix:")));
+}
+
+TEST(RelationsTest, HttpListensAnywhereWhereCallersShowWhoTheyAre) {
+  constexpr const char* kAnywhere = "[listen]\nhttp = \"0.0.0.0:7480\"\n[http]\n";
+  const std::string tls = "tls.certificate_file = \"h.crt\"\ntls.key_file = \"h.key\"\n";
+  const std::string tokens = "tokens_file = \"tokens\"\n";
+  EXPECT_EQ(OneProblem(kAnywhere + tls), "");
+  EXPECT_EQ(OneProblem(kAnywhere + tls + tokens), "");
+  EXPECT_EQ(OneProblem(kAnywhere + tokens + "plain_from = [\"10.0.0.0/8\"]\n"), "");
+  EXPECT_THAT(OneProblem(kAnywhere + tokens),
+              HasSubstr("http.plain_from: listen.http, 0.0.0.0:7480, speaks no TLS"));
+  EXPECT_EQ(OneProblem("[http]\n" + tokens), "") << "on loopback";
+  EXPECT_THAT(OneProblem("[http]\nplain_from = []\n"),
+              HasSubstr("http.plain_from: listen.http, 127.0.0.1:7480, speaks no TLS, and no "
+                        "address may speak plain HTTP"));
+  EXPECT_EQ(OneProblem("[http]\nplain_from = []\n" + tls), "");
+  EXPECT_EQ(OneProblem("[listen]\nhttp = \"unix:/run/s\"\n[http]\nplain_from = []\n"), "");
+}
+
+TEST(RelationsTest, HttpsCertificateNeedsItsKey) {
+  EXPECT_THAT(OneProblem("[http]\ntls.certificate_file = \"h.crt\"\n"),
+              HasSubstr("http.tls.key_file: it is required where http.tls.certificate_file is"));
+  EXPECT_THAT(OneProblem("[http]\ntls.key_file = \"h.key\"\n"),
+              HasSubstr("http.tls.certificate_file: it is required where http.tls.key_file is"));
+}
+
+TEST(RelationsTest, TheModeOfTheSocketIsOctal) {
+  for (const char* const good : {"600", "0660", "0777"}) {
+    EXPECT_EQ(OneProblem(std::string("[http]\nsocket_mode = \"") + good + "\"\n"), "") << good;
+  }
+  for (const char* const bad : {"", "66", "1777", "0680", "rw-", "00660"}) {
+    EXPECT_THAT(OneProblem(std::string("[http]\nsocket_mode = \"") + bad + "\"\n"),
+                HasSubstr("is no mode"))
+        << bad;
+  }
+  EXPECT_EQ(ParseSocketMode("0640"), 0640U);
+}
+
+TEST(ConfigTest, OperatorsAreVerifiedByTheirOwnAuthoritiesIfTheyHaveAny) {
+  TlsConfig tls;
+  tls.client_ca_file = "ca";
+  EXPECT_EQ(OperatorCaFile(tls), "ca");
+  tls.operator_ca_file = "op";
+  EXPECT_EQ(OperatorCaFile(tls), "op");
 }
 
 TEST(RelationsTest, TwoListenersDoNotShareAPort) {

@@ -102,6 +102,18 @@ TEST(SettingsTest, AnAddressIsEmptyOnlyWhereThatMeansSomething) {
   }
 }
 
+TEST(SettingsTest, AListenerIsASocketOnlyWhereThatIsServed) {
+  const Setting* const relay = FindSetting("listen", "relay");
+  const Setting* const http = FindSetting("listen", "http");
+  ASSERT_TRUE(relay != nullptr && http != nullptr);
+  const Interpreted socket = InterpretText(*http, "unix:/run/uplinkd/http.sock");
+  ASSERT_TRUE(std::holds_alternative<Value>(socket));
+  EXPECT_EQ(ValueText(*http, std::get<Value>(socket)), "\"unix:/run/uplinkd/http.sock\"");
+  EXPECT_NE(AllowedText(*http).find("\"unix:\" and an absolute path"), std::string::npos);
+  EXPECT_TRUE(std::holds_alternative<BadValue>(InterpretText(*relay, "unix:/run/r.sock")));
+  EXPECT_EQ(AllowedText(*relay).find("unix"), std::string::npos);
+}
+
 TEST(SettingsTest, APasswordInAUrlIsMasked) {
   const Setting* const url = FindSetting("store", "url");
   ASSERT_NE(url, nullptr);
