@@ -336,13 +336,15 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kHttpReadsRefused, "uplinkd_http_reads_refused_total", kCounter, "requests",
      "API requests, and scrapes of /metrics, that got 503 because too many waited."},
     {kRcanSeries, "uplinkd_rcan_series", kGauge, "series",
-     "Series of the last scrape of /metrics/robots."},
+     "Series of the last scrape of /metrics/robots; the most of any scope."},
     {kRcanSeriesLimit, "uplinkd_rcan_series_limit", kGauge, "series",
      "Series that such a scrape holds at most (rcan.series_max)."},
     {kRcanRobotsLeftOut, "uplinkd_rcan_robots_left_out", kGauge, "robots",
-     "Robots that the last scrape of /metrics/robots had no room for."},
+     "Robots that the last scrape of /metrics/robots had no room for; the most of any scope."},
     {kRcanRobotsIncomplete, "uplinkd_rcan_robots_incomplete", kGauge, "robots",
-     "Robots that the last scrape of /metrics/robots showed without some of their series."},
+     "Robots that the last scrape of /metrics/robots showed without some of their series; the most "
+     "of "
+     "any scope."},
     {kRcanSeriesLeftOut, "uplinkd_rcan_series_left_out_total", kCounter, "series",
      "Series that scrapes left out of a robot that they show, counted at each scrape, by the "
      "configured bound that cut them.",
@@ -350,7 +352,7 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
     {kRcanScrapeSeconds, "uplinkd_rcan_scrape_seconds", kHistogram, "seconds",
      "Time to write a scrape of /metrics/robots."},
     {kRcanScrapeBytes, "uplinkd_rcan_scrape_bytes", kGauge, "bytes",
-     "Size of the last scrape of /metrics/robots, uncompressed."},
+     "Size of the last scrape of /metrics/robots, uncompressed; the most of any scope."},
     {kRcanScrapesRefused, "uplinkd_rcan_scrapes_refused_total", kCounter, "requests",
      "Scrapes of /metrics/robots that got 503 because too many were still being read."},
     {kRelayLastHandshakeSeconds, "uplinkd_relay_last_handshake_seconds", kGauge, "seconds",

@@ -56,5 +56,9 @@ inline constexpr std::string_view kNoRobotPrefix = "cyberwave:";
 [[nodiscard]] inline bool IsNoRobot(std::string_view ruri) {
   return ruri.starts_with(kNoRobotPrefix);
 }
+/// The opposite as SQL of either store, of a row with a column `ruri`.
+inline constexpr std::string_view kOfARobotSql = "substr(ruri, 1, 10) <> 'cyberwave:'";
+static_assert(kOfARobotSql.find(kNoRobotPrefix) != std::string_view::npos &&
+              kNoRobotPrefix.size() == 10);
 
 }  // namespace uplink::storage

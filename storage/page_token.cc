@@ -92,6 +92,9 @@ absl::StatusOr<std::optional<PagePosition>> PageStart(PageKind kind, const Histo
   if (query.ruris.size() > kRurisMax) {
     return absl::InvalidArgumentError("ruri: more than " + std::to_string(kRurisMax) + " robots");
   }
+  if (query.fleets.size() > kFleetsMax) {
+    return absl::InvalidArgumentError("fleet: more than " + std::to_string(kFleetsMax) + " fleets");
+  }
   if (query.page_token.empty()) return std::optional<PagePosition>();
   absl::StatusOr<PagePosition> position = DecodePageToken(kind, query.order, query.page_token);
   if (!position.ok()) return position.status();

@@ -25,7 +25,7 @@ namespace uplink::storage {
 
 /// What every list checks of its query: where to begin (nothing: at the first row of its order).
 ///
-/// Errors: kInvalidArgument, beginning with `pageToken`, `pageSize` or `ruri`.
+/// Errors: kInvalidArgument, beginning with `pageToken`, `pageSize`, `ruri` or `fleet`.
 [[nodiscard]] absl::StatusOr<std::optional<PagePosition>> PageStart(PageKind kind,
                                                                     const HistoryQuery& query);
 

@@ -19,6 +19,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/reports.h"
+#include "storage/fleets.h"
 #include "storage/identity.h"
 #include "storage/latest_kind.h"
 #include "storage/lists.h"
@@ -43,7 +44,10 @@ enum class ListOrder : std::uint8_t { kNewestFirst, kOldestFirst };
 struct HistoryQuery {
   /// At most kRurisMax; rows of any of them.
   std::vector<std::string> ruris;
-  std::string fleet;
+  /// At most kFleetsMax; rows of any of them.
+  std::vector<std::string> fleets;
+  /// Without rows of no robot (origin.h).
+  bool robots_alone = false;
   /// Arrival times, both inclusive.
   std::optional<SystemTime> from;
   std::optional<SystemTime> to;
@@ -54,12 +58,12 @@ struct HistoryQuery {
   std::string page_token;
 };
 
-/// The robots of a query, each once, ascending.
-[[nodiscard]] inline std::vector<std::string_view> DistinctRuris(const HistoryQuery& query) {
-  std::vector<std::string_view> ruris(query.ruris.begin(), query.ruris.end());
-  std::ranges::sort(ruris);
-  ruris.erase(std::unique(ruris.begin(), ruris.end()), ruris.end());
-  return ruris;
+/// Robots or fleets of a query, each once, ascending.
+[[nodiscard]] inline std::vector<std::string_view> Distinct(const std::vector<std::string>& names) {
+  std::vector<std::string_view> distinct(names.begin(), names.end());
+  std::ranges::sort(distinct);
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  return distinct;
 }
 
 /// Which faults. Empty texts match everything.

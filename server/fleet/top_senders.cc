@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "storage/fleets.h"
 #include "storage/origin.h"
 
 namespace uplink::fleet {
@@ -75,12 +76,12 @@ std::vector<TopSenders::Rated> TopSenders::RatedBy(TopBy by) {
 }
 
 std::vector<TopSenders::Sender> TopSenders::Most(TopBy by, std::size_t count,
-                                                 std::string_view of_fleet) {
+                                                 std::span<const std::string> fleets) {
   Look();
   std::vector<Rated> senders = RatedBy(by);
   std::erase_if(senders, [&](const Rated& sender) {
-    if (storage::IsNoRobot(sender.robot->ruri())) return true;
-    return !of_fleet.empty() && sender.robot->id()->fleet != of_fleet;
+    return storage::IsNoRobot(sender.robot->ruri()) ||
+           !storage::LooksAt(fleets, sender.robot->id()->fleet);
   });
   const std::size_t named = std::min({count, senders.size(), kTopMax});
   std::ranges::partial_sort(senders, senders.begin() + static_cast<std::ptrdiff_t>(named),

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -50,10 +51,10 @@ class TopSenders final {
 
   /// Adds what each robot has sent since the last look. Call it every kTopEvery.
   void Look();
-  /// The robots that send most, at most `count`, after one more look. Only robots of that fleet;
-  /// empty: of any. None that sends nothing.
+  /// The robots that send most, at most `count`, after one more look. Only robots of these fleets;
+  /// none: of any. None that sends nothing.
   [[nodiscard]] std::vector<Sender> Most(TopBy by, std::size_t count,
-                                         std::string_view of_fleet = {});
+                                         std::span<const std::string> fleets = {});
 
  private:
   using Rates = std::array<double, kTopByNames.size()>;

@@ -8,6 +8,7 @@
 #include "server/health/monitor.h"
 #include "server/http/listeners.h"
 #include "server/http/message.h"
+#include "server/identity/caller.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
 #include "server/view/queries.h"
@@ -39,6 +40,8 @@ struct RoutedRequest {
   bool lines = false;
   std::string if_none_match;
   ListenerId listener = ListenerId::kHttp;
+  /// Answers show what is in its scope, as if there were nothing else.
+  identity::Caller caller = identity::LocalCaller();
 };
 
 // The handlers of Routes(). Errors are answers too.

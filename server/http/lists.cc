@@ -66,9 +66,9 @@ std::string ReadUuid(Parameters& parameters, std::string_view name) {
 }
 
 /// Of runs and of their reports.
-storage::MissionsQuery ReadMissions(Parameters& parameters) {
+storage::MissionsQuery ReadMissions(Parameters& parameters, const identity::Scope& scope) {
   storage::MissionsQuery query;
-  query.rows = ReadRows(parameters);
+  query.rows = ReadRows(parameters, scope);
   query.mission_id = parameters.Text("missionId");
   query.run_id = parameters.Text("runId");
   query.status = ReadEnum<model::MissionStatus>(parameters, "status");
@@ -78,11 +78,11 @@ storage::MissionsQuery ReadMissions(Parameters& parameters) {
 /// Shapes or objects.
 template <typename Row>
 Response PresentOnes(
-    const std::string& query_text, view::Queries& queries,
+    const RoutedRequest& request, view::Queries& queries,
     absl::StatusOr<storage::Page<Row>> (view::Queries::*ask)(storage::PresentQuery)) {
-  Parameters parameters(query_text);
+  Parameters parameters(request.query);
   storage::PresentQuery query;
-  ReadRobots(parameters, query.rows);
+  ReadRobots(parameters, request.caller.scope, query.rows);
   query.include_expired = parameters.Flag("includeExpired");
   ReadPage(parameters, query.rows);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
@@ -93,21 +93,21 @@ Response PresentOnes(
 
 Response GetEvents(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::EventsQuery query{.rows = ReadRows(parameters)};
+  storage::EventsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.kind = parameters.Text("kind");
   return ListResponse(sources, parameters, &Reader::Events, query);
 }
 
 Response GetMessages(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::MessagesQuery query{.rows = ReadRows(parameters)};
+  storage::MessagesQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.level = ReadEnum<model::MessageLevel>(parameters, "level");
   return ListResponse(sources, parameters, &Reader::Messages, query);
 }
 
 Response GetConnections(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::ConnectionsQuery query{.rows = ReadRows(parameters)};
+  storage::ConnectionsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.open = parameters.Flag("open");
   query.why = ReadWhy(parameters);
   query.source = ReadSource(parameters);
@@ -124,6 +124,7 @@ Response GetStory(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::StoryPage> story =
       sources.queries.Story({.ruri = ruri,
+                             .fleets = request.caller.scope.Restrict(""),
                              .from = rows.from,
                              .to = rows.to,
                              .order = rows.order,
@@ -134,23 +135,24 @@ Response GetStory(const Sources& sources, const RoutedRequest& request) {
 
 Response GetPresence(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  const storage::HistoryQuery query = ReadRows(parameters);
+  const storage::HistoryQuery query = ReadRows(parameters, request.caller.scope);
   return ListResponse(sources, parameters, &Reader::PresenceChanges, query);
 }
 
 Response GetGaps(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  const storage::HistoryQuery query = ReadRows(parameters);
+  const storage::HistoryQuery query = ReadRows(parameters, request.caller.scope);
   return ListResponse(sources, parameters, &Reader::Gaps, query);
 }
 
 Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::QuarantineQuery query{.rows = ReadRows(parameters)};
+  storage::QuarantineQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.source = ReadSource(parameters);
   query.reason = ReadReason(parameters);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::QuarantineView> quarantine = sources.queries.Quarantine(query);
+  const absl::StatusOr<view::QuarantineView> quarantine =
+      sources.queries.Quarantine(query, request.caller.scope.Restrict(""));
   return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
                          : ErrorResponse(quarantine.status());
 }
@@ -158,8 +160,10 @@ Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
 Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::ScopeUpdatesQuery query;
-  // They belong to no robot.
-  query.rows.fleet = parameters.Text("fleet");
+  // They belong to no robot, and so to no caller's fleets.
+  const identity::Scope& scope = request.caller.scope;
+  query.rows.fleets =
+      (scope.all() ? scope : identity::Scope::Of({})).Restrict(parameters.Text("fleet"));
   ReadTimes(parameters, query.rows);
   ReadPage(parameters, query.rows);
   query.scope = ReadScope(parameters);
@@ -169,7 +173,7 @@ Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request) {
 
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::FaultsQuery query{.rows = ReadRows(parameters)};
+  storage::FaultsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.severity = ReadEnum<model::FaultSeverity>(parameters, "severity");
   query.fault_id = parameters.Text("faultId");
   query.source = parameters.Text("source");
@@ -180,30 +184,30 @@ Response GetFaults(const Sources& sources, const RoutedRequest& request) {
 
 Response GetMissions(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::MissionsQuery query = ReadMissions(parameters);
+  storage::MissionsQuery query = ReadMissions(parameters, request.caller.scope);
   query.open = parameters.Flag("open");
   return ListResponse(sources, parameters, &Reader::MissionRuns, query);
 }
 
 Response GetMissionReports(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  const storage::MissionsQuery query = ReadMissions(parameters);
+  const storage::MissionsQuery query = ReadMissions(parameters, request.caller.scope);
   return ListResponse(sources, parameters, &Reader::MissionReports, query);
 }
 
 Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
-  storage::OperatorRequestsQuery query{.rows = ReadRows(parameters)};
+  storage::OperatorRequestsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.open = parameters.Flag("open");
   return ListResponse(sources, parameters, &Reader::OperatorRequests, query);
 }
 
 Response GetShapes(const Sources& sources, const RoutedRequest& request) {
-  return PresentOnes(request.query, sources.queries, &view::Queries::Shapes);
+  return PresentOnes(request, sources.queries, &view::Queries::Shapes);
 }
 
 Response GetObjects(const Sources& sources, const RoutedRequest& request) {
-  return PresentOnes(request.query, sources.queries, &view::Queries::Objects);
+  return PresentOnes(request, sources.queries, &view::Queries::Objects);
 }
 
 }  // namespace uplink::http

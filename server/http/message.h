@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/http/listeners.h"
+#include "server/identity/caller.h"
 
 namespace uplink::http {
 
@@ -35,6 +36,8 @@ struct Request {
   bool monitoring_only = false;
   /// Where it came in.
   ListenerId listener = ListenerId::kHttp;
+  /// Who asks.
+  identity::Caller caller = identity::LocalCaller();
 };
 
 inline constexpr std::string_view kJson = "application/json";

@@ -90,7 +90,8 @@ Response GetRobotMetrics(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = NoParameters(request.query)) return ErrorResponse(*problem);
   Response response = ScrapeResponse(request.format, request.coding);
   response.shared_body =
-      sources.robots.Text(request.format, request.coding, TextsMaxOf(request.listener));
+      sources.robots.Text(request.format, request.coding, TextsMaxOf(request.listener),
+                          request.caller.scope.Restrict(""));
   if (response.shared_body == nullptr) return TooManyScrapes();
   return response;
 }

@@ -86,9 +86,9 @@ view::RobotsOrder ReadOrder(Parameters& parameters) {
   return order.value_or(view::RobotsOrder());
 }
 
-view::RobotsFilter ReadFilter(Parameters& parameters) {
+view::RobotsFilter ReadFilter(Parameters& parameters, const identity::Scope& scope) {
   view::RobotsFilter filter;
-  filter.fleet = parameters.Text("fleet");
+  filter.fleets = scope.Restrict(parameters.Text("fleet"));
   filter.q = parameters.Text("q");
   filter.presence = ReadPresence(parameters);
   filter.offline_before = parameters.Time("offlineBefore");
@@ -112,7 +112,7 @@ bool RobotsReadStore(const RoutedRequest& request) {
 Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   view::RobotsQuery query;
-  query.filter = ReadFilter(parameters);
+  query.filter = ReadFilter(parameters, request.caller.scope);
   query.order = ReadOrder(parameters);
   query.parts = ReadParts(parameters);
   query.page_size = ReadPageSize(parameters);
@@ -125,7 +125,7 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
 Response GetFleets(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   view::FleetsQuery query;
-  query.fleet = parameters.Text("fleet");
+  query.fleets = request.caller.scope.Restrict(parameters.Text("fleet"));
   query.page_size = ReadPageSize(parameters);
   query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
@@ -141,10 +141,10 @@ Response GetTop(const Sources& sources, const RoutedRequest& request) {
   if (!order) {
     parameters.Reject("by", fmt::format("must be one of {}", fmt::join(fleet::kTopByNames, ", ")));
   }
-  const std::string of_fleet = parameters.Text("fleet");
+  const std::vector<std::string> fleets = request.caller.scope.Restrict(parameters.Text("fleet"));
   const std::uint32_t count = parameters.Number("pageSize", kTopDefault, fleet::kTopMax);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.queries.Top(*order, count, of_fleet), by));
+  return JsonResponse(view::ToJson(sources.queries.Top(*order, count, fleets), by));
 }
 
 Response GetRobot(const Sources& sources, const RoutedRequest& request) {
@@ -152,7 +152,8 @@ Response GetRobot(const Sources& sources, const RoutedRequest& request) {
   const std::string ruri = request.segment.empty() ? parameters.Text("ruri") : request.segment;
   if (ruri.empty()) parameters.Reject("ruri", "is missing: name the robot");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  const absl::StatusOr<view::RobotView> robot = sources.queries.Robot(ruri);
+  const absl::StatusOr<view::RobotView> robot =
+      sources.queries.Robot(ruri, request.caller.scope.Restrict(""));
   return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }

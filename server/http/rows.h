@@ -11,6 +11,7 @@
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/parameters.h"
+#include "server/identity/scope.h"
 #include "server/view/rows_json.h"
 #include "storage/reader.h"
 
@@ -37,8 +38,13 @@ inline void ReadPage(Parameters& parameters, storage::HistoryQuery& query) {
   query.page_token = parameters.TextOrEmpty("pageToken");
 }
 
-inline void ReadRobots(Parameters& parameters, storage::HistoryQuery& query) {
-  query.fleet = parameters.Text("fleet");
+static_assert(identity::kScopeFleetsMax <= storage::kFleetsMax, "one question reads a scope");
+
+/// The robots and fleets of a list. Rows of no robot are for callers of all fleets alone.
+inline void ReadRobots(Parameters& parameters, const identity::Scope& scope,
+                       storage::HistoryQuery& query) {
+  query.fleets = scope.Restrict(parameters.Text("fleet"));
+  query.robots_alone = !scope.all();
   query.ruris = parameters.Texts("ruri");
 }
 
@@ -53,9 +59,10 @@ inline void ReadTimes(Parameters& parameters, storage::HistoryQuery& query) {
 }
 
 /// What every history over the whole fleet takes.
-[[nodiscard]] inline storage::HistoryQuery ReadRows(Parameters& parameters) {
+[[nodiscard]] inline storage::HistoryQuery ReadRows(Parameters& parameters,
+                                                    const identity::Scope& scope) {
   storage::HistoryQuery query;
-  ReadRobots(parameters, query);
+  ReadRobots(parameters, scope, query);
   ReadTimes(parameters, query);
   ReadPage(parameters, query);
   return query;

@@ -28,7 +28,8 @@ Resolved Site::Resolve(const Request& request) const {
                        CodingFor(request.accept_encoding),
                        PrefersLines(request.accept),
                        request.if_none_match,
-                       request.listener};
+                       request.listener,
+                       request.caller};
   const bool reads = route.reads_store != nullptr && route.reads_store(routed);
   return {found.id, reads ? Lane::kRead : route.lane,
           [this, &route, routed = std::move(routed)] { return Run(route, routed); }};

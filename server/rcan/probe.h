@@ -6,7 +6,7 @@ namespace uplink::rcan {
 
 /// Counts of the robots' scrapes. Thread-safe.
 struct RcanProbe {
-  /// Of the last scrape.
+  // Of the last scrape; where several scopes are scraped, the largest (ScopeCounts).
   metrics::Cell series;
   metrics::Cell robots_left_out;
   /// Robots without some of their series.

@@ -10,6 +10,7 @@
 #include "server/rcan/drone_series.h"
 #include "server/rcan/twin_series.h"
 #include "server/robot/session_view.h"
+#include "storage/fleets.h"
 #include "storage/origin.h"
 
 namespace uplink::rcan {
@@ -42,9 +43,14 @@ RobotScrape::RobotScrape(const Sources& sources)
       left_out_(sources.logger, 1, std::chrono::minutes(1)),
       series_left_out_(sources.logger, kRobotsNamedMax, std::chrono::minutes(1)) {}
 
-bool RobotScrape::wanted() const {
-  const SteadyTime at = scraped_at_.load();
-  return at != SteadyTime() && sources_.clock.Steady() - at < kScrapedWithin;
+bool RobotScrape::IsLately(SteadyTime scraped_at) const {
+  return scraped_at != SteadyTime() && sources_.clock.Steady() - scraped_at < kScrapedWithin;
+}
+
+bool RobotScrape::wanted() const { return IsLately(scraped_at_.load()); }
+
+bool RobotScrape::Shows(const std::vector<std::string>& fleets, const std::string& fleet) const {
+  return storage::LooksAt(fleets, fleet) && (fleets_.empty() || fleets_.contains(fleet));
 }
 
 void RobotScrape::CountFaultsOn(const loop::Post& post, storage::Reader& reader) {
@@ -72,7 +78,7 @@ std::vector<RobotScrape::Known>& RobotScrape::Robots() {
   return robots_;
 }
 
-void RobotScrape::Fill() {
+RobotScrape::LeftOut RobotScrape::Fill(const std::vector<std::string>& fleets) {
   const std::shared_ptr<const view::FaultCounts::Map> faults = sources_.faults.counts();
   SeriesSources series{.now = sources_.clock.System(),
                        .steady_now = sources_.clock.Steady(),
@@ -81,19 +87,19 @@ void RobotScrape::Fill() {
                        .faults = faults.get()};
   page_.Clear();
   std::vector<Known>& robots = Robots();
-  ListTurns(robots);
+  ListTurns(robots, fleets);
   LeftOut left_out;
-  AddTop();
+  AddTop(fleets);
   turns_.Give([&](std::size_t i) { return AddBasicOf(robots[i], series, left_out); });
   turns_.Give([&](std::size_t i) { return AddNamedOf(robots[i], series, left_out); });
-  Count(left_out);
+  return left_out;
 }
 
-void RobotScrape::AddTop() {
+void RobotScrape::AddTop(const std::vector<std::string>& fleets) {
   if (sources_.top == nullptr || !page_.Writes(metrics::rcan::SeriesId::kTop)) return;
   for (const fleet::TopBy by : {fleet::TopBy::kMessages, fleet::TopBy::kBytes}) {
-    for (const auto& sender : sources_.top->Most(by, kTopShown)) {
-      if (!fleets_.empty() && !fleets_.contains(sender.fleet)) continue;
+    for (const auto& sender : sources_.top->Most(by, kTopShown, fleets)) {
+      if (!Shows(fleets, sender.fleet)) continue;
       page_.BeginRobot(sender.ruri);
       page_.Add(metrics::rcan::SeriesId::kTop, fleet::kTopByNames[static_cast<std::size_t>(by)],
                 sender.per_second);
@@ -112,13 +118,13 @@ void RobotScrape::AddInfoOf(const model::RobotId& id, std::string_view agent_ver
           known.infos, names_, now, page_);
 }
 
-void RobotScrape::ListTurns(std::vector<Known>& robots) {
+void RobotScrape::ListTurns(std::vector<Known>& robots, const std::vector<std::string>& fleets) {
   turns_.Clear();
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const fleet::RobotPtr robot = robots[i].robot.lock();
     if (robot == nullptr) continue;
     Sharer sharer = SharerOf(*robot);
-    if (!fleets_.empty() && !fleets_.contains(sharer.fleet)) continue;
+    if (!Shows(fleets, sharer.fleet)) continue;
     turns_.Add(std::move(sharer), i);
   }
 }
@@ -201,16 +207,25 @@ void RobotScrape::LookAtDrone(const std::string& ruri,
   if (const auto drone = sources_.drones->Find(ruri)) drone->LookAt(look);
 }
 
-void RobotScrape::Count(const LeftOut& left_out) {
+void RobotScrape::Count(const LeftOut& left_out, const std::vector<std::string>& fleets,
+                        std::size_t bytes) {
+  const bool full = left_out.robots > 0 || left_out.robots_named > 0;
+  counts_.Note(fleets,
+               {.series = static_cast<std::int64_t>(page_.samples()),
+                .robots_left_out = static_cast<std::int64_t>(left_out.robots),
+                .robots_incomplete = static_cast<std::int64_t>(left_out.robots_incomplete),
+                .bytes = static_cast<std::int64_t>(bytes)},
+               full, scraped_at_.load());
+  full_at_.store(counts_.full_at());
+  const ScopeCounts::Counts largest = counts_.Largest();
   RcanProbe& probe = sources_.probe;
-  probe.series.Set(static_cast<std::int64_t>(page_.samples()));
-  probe.robots_left_out.Set(static_cast<std::int64_t>(left_out.robots));
-  probe.robots_incomplete.Set(static_cast<std::int64_t>(left_out.robots_incomplete));
+  probe.series.Set(largest.series);
+  probe.robots_left_out.Set(largest.robots_left_out);
+  probe.robots_incomplete.Set(largest.robots_incomplete);
+  probe.bytes.Set(largest.bytes);
   probe.series_over_max_total.Add(static_cast<std::int64_t>(left_out.series.over_max));
   probe.series_new_names_total.Add(static_cast<std::int64_t>(left_out.series.new_names));
   probe.series_no_room_total.Add(static_cast<std::int64_t>(left_out.series_no_room));
-  const bool full = left_out.robots > 0 || left_out.robots_named > 0;
-  full_.store(full);
   if (full) TellRoom(left_out);
 }
 
@@ -239,10 +254,12 @@ void RobotScrape::Name(Known& known, const std::string& ruri, const SeriesLeftOu
 }
 
 std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format, metrics::Coding coding,
-                                                     std::size_t texts_max) {
+                                                     std::size_t texts_max,
+                                                     const std::vector<std::string>& fleets) {
   const SteadyTime began = sources_.clock.Steady();
   scraped_at_.store(began);
-  if (last_.format == format && last_.coding == coding && began - last_.at < kTextShared) {
+  const bool is_same = last_.format == format && last_.coding == coding && last_.fleets == fleets;
+  if (is_same && began - last_.at < kTextShared) {
     if (auto read = last_.text.lock()) return read;
   }
   std::shared_ptr<std::string> text = texts_->Take(texts_max);
@@ -250,13 +267,13 @@ std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format, met
     sources_.probe.refused_total.Add();
     return nullptr;
   }
-  Fill();
+  const LeftOut left_out = Fill(fleets);
   const bool compressed = coding == metrics::Coding::kGzip;
   page_.Write(format, compressed ? plain_ : *text);
-  sources_.probe.bytes.Set(static_cast<std::int64_t>((compressed ? plain_ : *text).size()));
+  Count(left_out, fleets, (compressed ? plain_ : *text).size());
   if (compressed) metrics::Gzip(plain_, *text);
   sources_.probe.scrape_seconds.ObserveSince(began, sources_.clock.Steady());
-  last_ = {.text = text, .format = format, .coding = coding, .at = began};
+  last_ = {.text = text, .format = format, .coding = coding, .fleets = fleets, .at = began};
   return text;
 }
 

@@ -22,6 +22,7 @@
 #include "server/rcan/probe.h"
 #include "server/rcan/robot_info.h"
 #include "server/rcan/robot_series.h"
+#include "server/rcan/scope_counts.h"
 #include "server/rcan/text_pool.h"
 #include "server/rcan/turns.h"
 #include "server/uncrew/drones.h"
@@ -75,17 +76,17 @@ class RobotScrape final {
   };
   explicit RobotScrape(const Sources& sources);
 
-  /// The text, which stays as it is while the scraper holds it. Null if `texts_max` or more are
-  /// being read.
-  [[nodiscard]] std::shared_ptr<const std::string> Text(metrics::Format format,
-                                                        metrics::Coding coding,
-                                                        std::size_t texts_max = kTextsMax);
+  /// The text of the robots of `fleets`, as if there were no others; none: of all. It stays as it
+  /// is while the scraper holds it. Null if `texts_max` or more are being read.
+  [[nodiscard]] std::shared_ptr<const std::string> Text(
+      metrics::Format format, metrics::Coding coding, std::size_t texts_max = kTextsMax,
+      const std::vector<std::string>& fleets = {});
   /// Whether there was a scrape lately.
   [[nodiscard]] bool wanted() const;
-  /// Whether the last scrape was lately, and left out series for lack of room.
+  /// Whether the last scrape of some fleets was lately, and left out series for lack of room.
   ///
   /// Thread: any.
-  [[nodiscard]] bool full() const { return full_.load() && wanted(); }
+  [[nodiscard]] bool full() const { return IsLately(full_at_.load()); }
   /// Counts the active faults anew, if wanted (FaultCounts::RefreshOn).
   ///
   /// Thread: any.
@@ -119,15 +120,17 @@ class RobotScrape final {
     std::size_t series_no_room = 0;
   };
 
-  void Fill();
+  [[nodiscard]] bool IsLately(SteadyTime scraped_at) const;
+  [[nodiscard]] bool Shows(const std::vector<std::string>& fleets, const std::string& fleet) const;
+  LeftOut Fill(const std::vector<std::string>& fleets);
   /// Adds the robots that send most.
-  void AddTop();
+  void AddTop(const std::vector<std::string>& fleets);
   /// Adds what the robot is. `agent_version` as its last connection
   /// said; empty: its AgentInfo's counts.
   void AddInfoOf(const model::RobotId& id, std::string_view agent_version,
                  const robot::StateView& view, Known& known, SteadyTime now);
   /// Adds a turn for each robot that is shown.
-  void ListTurns(std::vector<Known>& robots);
+  void ListTurns(std::vector<Known>& robots, const std::vector<std::string>& fleets);
   ScrapeTurns::Turn AddBasicOf(Known& known, SeriesSources& sources, LeftOut& left_out);
   ScrapeTurns::Turn AddNamedOf(Known& known, const SeriesSources& sources, LeftOut& left_out);
   /// The robot's twin, if it was heard; otherwise null.
@@ -135,7 +138,7 @@ class RobotScrape final {
   /// Calls `look` under the drone's lock, if the robot is a drone that called.
   void LookAtDrone(const std::string& ruri,
                    const std::function<void(const uncrew::LiveSamples&)>& look) const;
-  void Count(const LeftOut& left_out);
+  void Count(const LeftOut& left_out, const std::vector<std::string>& fleets, std::size_t bytes);
   void TellRoom(const LeftOut& left_out);
   void Name(Known& known, const std::string& ruri, const SeriesLeftOut& series, SteadyTime now);
   [[nodiscard]] std::vector<Known>& Robots();
@@ -150,6 +153,7 @@ class RobotScrape final {
     std::weak_ptr<const std::string> text;
     metrics::Format format = metrics::Format::kText;
     metrics::Coding coding = metrics::Coding::kPlain;
+    std::vector<std::string> fleets;
     SteadyTime at;
   };
   Shared last_;
@@ -161,7 +165,8 @@ class RobotScrape final {
   log::RateLimited left_out_;
   log::RateLimited series_left_out_;
   std::atomic<SteadyTime> scraped_at_{SteadyTime()};
-  std::atomic<bool> full_{false};
+  ScopeCounts counts_{kScrapedWithin};
+  std::atomic<SteadyTime> full_at_{SteadyTime()};
 };
 
 }  // namespace uplink::rcan

@@ -53,7 +53,7 @@ absl::StatusOr<FleetsPage> Queries::Fleets(const FleetsQuery& query) {
     after = *std::move(name);
   }
   const Seen seen = See(true);
-  const RobotsFilter filter{.fleet = query.fleet};
+  const RobotsFilter filter{.fleets = query.fleets};
   FilteredRobots filtered(filter, true);
   filtered.SetSources(FilterSourcesOf(seen));
   std::map<std::string, FleetView> fleets;
@@ -80,9 +80,9 @@ absl::StatusOr<FleetsPage> Queries::Fleets(const FleetsQuery& query) {
 }
 
 std::vector<fleet::TopSenders::Sender> Queries::Top(fleet::TopBy by, std::size_t count,
-                                                    const std::string& fleet) const {
+                                                    const std::vector<std::string>& fleets) const {
   if (sources_.top == nullptr) return {};
-  return sources_.top->Most(by, count, fleet);
+  return sources_.top->Most(by, count, fleets);
 }
 
 }  // namespace uplink::view

@@ -5,6 +5,8 @@
 #include <absl/status/status.h>
 #include <fmt/core.h>
 
+#include "server/identity/fleet_name.h"
+#include "storage/fleets.h"
 #include "storage/origin.h"
 
 namespace uplink::view {
@@ -19,19 +21,38 @@ Queries::Queries(Sources sources)
       sorted_(sources_.fleet),
       brief_look_(sources_.to_store_thread) {}
 
-absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::QuarantineQuery& query) {
+std::optional<bool> Queries::IsOf(const std::string& ruri,
+                                  const std::vector<std::string>& fleets) const {
+  if (!fleets.empty() && storage::IsNoRobot(ruri)) return false;
+  const fleet::RobotPtr robot = sources_.fleet.Find(ruri);
+  if (robot == nullptr) return std::nullopt;
+  return storage::LooksAt(fleets, robot->id()->fleet);
+}
+
+absl::StatusOr<QuarantineView> Queries::Quarantine(const storage::QuarantineQuery& query,
+                                                   const std::vector<std::string>& fleets) {
   auto page = sources_.reader.Quarantine(query);
   if (!page.ok()) return page.status();
   if (query.rows.ruris.size() != 1) return QuarantineView{*std::move(page), {}};
-  auto dropped = sources_.reader.QuarantineDropped(query.rows.ruris.front());
+  const std::string& ruri = query.rows.ruris.front();
+  if (!fleets.empty() && !IsOf(ruri, fleets).value_or(false)) {
+    return QuarantineView{*std::move(page), {}};
+  }
+  auto dropped = sources_.reader.QuarantineDropped(ruri);
   if (!dropped.ok()) return dropped.status();
   return QuarantineView{*std::move(page), *std::move(dropped)};
 }
 
-absl::StatusOr<StoryPage> Queries::Story(const StoryQuery& query) {
+absl::StatusOr<StoryPage> Queries::Story(StoryQuery query) {
+  const std::optional<bool> is_of = IsOf(query.ruri, query.fleets);
+  const bool is_known = is_of.value_or(false);
+  // The store may have rows of a fleet that the robot has left.
+  if (!is_known && !query.fleets.empty() && RobotsAreUnread()) return Unknown(query.ruri);
+  // The answer is that for a robot that was never there.
+  if (is_of && !*is_of) query.fleets = {std::string(identity::kAllFleets)};
   absl::StatusOr<StoryPage> page = StoryOf(sources_.reader, query);
   const bool told_nothing = page.ok() && page->entries.empty() && query.page_token.empty();
-  if (told_nothing && sources_.fleet.Find(query.ruri) == nullptr) return Unknown(query.ruri);
+  if (told_nothing && !is_known) return Unknown(query.ruri);
   return page;
 }
 
@@ -75,8 +96,10 @@ StatusView Queries::Status() const {
   return status;
 }
 
+bool Queries::RobotsAreUnread() const { return sources_.robots_unread && sources_.robots_unread(); }
+
 absl::Status Queries::Unknown(const std::string& ruri) const {
-  if (sources_.robots_unread && sources_.robots_unread()) {
+  if (RobotsAreUnread()) {
     return absl::UnavailableError("the robots have not been read from the store yet");
   }
   return absl::NotFoundError(fmt::format("this server has no robot with the RURI {} now", ruri));

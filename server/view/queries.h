@@ -106,8 +106,8 @@ struct FleetView {
 
 /// Which fleets, by name. A value.
 struct FleetsQuery {
-  /// Empty: all.
-  std::string fleet{};
+  /// None: all.
+  std::vector<std::string> fleets{};
   std::uint32_t page_size = storage::kPageSizeDefault;
   std::string page_token{};
 };
@@ -142,7 +142,8 @@ struct StatusView {
 };
 
 /// Everything that readers of the fleet ask, once, for every transport. The placeholders for rows
-/// of no robot (storage/origin.h) are not robots and appear in no list of robots.
+/// of no robot (storage/origin.h) are not robots and appear in no list of robots. Where a question
+/// names fleets, the answer is that of a server without other robots; no fleets: all.
 ///
 /// Errors:  kInvalidArgument naming the field first (`pageToken ...`); kNotFound for a robot that
 ///          is not in memory, kUnavailable instead while the store's robots are not read yet;
@@ -186,10 +187,11 @@ class Queries final {
   /// Never waits for long, and succeeds while the store is away.
   [[nodiscard]] absl::StatusOr<FleetsPage> Fleets(const FleetsQuery& query);
   /// The robots that send most to this process. Never waits.
-  [[nodiscard]] std::vector<fleet::TopSenders::Sender> Top(fleet::TopBy by, std::size_t count,
-                                                           const std::string& fleet) const;
+  [[nodiscard]] std::vector<fleet::TopSenders::Sender> Top(
+      fleet::TopBy by, std::size_t count, const std::vector<std::string>& fleets) const;
   /// With all parts.
-  [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri);
+  [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri,
+                                                const std::vector<std::string>& fleets);
   /// A list of storage::Reader, such as `&storage::Reader::Events`: of all robots or of those that
   /// match, also of ones that are not in memory.
   template <typename Row, typename Query>
@@ -197,11 +199,14 @@ class Queries final {
                                                         const Query& query) {
     return (sources_.reader.*list)(query);
   }
-  /// The same of quarantine, messages of no robot included.
-  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::QuarantineQuery& query);
-  /// A page of the robot's story (StoryOf). kNotFound if the robot is not in memory, and the first
-  /// page tells nothing of it.
-  [[nodiscard]] absl::StatusOr<StoryPage> Story(const StoryQuery& query);
+  /// The same of quarantine, messages of no robot included. What was dropped is shown of a robot
+  /// that has one of `fleets` now.
+  [[nodiscard]] absl::StatusOr<QuarantineView> Quarantine(const storage::QuarantineQuery& query,
+                                                          const std::vector<std::string>& fleets);
+  /// A page of the robot's story (StoryOf), which is empty if the robot has none of the query's
+  /// fleets now. kNotFound instead if the robot is not in memory, or has none of them, and the
+  /// first page tells nothing of it.
+  [[nodiscard]] absl::StatusOr<StoryPage> Story(StoryQuery query);
   // What is present now, by our clock; query.now is ignored.
   [[nodiscard]] absl::StatusOr<storage::Page<storage::ShapeRow>> Shapes(
       storage::PresentQuery query);
@@ -218,6 +223,11 @@ class Queries final {
     std::shared_ptr<const FaultCounts::Map> faults;
   };
 
+  /// Whether the robot has one of these fleets now; nothing: it is not in memory. What is no robot
+  /// has none.
+  [[nodiscard]] std::optional<bool> IsOf(const std::string& ruri,
+                                         const std::vector<std::string>& fleets) const;
+  [[nodiscard]] bool RobotsAreUnread() const;
   /// The error for a robot that is not in memory.
   [[nodiscard]] absl::Status Unknown(const std::string& ruri) const;
   /// Asks the store what is not in memory, if it answers soon; else as it was last read.

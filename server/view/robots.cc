@@ -153,9 +153,11 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   return page;
 }
 
-absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri) {
+absl::StatusOr<RobotView> Queries::Robot(const std::string& ruri,
+                                         const std::vector<std::string>& fleets) {
   const fleet::RobotPtr robot = sources_.fleet.Find(ruri);
   if (robot == nullptr || storage::IsNoRobot(ruri)) return Unknown(ruri);
+  if (!storage::LooksAt(fleets, robot->id()->fleet)) return Unknown(ruri);
   std::vector<RobotView> one;
   one.push_back(Look(*robot, PartSet::All()));
   CopyTwin(sources_.twins, one.front());

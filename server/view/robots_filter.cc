@@ -83,7 +83,7 @@ FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::strin
 
 bool FilteredRobots::MatchesName(const robot::Robot& robot, std::string_view short_name) const {
   if (!q_.empty() && short_name.find(q_) == std::string_view::npos) return false;
-  return filter_.fleet.empty() || robot.id()->fleet == filter_.fleet;
+  return storage::LooksAt(filter_.fleets, robot.id()->fleet);
 }
 
 bool FilteredRobots::MatchesPresence(const robot::Robot& robot) const {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schema/base/clock.h"
 #include "server/robot/presence.h"
@@ -65,7 +66,7 @@ struct ValuesFilter {
 /// Which robots: by names and presence, which are known of every robot, and by values. What is
 /// empty matches every robot. A value.
 struct RobotsFilter {
-  std::string fleet{};
+  std::vector<std::string> fleets{};
   /// A part of the last two segments of the RURI, in any case.
   std::string q{};
   std::optional<robot::Presence> presence{};

@@ -24,8 +24,9 @@ class ConnectionEntries final {
       Reader& reader, const StoryEntries& entries, const StoryQuery& story,
       const std::optional<StoryPlace>& after) {
     static_assert(storage::kConnectionsPerRobotMax <= storage::kPageSizeMax);
-    const auto page =
-        reader.Connections({.rows = {.ruris = {story.ruri}, .page_size = storage::kPageSizeMax}});
+    const auto page = reader.Connections(
+        {.rows = {
+             .ruris = {story.ruri}, .fleets = story.fleets, .page_size = storage::kPageSizeMax}});
     if (!page.ok()) return page.status();
     absl::StatusOr<std::vector<StoryEntry>> all = entries.Of(*page);
     if (!all.ok()) return all.status();

@@ -51,6 +51,8 @@ struct StoryEntry {
 
 struct StoryQuery {
   std::string ruri;
+  /// Only rows of these; none: of any.
+  std::vector<std::string> fleets{};
   /// Both inclusive.
   std::optional<SystemTime> from{};
   std::optional<SystemTime> to{};

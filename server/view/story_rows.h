@@ -30,6 +30,7 @@ class StoryRows final {
             const StoryQuery& story, const std::optional<StoryPlace>& after)
       : reader_(reader), list_(list) {
     rows_.ruris = {story.ruri};
+    rows_.fleets = story.fleets;
     rows_.from = story.from;
     rows_.to = story.to;
     rows_.order = story.order;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "schema/model/ids.h"
+#include "storage/origin.h"
 
 namespace uplink::storage::postgres {
 namespace {
@@ -43,7 +44,7 @@ void AddCondition(Builder& builder, const ListFilter::Condition& condition) {
   builder.Text(condition.sql.substr(mark + 1));
 }
 
-/// The rows of a list, in its order. `ruri` is SQL of the robot's; empty: of any.
+/// What the statement for a page is made of.
 struct Select {
   const ListShape& shape;
   const HistoryQuery& query;
@@ -52,15 +53,41 @@ struct Select {
   std::int64_t rows_max = 0;
 };
 
-void AddSelect(Builder& builder, const Select& of, std::string_view ruri) {
+std::string AddNames(Builder& builder, const std::vector<std::string_view>& names) {
+  Array list(Type::kText);
+  for (const std::string_view name : names) list.Text(name);
+  return builder.Add(std::move(list), "text[]");
+}
+
+/// What the column holds: one of these; no name: anything.
+struct Holds {
+  std::string_view column;
+  std::vector<std::string_view> names{};
+  /// SQL that stands for one of them in turn; empty: the names stand there themselves.
+  std::string_view each{};
+};
+
+void AddHolds(Builder& builder, const Holds& holds) {
+  if (holds.names.empty()) return;
+  builder.Text(" AND " + std::string(holds.column) + " = ");
+  if (!holds.each.empty()) {
+    builder.Text(holds.each);
+  } else if (holds.names.size() == 1) {
+    builder.Text(builder.Add(holds.names.front(), "text"));
+  } else {
+    builder.Text("ANY (" + AddNames(builder, holds.names) + ")");
+  }
+}
+
+/// The rows of a list, in its order.
+void AddSelect(Builder& builder, const Select& of, const Holds& ruri, const Holds& fleet) {
   const std::string time(of.shape.time_column);
   const bool newest = of.query.order == ListOrder::kNewestFirst;
   builder.Text(SelectSql(of.shape, "uplinkd.").view());
   builder.Text(" WHERE TRUE");
-  if (!ruri.empty()) builder.Text(" AND ruri = " + std::string(ruri));
-  if (!of.query.fleet.empty()) {
-    builder.Text(" AND fleet = " + builder.Add(of.query.fleet, "text"));
-  }
+  AddHolds(builder, ruri);
+  AddHolds(builder, fleet);
+  if (of.query.robots_alone) builder.Text(" AND " + std::string(kOfARobotSql));
   if (of.query.from) {
     builder.Text(" AND " + time + " >= " + builder.Add(*of.query.from, "timestamptz"));
   }
@@ -89,20 +116,22 @@ void AddSelect(Builder& builder, const Select& of, std::string_view ruri) {
 OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter,
                         const std::optional<PagePosition>& start, std::int64_t rows_max) {
   const Select of{shape, query, filter, start, rows_max};
-  const std::vector<std::string_view> ruris = DistinctRuris(query);
-  if (ruris.size() <= 1) {
+  Holds ruri{.column = "ruri", .names = Distinct(query.ruris)};
+  Holds fleet{.column = "fleet", .names = Distinct(query.fleets)};
+  // A search in the index for each robot, or else for each fleet unless another index leaves fewer
+  // rows: by a list of them the database would sort all their rows.
+  Holds* merged = nullptr;
+  if (ruri.names.size() > 1) merged = &ruri;
+  if (ruri.names.empty() && fleet.names.size() > 1 && !filter.leads) merged = &fleet;
+  if (merged == nullptr) {
     Builder builder("");
-    const std::string ruri = ruris.empty() ? "" : builder.Add(ruris.front(), "text");
-    AddSelect(builder, of, ruri);
+    AddSelect(builder, of, ruri, fleet);
     return builder.Take();
   }
-  // A search in the index for each robot: by a list of robots the database would sort all their
-  // rows.
-  Array list(Type::kText);
-  for (const std::string_view ruri : ruris) list.Text(ruri);
   Builder builder("SELECT r.* FROM unnest(");
-  builder.Text(builder.Add(std::move(list), "text[]") + ") AS u (robot) CROSS JOIN LATERAL (");
-  AddSelect(builder, of, "u.robot");
+  builder.Text(AddNames(builder, merged->names) + ") AS u (name) CROSS JOIN LATERAL (");
+  merged->each = "u.name";
+  AddSelect(builder, of, ruri, fleet);
   const std::string direction = query.order == ListOrder::kNewestFirst ? " DESC" : "";
   builder.Text(") AS r ORDER BY r." + std::string(shape.time_column) + direction + ", r.entry" +
                direction + " LIMIT " + builder.Add(rows_max, "bigint"));

@@ -35,8 +35,8 @@ struct OwnedStoreCall {
   Parameters parameters;
 };
 
-/// The statement for at most `rows_max` rows of a list, from `start` on. Of several robots it
-/// merges at most so many rows of each.
+/// The statement for at most `rows_max` rows of a list, from `start` on. Of several robots or
+/// fleets it merges at most so many rows of each.
 [[nodiscard]] OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query,
                                       const ListFilter& filter,
                                       const std::optional<PagePosition>& start,

@@ -6,33 +6,62 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
+
+#include "storage/origin.h"
 
 namespace uplink::storage::sqlite {
 namespace {
 
-/// What the statement for the rows of one robot, or of all, is made of.
+/// What the statement for the rows of one robot, of one fleet, or of all is made of.
 struct Select {
   const ListShape& shape;
   const HistoryQuery& query;
   const ListFilter& filter;
+  /// Each of the query's, once.
+  std::vector<std::string_view> ruris;
+  std::vector<std::string_view> fleets;
+
+  Select(const ListShape& of_shape, const HistoryQuery& of_query, const ListFilter& of_filter)
+      : shape(of_shape),
+        query(of_query),
+        filter(of_filter),
+        ruris(Distinct(of_query.ruris)),
+        fleets(Distinct(of_query.fleets)) {}
+
+  /// Each fleet is searched for in its own index, unless another one leaves fewer rows.
+  [[nodiscard]] bool by_fleet() const { return ruris.empty() && !fleets.empty() && !filter.leads; }
+  /// How many searches are merged.
+  [[nodiscard]] std::size_t parts() const {
+    return std::max<std::size_t>(by_fleet() ? fleets.size() : ruris.size(), 1);
+  }
 };
 
-/// A parameter by its number: the parts of a statement for several robots share all but theirs.
-std::string Parameter(int number) { return "?" + std::to_string(number); }
+/// A parameter by its number: the parts of a statement share all but their robot's or fleet's.
+std::string Parameter(std::size_t number) { return "?" + std::to_string(number); }
 
-/// The rows, without their order. `ruri` is the number of the robot's parameter, and `next` that of
-/// the first one behind the robots'.
-std::string SelectOne(const Select& of, std::optional<int> ruri, int next) {
+/// Leaves rows of the query's fleets. Parameters are numbered from `next` on.
+std::string FleetsSql(const Select& of, std::size_t part, std::size_t& next) {
+  if (of.fleets.empty()) return "";
+  const std::size_t first = next;
+  next += of.fleets.size();
+  if (of.by_fleet()) return " AND fleet = " + Parameter(first + part);
+  // The plus keeps the column's own index out, where another one leaves fewer rows.
+  std::string sql = " AND +fleet IN (" + Parameter(first);
+  for (std::size_t number = first + 1; number < next; ++number) sql += ", " + Parameter(number);
+  return sql + ")";
+}
+
+/// The rows of one part, without their order. The robots' parameters are the first ones.
+std::string SelectOne(const Select& of, std::size_t part) {
   const std::string time(of.shape.time_column);
   const bool newest = of.query.order == ListOrder::kNewestFirst;
   std::string sql(SelectSql(of.shape, "").view());
   sql += " WHERE TRUE";
-  if (ruri) sql += " AND ruri = " + Parameter(*ruri);
-  if (!of.query.fleet.empty()) {
-    // The plus keeps the column's own index out, where another one leaves fewer rows.
-    sql += ruri || of.filter.leads ? " AND +fleet = " : " AND fleet = ";
-    sql += Parameter(next++);
-  }
+  if (!of.ruris.empty()) sql += " AND ruri = " + Parameter(1 + part);
+  std::size_t next = of.ruris.size() + 1;
+  sql += FleetsSql(of, part, next);
+  if (of.query.robots_alone) sql += " AND " + std::string(kOfARobotSql);
   if (of.query.from) sql += " AND " + time + " >= " + Parameter(next++);
   if (of.query.to) sql += " AND " + time + " <= " + Parameter(next++);
   if (!of.query.page_token.empty()) {
@@ -54,11 +83,10 @@ std::string SelectOne(const Select& of, std::optional<int> ruri, int next) {
 }  // namespace
 
 std::string PageSql(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter) {
-  const Select of{shape, query, filter};
-  const int ruris = static_cast<int>(DistinctRuris(query).size());
-  std::string sql = SelectOne(of, ruris == 0 ? std::nullopt : std::optional(1), ruris + 1);
-  for (int ruri = 2; ruri <= ruris; ++ruri) {
-    sql += " UNION ALL " + SelectOne(of, ruri, ruris + 1);
+  const Select of(shape, query, filter);
+  std::string sql = SelectOne(of, 0);
+  for (std::size_t part = 1; part < of.parts(); ++part) {
+    sql += " UNION ALL " + SelectOne(of, part);
   }
   const std::string direction = query.order == ListOrder::kNewestFirst ? " DESC" : "";
   // Time and entry: what a list is ordered by stands first.
@@ -68,8 +96,8 @@ std::string PageSql(const ListShape& shape, const HistoryQuery& query, const Lis
 void BindPage(Statement& statement, const HistoryQuery& query, const ListFilter& filter,
               const std::optional<PagePosition>& start, std::int64_t rows) {
   int index = 0;
-  for (const std::string_view ruri : DistinctRuris(query)) statement.Bind(++index, ruri);
-  if (!query.fleet.empty()) statement.Bind(++index, std::string_view(query.fleet));
+  for (const std::string_view ruri : Distinct(query.ruris)) statement.Bind(++index, ruri);
+  for (const std::string_view fleet : Distinct(query.fleets)) statement.Bind(++index, fleet);
   if (query.from) statement.Bind(++index, UnixMs(*query.from));
   if (query.to) statement.Bind(++index, UnixMs(*query.to));
   if (start) {

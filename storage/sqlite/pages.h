@@ -14,8 +14,8 @@
 
 namespace uplink::storage::sqlite {
 
-/// The statement for a page: a text by what the query restricts. Of several robots it merges their
-/// rows, each read in the order of an index, until the page is full.
+/// The statement for a page: a text by what the query restricts. Of several robots or fleets it
+/// merges their rows, each read in the order of an index, until the page is full.
 [[nodiscard]] std::string PageSql(const ListShape& shape, const HistoryQuery& query,
                                   const ListFilter& filter = {});
 

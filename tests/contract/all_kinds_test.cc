@@ -221,7 +221,7 @@ TEST_P(AllKindsContract, KeepTheLongestAndOddestTexts) {
 
   storage::MissionsQuery query;
   query.rows.ruris = {robot_->ruri};
-  query.rows.fleet = name;
+  query.rows.fleets = {name};
   query.mission_id = id;
   query.run_id = id;
   ASSERT_THAT(Events(query.rows), SizeIs(1));

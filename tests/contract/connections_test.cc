@@ -162,8 +162,8 @@ TEST_P(ConnectionsContract, AreFoundByRobotFleetAndTime) {
   EXPECT_THAT(Ids(), ElementsAre(3, 2, 1));
   EXPECT_THAT(Ids({.rows = {.ruris = {robot_->ruri}}}), ElementsAre(1));
   EXPECT_THAT(Ids({.rows = {.ruris = {robot_->ruri}}, .open = true}), IsEmpty());
-  EXPECT_THAT(Ids({.rows = {.fleet = "f1"}}), ElementsAre(2, 1));
-  EXPECT_THAT(Ids({.rows = {.fleet = "f1"}, .open = true}), ElementsAre(2));
+  EXPECT_THAT(Ids({.rows = {.fleets = {"f1"}}}), ElementsAre(2, 1));
+  EXPECT_THAT(Ids({.rows = {.fleets = {"f1"}}, .open = true}), ElementsAre(2));
   EXPECT_THAT(Ids(OnlyOpen()), ElementsAre(3, 2));
   storage::ConnectionsQuery query;
   query.rows.from = Time(2);
@@ -191,7 +191,7 @@ TEST_P(ConnectionsContract, AreFoundBySourceAndEnd) {
   const auto uplink = model::MessageSource::kUplink;
   EXPECT_THAT(Ids({.rows = {}, .source = uplink}), ElementsAre(4, 2, 1));
   EXPECT_THAT(Ids({.rows = {}, .open = true, .source = uplink}), ElementsAre(4));
-  EXPECT_THAT(Ids({.rows = {.fleet = robot_->fleet}, .why = ConnectionEnd::kSilent}),
+  EXPECT_THAT(Ids({.rows = {.fleets = {robot_->fleet}}, .why = ConnectionEnd::kSilent}),
               ElementsAre(3, 2));
   EXPECT_THAT(
       Ids({.rows = {.ruris = {robot_->ruri}}, .source = uplink, .why = ConnectionEnd::kSilent}),

@@ -265,7 +265,7 @@ TEST_P(ListContract, GivesRowsOfOneRobotFleetAndTime) {
                            std::optional<std::int64_t> from, std::optional<std::int64_t> to) {
       HistoryQuery query;
       if (!ruri.empty()) query.ruris = {ruri};
-      query.fleet = fleet;
+      if (!fleet.empty()) query.fleets = {fleet};
       if (from) query.from = Time(*from);
       if (to) query.to = Time(*to);
       return ItemsOf(list, query);
@@ -335,7 +335,7 @@ TEST_P(ListContract, PagesWhatAFilterLeaves) {
     for (const bool by_fleet : {false, true}) {
       HistoryQuery query;
       if (by_fleet) {
-        query.fleet = "f1";
+        query.fleets = {"f1"};
       } else {
         query.ruris = {"rcan://robots/a"};
       }
@@ -393,7 +393,7 @@ TEST_P(ListContract, MergesTheRowsOfSeveralRobots) {
     query.page_token = list.read(store_->reader(), query)->next_token;
     EXPECT_THAT(ItemsOf(list, query), ElementsAre(6, 5, 3));
     query.page_token.clear();
-    query.fleet = "f1";
+    query.fleets = {"f1"};
     EXPECT_THAT(ItemsOf(list, query), ElementsAre(9, 6, 3));
     query.order = storage::ListOrder::kOldestFirst;
     query.from = Time(1);
@@ -403,6 +403,21 @@ TEST_P(ListContract, MergesTheRowsOfSeveralRobots) {
     query.ruris.emplace_back("rcan://robots/a");
     EXPECT_EQ(list.read(store_->reader(), query).status().code(),
               absl::StatusCode::kInvalidArgument);
+  });
+}
+
+TEST_P(ListContract, MergesTheRowsOfSeveralFleets) {
+  ForEachList([this](const List& list) {
+    for (int item = 0; item < 12; ++item) {
+      Put(list, item, Robot(std::string(1, "abc"[item % 3]), std::string(1, "fgh"[item % 3])));
+    }
+    // One named twice, and one that has nothing.
+    HistoryQuery query{.fleets = {"h", "f", "h", "x"}, .page_size = 3};
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(11, 9, 8));
+    query.page_token = list.read(store_->reader(), query)->next_token;
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(6, 5, 3));
+    query.ruris = {"rcan://robots/b", "rcan://robots/c"};
+    EXPECT_THAT(ItemsOf(list, query), ElementsAre(5, 2));
   });
 }
 

@@ -88,11 +88,46 @@ TEST_P(NoRobotContract, TheOtherFiltersHoldToo) {
   Commit({At(1, On("a", Of(Nobody(), Bad(1)))), At(2, On("b", Of(Nobody("south", "f2"), Bad(1)))),
           At(3, On("c", Of(Robot("twin"), Bad(1))))});
   const MessageSource cyberwave = MessageSource::kCyberwave;
-  EXPECT_THAT(Topics(From(cyberwave, {.fleet = "f2"})), ElementsAre("b"));
+  EXPECT_THAT(Topics(From(cyberwave, {.fleets = {"f2"}})), ElementsAre("b"));
   EXPECT_THAT(Topics(From(cyberwave, {.from = Time(2)})), ElementsAre("c", "b"));
   EXPECT_THAT(Topics(From(cyberwave, {.to = Time(2)})), ElementsAre("b", "a"));
   EXPECT_THAT(Topics(From(cyberwave, {.ruris = {Robot("twin")->ruri}})), ElementsAre("c"));
   EXPECT_THAT(From(MessageSource::kUplink, {.ruris = {Robot("twin")->ruri}}), IsEmpty());
+}
+
+TEST_P(NoRobotContract, SeveralFleetsAreFoundUnderAnotherFilterToo) {
+  OpenAll();
+  OpenAlso({Nobody("south", "f2"), Nobody("west", "f3")});
+  Commit({At(1, On("a", Of(Nobody(), Bad(1)))), At(2, On("b", Of(Nobody("south", "f2"), Bad(1)))),
+          At(3, On("c", Of(Nobody("west", "f3"), Bad(1)))), At(4, Bad(2))});
+  EXPECT_THAT(Topics(From(MessageSource::kCyberwave, {.fleets = {"f3", "f1"}})),
+              ElementsAre("c", "a"));
+  EXPECT_THAT(Topics(From({}, {.fleets = {"f2", "f3", "f4"}})), ElementsAre("c", "b"));
+  storage::HistoryQuery query;
+  query.fleets.assign(storage::kFleetsMax, "f1");
+  EXPECT_THAT(From({}, query), SizeIs(2));
+  query.fleets.emplace_back("f1");
+  EXPECT_EQ(store_->reader().Quarantine({.rows = query}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST_P(NoRobotContract, ItsRowsAreLeftOutWhereRobotsAloneAreAskedFor) {
+  OpenAll();
+  const std::string robot = Robot("twin")->ruri;
+  Commit({At(1, On("a", Of(Robot("twin"), Bad(1)))), At(2, On("b", Of(Nobody(), Bad(1)))),
+          At(3, On("c", Of(Robot("twin"), Bad(2)))), At(4, On("d", Of(Nobody("other"), Bad(1))))});
+  storage::HistoryQuery query{.robots_alone = true, .page_size = 1};
+  using Fleets = std::vector<std::string>;
+  for (const Fleets& fleets : {Fleets{}, Fleets{"f1"}, Fleets{"f1", "f2"}}) {
+    query.fleets = fleets;
+    query.page_token = "";
+    EXPECT_THAT(Topics(From({}, query)), ElementsAre("c"));
+    query.page_token = store_->reader().Quarantine({.rows = query})->next_token;
+    EXPECT_THAT(Topics(From({}, query)), ElementsAre("a"));
+  }
+  EXPECT_THAT(Topics(From({}, {.ruris = {robot, Nobody()->ruri}, .robots_alone = true})),
+              ElementsAre("c", "a"));
+  EXPECT_THAT(From({}, {.ruris = {Nobody()->ruri}, .robots_alone = true}), IsEmpty());
 }
 
 TEST_P(NoRobotContract, WhatTheDatabaseRefusesSaysWhereItCameFrom) {

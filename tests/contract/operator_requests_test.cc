@@ -84,8 +84,8 @@ TEST_P(RequestsContract, AreFoundByRobotFleetAndTime) {
   Change(2, {Opened("s")});
   EXPECT_THAT(IdsOf({.rows = {.ruris = {robot_->ruri}}}), ElementsAre("s", "r"));
   EXPECT_THAT(IdsOf({.rows = {.ruris = {Robot("b")->ruri}}}), IsEmpty());
-  EXPECT_THAT(IdsOf({.rows = {.fleet = "f1"}, .open = true}), ElementsAre("s", "r"));
-  EXPECT_THAT(IdsOf({.rows = {.fleet = "f2"}}), IsEmpty());
+  EXPECT_THAT(IdsOf({.rows = {.fleets = {"f1"}}, .open = true}), ElementsAre("s", "r"));
+  EXPECT_THAT(IdsOf({.rows = {.fleets = {"f2"}}}), IsEmpty());
   storage::OperatorRequestsQuery query = OnlyOpen();
   query.rows.from = Time(2);
   EXPECT_THAT(IdsOf(query), ElementsAre("s"));

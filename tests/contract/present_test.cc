@@ -73,9 +73,9 @@ TEST_P(PresentContract, MovesToTheFleetOfItsLastUpsert) {
     Commit({Upsert(kind, "a", 0)});
     Commit({Of(Robot("a", "f2"), Upsert(kind, "a", 1))});
     storage::PresentQuery query;
-    query.rows.fleet = "f1";
+    query.rows.fleets = {"f1"};
     EXPECT_THAT(RowsOf(kind.read(store_->reader(), query)), IsEmpty());
-    query.rows.fleet = "f2";
+    query.rows.fleets = {"f2"};
     EXPECT_THAT(RowsOf(kind.read(store_->reader(), query)), SizeIs(1));
   });
 }

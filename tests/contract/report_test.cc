@@ -254,7 +254,7 @@ TEST_P(ReportContract, ShowsTheFleetThatARobotHadThen) {
   Commit({Good(4, Report("m", "r2")), Good(5, Note()), Good(6, test::SampleEvent())});
   storage::HistoryQuery query;
   for (const std::string& fleet : {std::string("f1"), std::string("f2")}) {
-    query.fleet = fleet;
+    query.fleets = {fleet};
     EXPECT_THAT(Events(query), SizeIs(1));
     EXPECT_THAT(Messages(query), SizeIs(1));
     EXPECT_EQ(Messages(query).at(0).robot.fleet, fleet);

@@ -115,8 +115,8 @@ TEST_P(ScopeUpdateContract, IsFoundByScopeIdFleetAndTime) {
   EXPECT_THAT(found({.id = kId}), ElementsAre("d", "b", "a"));
   EXPECT_THAT(found({.scope = ScopeKind::kEnvironment, .id = kOtherId}), ElementsAre("c"));
   EXPECT_THAT(found({.scope = ScopeKind::kWorkflowRun, .id = kOtherId}), IsEmpty());
-  EXPECT_THAT(found({.rows = {.fleet = "f2"}}), ElementsAre("d"));
-  EXPECT_THAT(found({.rows = {.fleet = "f2"}, .scope = ScopeKind::kWorkflowRun}), IsEmpty());
+  EXPECT_THAT(found({.rows = {.fleets = {"f2"}}}), ElementsAre("d"));
+  EXPECT_THAT(found({.rows = {.fleets = {"f2"}}, .scope = ScopeKind::kWorkflowRun}), IsEmpty());
   EXPECT_THAT(found({.rows = {.from = Time(2), .to = Time(3)}}), ElementsAre("c", "b"));
 }
 

@@ -9,6 +9,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/origin.h"
 #include "storage/page_token.h"
 #include "storage/reader.h"
 
@@ -65,7 +66,8 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
 [[nodiscard]] inline bool FakeMatches(const model::RobotId& robot, SystemTime at,
                                       const storage::HistoryQuery& query) {
   return (query.ruris.empty() || std::ranges::find(query.ruris, robot.ruri) != query.ruris.end()) &&
-         (query.fleet.empty() || query.fleet == robot.fleet) &&
+         storage::LooksAt(query.fleets, robot.fleet) &&
+         !(query.robots_alone && storage::IsNoRobot(robot.ruri)) &&
          (!query.from || at >= *query.from) && (!query.to || at <= *query.to);
 }
 

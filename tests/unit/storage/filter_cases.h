@@ -86,19 +86,22 @@ inline std::vector<FilterCase> FilterCases() {
   };
 }
 
-/// Each way to restrict a list to robots, with and without a fleet, in both orders, on the first
-/// page and on a later one.
+/// Each way to restrict a list to robots, without a fleet, with one, and with several as a caller
+/// of few fleets does, in both orders, on the first page and on a later one.
 inline std::vector<HistoryQuery> RobotQueries() {
   std::vector<HistoryQuery> queries;
-  using Ruris = std::vector<std::string>;
-  for (const Ruris& ruris : {Ruris{}, Ruris{"r"}, Ruris{"r", "s", "t"}}) {
-    // One bit each for the fleet, the page and the order.
-    for (unsigned bits = 0; bits < 8; ++bits) {
-      HistoryQuery& query = queries.emplace_back();
-      query.ruris = ruris;
-      query.fleet = (bits & 1U) != 0 ? "f" : "";
-      query.page_token = (bits & 2U) != 0 ? "x" : "";
-      query.order = (bits & 4U) != 0 ? ListOrder::kOldestFirst : ListOrder::kNewestFirst;
+  using Names = std::vector<std::string>;
+  for (const Names& ruris : {Names{}, Names{"r"}, Names{"r", "s", "t"}}) {
+    for (const Names& fleets : {Names{}, Names{"f"}, Names{"f", "g", "h"}}) {
+      // One bit each for the page and the order.
+      for (unsigned bits = 0; bits < 4; ++bits) {
+        HistoryQuery& query = queries.emplace_back();
+        query.ruris = ruris;
+        query.fleets = fleets;
+        query.robots_alone = fleets.size() > 1;
+        query.page_token = (bits & 1U) != 0 ? "x" : "";
+        query.order = (bits & 2U) != 0 ? ListOrder::kOldestFirst : ListOrder::kNewestFirst;
+      }
     }
   }
   return queries;

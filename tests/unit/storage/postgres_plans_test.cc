@@ -48,8 +48,9 @@ class PostgresPlans : public PostgresFixture {
 TEST_F(PostgresPlans, EveryListOfRobotsOrAFleetIsReadFromAnIndex) {
   ForEachList([this]<PageKind kList>() {
     for (const HistoryQuery& query : RobotQueries()) {
-      if (query.ruris.empty() && query.fleet.empty()) continue;
-      const bool merged = query.ruris.size() > 1;
+      if (query.ruris.empty() && query.fleets.empty()) continue;
+      const auto& merged_by = query.ruris.empty() ? query.fleets : query.ruris;
+      const bool merged = merged_by.size() > 1;
       const std::string plan = Plan(List<kList>::kShape, query, {});
       EXPECT_THAT(plan, Not(HasSubstr("Seq Scan"))) << plan;
       if (!merged) {
@@ -73,7 +74,7 @@ TEST_F(PostgresPlans, EveryFilterIsAnsweredFromAnIndexAloneAndWithAFleet) {
         EXPECT_THAT(plan, Not(HasSubstr("Sort\n"))) << plan;
       }
       EXPECT_THAT(plan, HasSubstr("Index Cond: ")) << plan;
-      if (of_all && query.fleet.empty()) {
+      if (of_all) {
         EXPECT_THAT(plan,
                     ::testing::ContainsRegex("Index Cond: \\(+" + std::string(one.index) + " = "))
             << plan;

@@ -72,7 +72,7 @@ class SqlitePlans : public ::testing::Test {
       if (!filter.conditions.empty()) continue;
       if (!query.ruris.empty()) {
         EXPECT_THAT(plan, HasSubstr("(ruri=?")) << shape.table;
-      } else if (!query.fleet.empty()) {
+      } else if (!query.fleets.empty()) {
         EXPECT_THAT(plan, HasSubstr("(fleet=?")) << shape.table;
       }
     }

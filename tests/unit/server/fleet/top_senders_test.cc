@@ -1,6 +1,7 @@
 #include "server/fleet/top_senders.h"
 
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +67,8 @@ TEST_F(TopSendersTest, ComparesByWhatIsAskedAndNamesFewOfOneFleet) {
   }
   clock_.Advance(seconds(2));
   EXPECT_EQ(top_.Most(TopBy::kMessages, 10).at(0).ruri, "rcan://4");
-  EXPECT_EQ(top_.Most(TopBy::kMessages, 10, "f").at(0).ruri, "rcan://3");
+  const std::vector<std::string> fleets = {"e", "f"};
+  EXPECT_EQ(top_.Most(TopBy::kMessages, 10, fleets).at(0).ruri, "rcan://3");
   EXPECT_EQ(top_.Most(TopBy::kMessages, 2).size(), 2U);
   EXPECT_EQ(top_.Most(TopBy::kBytes, 10).at(0).ruri, "rcan://0");
   EXPECT_EQ(top_.Most(TopBy::kRows, 10).size(), 1U);

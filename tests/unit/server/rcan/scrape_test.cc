@@ -87,6 +87,21 @@ TEST_F(ScrapeTest, OnlyTheFleetsThatAreAllowedAreShown) {
   EXPECT_EQ(probe_.robots_left_out.value(), 0) << "it was not asked for";
 }
 
+TEST_F(ScrapeTest, OnlyTheFleetsThatAreAskedForAreShownAndNoneThatIsNotAllowed) {
+  config_.fleets = {"north", "south"};
+  for (const char* fleet : {"north", "south", "east"}) Robot(std::string("rcan://") + fleet, fleet);
+  const auto text = [this](const std::vector<std::string>& fleets) {
+    return *Scrape().Text(Format::kText, Coding::kPlain, kTextsMax, fleets);
+  };
+  // Within the time in which a text is shared.
+  EXPECT_THAT(text({"east", "south"}), HasSubstr("rcan://south"));
+  EXPECT_THAT(text({"east", "south"}), Not(HasSubstr("rcan://north")));
+  EXPECT_THAT(text({"east", "south"}), Not(HasSubstr("rcan://east")));
+  EXPECT_THAT(text({"north"}), HasSubstr("rcan://north"));
+  EXPECT_THAT(text({"north"}), Not(HasSubstr("rcan://south")));
+  EXPECT_THAT(text({}), HasSubstr("rcan://south"));
+}
+
 TEST_F(ScrapeTest, RobotsThatDoNotFitAreLeftOutWholeCountedAndSaidOnceAMinute) {
   config_.series_max = 10;
   for (const char* ruri : {"rcan://a", "rcan://b", "rcan://c", "rcan://d"}) Robot(ruri);

@@ -65,9 +65,9 @@ class SharedRoomTest : public ::testing::Test {
     }
     return *scrape_;
   }
-  void NewScrape() {
+  void NewScrape(const std::vector<std::string>& fleets = {}) {
     clock_.Advance(kTextShared);
-    text_ = *Scrape().Text(metrics::Format::kText, metrics::Coding::kPlain);
+    text_ = *Scrape().Text(metrics::Format::kText, metrics::Coding::kPlain, kTextsMax, fleets);
   }
   /// Of the last scrape.
   [[nodiscard]] std::size_t SeriesOf(const std::string& ruri) const {
@@ -158,6 +158,37 @@ TEST_F(SharedRoomTest, IsFullUntilItHasRoomAgainOrNobodyScrapes) {
   clock_.Advance(kScrapedWithin - std::chrono::milliseconds(1));
   EXPECT_TRUE(Scrape().full());
   clock_.Advance(std::chrono::milliseconds(1));
+  EXPECT_FALSE(Scrape().full());
+}
+
+TEST_F(SharedRoomTest, ALackOfRoomIsNotHiddenByAScrapeOfOtherFleets) {
+  config_.series_max = 600;
+  Invent(2, kLarge, "g");
+  SayJoints(Robot("rcan://z", "", "south"), 3);
+  NewScrape();
+  const std::int64_t series = probe_.series.value();
+  EXPECT_TRUE(Scrape().full());
+  for (int i = 0; i < 2; ++i) {
+    NewScrape({"south"});
+    EXPECT_EQ(SeriesOf("rcan://z"), kBasic + 3);
+    EXPECT_EQ(SeriesOf("rcan://a/0000"), 0U);
+    EXPECT_TRUE(Scrape().full());
+    EXPECT_EQ(probe_.series.value(), series);
+    EXPECT_EQ(probe_.robots_incomplete.value(), 1);
+  }
+  clock_.Advance(kScrapedWithin - kTextShared);
+  NewScrape({"south"});
+  EXPECT_FALSE(Scrape().full()) << "the others are not scraped any more";
+  EXPECT_EQ(probe_.series.value(), static_cast<std::int64_t>(kBasic + 3));
+  EXPECT_EQ(probe_.robots_incomplete.value(), 0);
+}
+
+TEST_F(SharedRoomTest, AScopeHasTheRoomOfAScrapeToItself) {
+  config_.series_max = kLarge + kBasic;
+  Invent(4, kLarge, "g");
+  SayJoints(Robot("rcan://z", "", "south"), kLarge);
+  NewScrape({"east", "south"});
+  EXPECT_EQ(SeriesOf("rcan://z"), kLarge + kBasic);
   EXPECT_FALSE(Scrape().full());
 }
 

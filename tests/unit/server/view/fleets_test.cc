@@ -94,7 +94,7 @@ TEST_F(FleetsTest, ArePagedAndFilteredByName) {
   const FleetsPage last = Fleets({.page_size = 2, .page_token = first.next_token});
   EXPECT_EQ(last.fleets.at(0).fleet, "c");
   EXPECT_EQ(last.next_token, "");
-  EXPECT_EQ(Fleets({.fleet = "b"}).fleets.size(), 1U);
+  EXPECT_EQ(Fleets({.fleets = {"b"}}).fleets.size(), 1U);
   EXPECT_TRUE(absl::IsInvalidArgument(world_.queries.Fleets({.page_token = "r.41"}).status()));
 }
 

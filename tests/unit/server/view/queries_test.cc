@@ -54,7 +54,7 @@ TEST_F(QueriesTest, ShowsAGatewayForAsLongAsTheRobotsStreamComesThroughIt) {
   const loop::StreamRef stream{.inbox = &inbox, .stream = 1};
   static_cast<void>(sessions.Attach(stream, world_.clock.Steady(), world_.clock.System(),
                                     {.gateway = "CN=hall"}));
-  const auto shown = [this] { return ToMessage(*world_.queries.Robot("rcan://a")).gateway(); };
+  const auto shown = [this] { return ToMessage(*world_.queries.Robot("rcan://a", {})).gateway(); };
   EXPECT_EQ(shown(), "CN=hall");
   static_cast<void>(sessions.Detach(stream, world_.clock.Steady()));
   EXPECT_EQ(shown(), "");
@@ -78,7 +78,7 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   robot.state.FollowHolder({.held_by = "b:2", .written_at = FromUnixMs(8)},
                            {model::Presence::kOnline, FromUnixMs(6)});
 
-  const auto one = world_.queries.Robot("rcan://a");
+  const auto one = world_.queries.Robot("rcan://a", {});
   ASSERT_TRUE(one.ok());
   EXPECT_EQ(one->state.parts.usage->reboot_count, 7U);
   EXPECT_EQ(one->state.last_sign_of_life, FromUnixMs(9));
@@ -100,7 +100,7 @@ TEST_F(QueriesTest, ShowsWhatAnotherServerHoldsAsItIsInTheStore) {
   query.parts = PartSet::OfLists();
   query.parts.Add(Part::kUsage);
   EXPECT_FALSE(Robots(query).robots.at(0).state.parts.usage) << "the others must be seen";
-  EXPECT_EQ(world_.queries.Robot("rcan://a")->state.presence, model::Presence::kOnline);
+  EXPECT_EQ(world_.queries.Robot("rcan://a", {})->state.presence, model::Presence::kOnline);
 }
 
 TEST_F(QueriesTest, APageOfRobotsThatOthersHoldEndsByWhatTheirPartsHold) {
@@ -168,11 +168,11 @@ TEST_F(QueriesTest, FiltersByFleetAndPresence) {
   online.state.SignOfLife(world_.clock.Steady(), world_.clock.System(),
                           world_.fleet.presence_limits());
   RobotsQuery query;
-  query.filter.fleet = "north";
+  query.filter.fleets = {"north"};
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://a", "rcan://b"));
   query.filter.presence = robot::Presence::kOnline;
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre("rcan://b"));
-  query.filter.fleet = "south";
+  query.filter.fleets = {"south"};
   EXPECT_THAT(Ruris(Robots(query)), ElementsAre());
 }
 
@@ -189,16 +189,16 @@ TEST_F(QueriesTest, CountsActiveFaultsAndKeepsTheLastCountWhileTheStoreIsAway) {
   world_.AddRobot("rcan://b");
   world_.CommitFault("rcan://a",
                      {.unix_time_ms = 1, .fault_id = "f", .source = "s", .active = true});
-  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 1);
-  EXPECT_EQ(world_.queries.Robot("rcan://b")->active_faults, 0);
+  EXPECT_EQ(world_.queries.Robot("rcan://a", {})->active_faults, 1);
+  EXPECT_EQ(world_.queries.Robot("rcan://b", {})->active_faults, 0);
 
   world_.reader.SetAway(true);
-  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 1);
+  EXPECT_EQ(world_.queries.Robot("rcan://a", {})->active_faults, 1);
 
   world_.reader.SetAway(false);
   world_.CommitFault("rcan://a",
                      {.unix_time_ms = 2, .fault_id = "f", .source = "s", .active = false});
-  EXPECT_EQ(world_.queries.Robot("rcan://a")->active_faults, 0);
+  EXPECT_EQ(world_.queries.Robot("rcan://a", {})->active_faults, 0);
 }
 
 TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
@@ -210,7 +210,7 @@ TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
   };
   EXPECT_EQ(code(&Reader::FaultsActive, storage::FaultsQuery()), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code(&Reader::FaultHistory, storage::FaultsQuery()), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(world_.queries.Quarantine({}).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Quarantine({}, {}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code(&Reader::Gaps, storage::HistoryQuery()), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code(&Reader::Events, storage::EventsQuery()), absl::StatusCode::kUnavailable);
   EXPECT_EQ(code(&Reader::Messages, storage::MessagesQuery()), absl::StatusCode::kUnavailable);
@@ -222,7 +222,7 @@ TEST_F(QueriesTest, RowsAreUnavailableWhileTheStoreIsAway) {
 }
 
 TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
-  EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Robot("rcan://x", {}).status().code(), absl::StatusCode::kNotFound);
   const storage::HistoryQuery query{.ruris = {"rcan://x"}};
   const auto gaps = world_.queries.List(&storage::Reader::Gaps, query);
   ASSERT_TRUE(gaps.ok());
@@ -230,15 +230,15 @@ TEST_F(QueriesTest, ARobotThatWasNeverSeenIsNotFound) {
 }
 
 TEST_F(QueriesTest, TheAnswerOnARobotThatIsNotHereGivesNoReason) {
-  EXPECT_EQ(world_.queries.Robot("rcan://x").status().message(),
+  EXPECT_EQ(world_.queries.Robot("rcan://x", {}).status().message(),
             "this server has no robot with the RURI rcan://x now");
 }
 
 TEST_F(QueriesTest, NoRobotIsNotFoundWhileTheStoresRobotsAreUnread) {
   world_.robots_unread = true;
-  EXPECT_EQ(world_.queries.Robot("rcan://x").status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(world_.queries.Robot("rcan://x", {}).status().code(), absl::StatusCode::kUnavailable);
   world_.AddRobot("rcan://x");
-  EXPECT_TRUE(world_.queries.Robot("rcan://x").ok());
+  EXPECT_TRUE(world_.queries.Robot("rcan://x", {}).ok());
 }
 
 TEST_F(QueriesTest, RowsOfARobotThatLeftMemoryAreThere) {
@@ -252,7 +252,7 @@ TEST_F(QueriesTest, RowsOfARobotThatLeftMemoryAreThere) {
   ASSERT_TRUE(world_.store.Commit(batch).ok());
   const storage::HistoryQuery query{.ruris = {"rcan://gone"}};
   EXPECT_EQ(world_.queries.List(&storage::Reader::PresenceChanges, query)->rows.size(), 1U);
-  EXPECT_EQ(world_.queries.Robot("rcan://gone").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(world_.queries.Robot("rcan://gone", {}).status().code(), absl::StatusCode::kNotFound);
 }
 
 TEST_F(QueriesTest, StatusHoldsTheConservationTable) {

@@ -52,11 +52,11 @@ class StoredQueriesTest : public ::testing::Test {
 TEST_F(StoredQueriesTest, ARobotComesWithWhatTheStoreHasOfIt) {
   AddWithParts("rcan://a");
   world_.AddRobot("rcan://b");
-  const auto robot = world_.queries.Robot("rcan://a");
+  const auto robot = world_.queries.Robot("rcan://a", {});
   EXPECT_EQ(robot->stored.agent_info, R"({"agentVersion":"a"})");
   EXPECT_EQ(robot->stored.settings, R"({"k":1.5E0})");
   EXPECT_EQ(robot->stored.ui_capabilities, R"({"services":[],"sensors":[],"settings":[]})");
-  const auto bare = world_.queries.Robot("rcan://b");
+  const auto bare = world_.queries.Robot("rcan://b", {});
   EXPECT_FALSE(bare->stored.agent_info);
   EXPECT_FALSE(bare->stored.settings);
   EXPECT_FALSE(bare->stored.ui_capabilities);
@@ -93,7 +93,7 @@ TEST_F(StoredQueriesTest, WhileTheStoreIsAwayARobotComesWithoutItsStoredParts) {
   AddWithParts("rcan://a");
   world_.reader.SetAway(true);
   const int before = world_.reader.calls();
-  const auto robot = world_.queries.Robot("rcan://a");
+  const auto robot = world_.queries.Robot("rcan://a", {});
   ASSERT_TRUE(robot.ok()) << robot.status();
   EXPECT_FALSE(robot->stored.settings);
   // Once it failed it is not asked again: a store that is away may take its time to say so.
@@ -112,7 +112,7 @@ TEST_F(StoredQueriesTest, WhileTheStoreIsAwayAListThatNamesAStoredPartIsUnavaila
   live.parts = Parts({Part::kMotion, Part::kHealth});
   EXPECT_TRUE(world_.queries.Robots(live).ok());
   // Nothing to ask for: the page is empty.
-  live.filter.fleet = "other";
+  live.filter.fleets = {"other"};
   live.parts = Parts({Part::kSettings});
   EXPECT_TRUE(world_.queries.Robots(live).ok());
 }

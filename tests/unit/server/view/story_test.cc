@@ -257,6 +257,19 @@ TEST_F(StoryTest, IsOfThisRobotAlone) {
   EXPECT_THAT(Page({}).entries, IsEmpty());
 }
 
+TEST_F(StoryTest, HasTheRowsOfTheFleetsThatAreAskedFor) {
+  End(Connect(1, "south"), ConnectionEnd::kOrderly);
+  Pass();
+  Connect(2, "north");
+  world_.CommitPresence(kA, Presence::kOnline);
+  EXPECT_THAT(Kinds(Page({.fleets = {"north"}})), ElementsAre("presence", "connected"));
+  EXPECT_THAT(Kinds(Page({.fleets = {"north", "south"}})),
+              ElementsAre("presence", "fleet_moved", "connected", "disconnected", "connected"));
+  EXPECT_EQ(world_.queries.Story({.ruri = kA, .fleets = {"south"}}).status(),
+            world_.queries.Story({.ruri = kA, .fleets = {"east"}}).status())
+      << "it is north's now";
+}
+
 TEST_F(StoryTest, ARobotThatIsUnknownAndHasNoEntryIsNotFound) {
   EXPECT_EQ(world_.queries.Story({.ruri = "rcan://x"}).status().code(),
             absl::StatusCode::kNotFound);
