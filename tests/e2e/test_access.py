@@ -275,9 +275,8 @@ class Tls(Access):
         self.assertEqual(ask(self.https(server, scraper), "/metrics").status, 200)
         self.assertEqual(ask(self.https(server, scraper), "/api/v1/robots").status, 403)
         server.uplinkctl("pki", "robot", "--dir", server.pki, "--ruri", "rcan://local.rcan/a/b", "--fleet", "north")
-        (robot,) = [path for path in server.pki.rglob("*.crt") if path.stem not in
-                    {"ca", "server", "operator-all", "operator-north", "metrics-all"}]  # fmt: skip
-        answer = ask(self.https(server, (robot, robot.with_suffix(".key"))), "/api/v1/robots")
+        robot = (server.pki / "robot.crt", server.pki / "robot.key")
+        answer = ask(self.https(server, robot), "/api/v1/robots")
         self.assertEqual(answer.status, 403)
         self.assertIn("has the role robot", answer.error()["message"])
 
