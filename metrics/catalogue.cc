@@ -322,8 +322,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "number, or 0 if it is not set.",
      kByListener},
     {kHttpConnectionsRefused, "uplinkd_http_connections_refused_total", kCounter, "connections",
-     "HTTP connections that were closed at accept because the limit was reached, or on "
-     "listen.metrics that of their source address.",
+     "HTTP connections that were closed at accept because the limit was reached, or that of their "
+     "source address.",
      kByListener},
     {kHttpConnectionsGivenUp, "uplinkd_http_connections_given_up_total", kCounter, "connections",
      "HTTP connections that were closed because further ones came: idle ones first, then slow "
@@ -335,6 +335,12 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "API requests that wait at most; further ones get 503."},
     {kHttpReadsRefused, "uplinkd_http_reads_refused_total", kCounter, "requests",
      "API requests, and scrapes of /metrics, that got 503 because too many waited."},
+    {kHttpDenied, "uplinkd_http_denied_total", kCounter, "requests",
+     "HTTP requests that were not served because of who asks, and connections that spoke without "
+     "TLS from outside http.plain_from.",
+     kByWhy, "0.2.0"},
+    {kHttpTokens, "uplinkd_http_tokens", kGauge, "tokens",
+     "Tokens of http.tokens_file as it was last read, expired ones included.", kNoLabels, "0.2.0"},
     {kRcanSeries, "uplinkd_rcan_series", kGauge, "series",
      "Series of the last scrape of /metrics/robots; the most of any scope."},
     {kRcanSeriesLimit, "uplinkd_rcan_series_limit", kGauge, "series",

@@ -155,6 +155,8 @@ enum class MetricId : std::uint8_t {
   kHttpReadsWaiting,
   kHttpReadsWaitingLimit,
   kHttpReadsRefused,
+  kHttpDenied,
+  kHttpTokens,
   kRcanSeries,
   kRcanSeriesLimit,
   kRcanRobotsLeftOut,

@@ -33,7 +33,12 @@ void SetHeaders(const Response& answer, beast::http::fields& head) {
   if (answer.varies) head.set(Field::vary, "Accept, Accept-Encoding");
   if (!answer.entity_tag.empty()) head.set(Field::etag, answer.entity_tag);
   if (!answer.next_page_token.empty()) head.set(kNextPageToken, answer.next_page_token);
-  if (answer.status == 503) head.set(Field::retry_after, std::to_string(kRetryAfter.count()));
+  if (!answer.authenticate.empty()) head.set(Field::www_authenticate, ToBeast(answer.authenticate));
+  if (answer.retry_after.count() > 0) {
+    head.set(Field::retry_after, std::to_string(answer.retry_after.count()));
+  } else if (answer.status == 503) {
+    head.set(Field::retry_after, std::to_string(kRetryAfter.count()));
+  }
 }
 
 }  // namespace uplink::http

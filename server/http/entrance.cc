@@ -48,7 +48,7 @@ Resolved Entrance::Resolve(Request request) const {
     request.host = std::move(whole->authority);
     request.target = std::move(whole->target);
   }
-  const std::string_view path = SplitTarget(request.target).path;
+  const auto [path, query] = SplitTarget(request.target);
   const RouteId route = FindRoute(path).id;
   if (request.listener == ListenerId::kMetrics && !IsMonitoring(route)) {
     return AtOnce(OtherRoute(), NoSuchPath(path));
@@ -56,8 +56,14 @@ Resolved Entrance::Resolve(Request request) const {
   if (host_missing) {
     return AtOnce(route, BadRequest(400, "an HTTP/1.1 request has one Host header"));
   }
+  if (HasToken(query)) return AtOnce(route, TokenInAddress());
   if (std::optional<Response> refusal = Refusal(request, route)) {
     return AtOnce(route, *std::move(refusal));
+  }
+  if (guard_ != nullptr) {
+    Guard::Answer answer = guard_->Ask(request, route);
+    if (answer.refusal) return AtOnce(route, *std::move(answer.refusal));
+    request.caller = std::move(answer.caller);
   }
   const Site* site = site_.load();
   if (site == nullptr) return AtOnce(route, AnswerOfStart(request, route));

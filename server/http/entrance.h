@@ -5,8 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "server/http/guard.h"
 #include "server/http/known_hosts.h"
 #include "server/http/message.h"
+#include "server/http/peer.h"
 #include "server/http/site.h"
 
 namespace uplink::http {
@@ -18,7 +20,9 @@ namespace uplink::http {
 /// - data are shown under known hosts alone (421), scrapes too if that is set, probes under any;
 /// - data are shown to no page of another site (403): not if the browser says that one asks
 ///   (Sec-Fetch-Site), nor if its Origin is foreign;
+/// - a token in the address gets 400;
 /// - on a connection that is kept for probes and scrapes, others get 503;
+/// - the guard says who asks, and whether it may (401, 403, 429);
 /// - while the server starts there is no site: /livez says that the process lives, /readyz that it
 ///   is `starting`, a wrong request to either, or a wrong method, is refused as later, and
 ///   everything else is 503.
@@ -29,13 +33,20 @@ class Entrance final {
   /// What is shown under known hosts alone.
   enum class Covered : std::uint8_t { kData, kDataAndScrapes };
 
-  explicit Entrance(KnownHosts hosts = KnownHosts(), Covered covered = Covered::kData)
-      : hosts_(std::move(hosts)), covered_(covered) {}
+  /// Null: every caller is identity::LocalCaller. The guard outlives it.
+  explicit Entrance(KnownHosts hosts = KnownHosts(), Covered covered = Covered::kData,
+                    Guard* guard = nullptr)
+      : hosts_(std::move(hosts)), covered_(covered), guard_(guard) {}
   Entrance(const Entrance&) = delete;
   Entrance& operator=(const Entrance&) = delete;
 
   /// The server has started: the site answers from now on.
   void Open(const Site& site) { site_.store(&site); }
+
+  /// A connection was not served, for a reason that shows before its first request.
+  void NoteDenied(Denied why, const Peer& peer) const {
+    if (guard_ != nullptr) guard_->NoteDenied(why, peer.source, peer.text);
+  }
 
   /// As Site::Resolve.
   [[nodiscard]] Resolved Resolve(Request request) const;
@@ -46,6 +57,7 @@ class Entrance final {
 
   const KnownHosts hosts_;
   const Covered covered_;
+  Guard* const guard_;
   std::atomic<const Site*> site_{nullptr};
 };
 

@@ -90,6 +90,34 @@ Response TooManyScrapes() {
 
 Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
 
+Response Unauthenticated(std::string_view why) {
+  Response response = Answer(401, {"UNAUTHENTICATED", why});
+  response.authenticate = "Bearer";
+  return response;
+}
+
+Response InvalidToken(std::string_view why) {
+  Response response = Unauthenticated(why);
+  response.authenticate = R"(Bearer error="invalid_token")";
+  return response;
+}
+
+Response Forbid(std::string_view why) { return Answer(403, {"PERMISSION_DENIED", why}); }
+
+Response TooManyFailures(std::chrono::seconds retry_after) {
+  Response response = Answer(429, {"RESOURCE_EXHAUSTED",
+                                   "too many wrong tokens or certificates came from this address; "
+                                   "try again later, with a good one at any time"});
+  response.retry_after = retry_after;
+  return response;
+}
+
+Response TokenInAddress() {
+  return Answer(400, {"INVALID_ARGUMENT",
+                      "a token stands in the address, which logs and proxies keep: revoke it, and "
+                      "send tokens in the header Authorization: Bearer"});
+}
+
 Response MisdirectedRequest() {
   return Answer(421, {"INVALID_ARGUMENT",
                       "the host of this request is neither an address nor localhost, and not one "

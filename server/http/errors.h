@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,16 @@ namespace uplink::http {
 [[nodiscard]] Response TooManyScrapes();
 /// 503: there is no store yet, and no robot.
 [[nodiscard]] Response Starting();
+/// 401: who asks must show who it is. `why` is the answer's text.
+[[nodiscard]] Response Unauthenticated(std::string_view why);
+/// 401: the token that was shown is none of ours, or has expired.
+[[nodiscard]] Response InvalidToken(std::string_view why);
+/// 403: who asks may not. `why` names what is needed.
+[[nodiscard]] Response Forbid(std::string_view why);
+/// 429, in place of 401: its source has shown too many wrong proofs.
+[[nodiscard]] Response TooManyFailures(std::chrono::seconds retry_after);
+/// 400: a token is no part of an address.
+[[nodiscard]] Response TokenInAddress();
 /// 421: the data are not shown under this name.
 [[nodiscard]] Response MisdirectedRequest();
 /// 403: a page of another site asks.

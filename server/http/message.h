@@ -1,12 +1,15 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "server/http/credentials.h"
 #include "server/http/listeners.h"
+#include "server/http/source.h"
 #include "server/identity/caller.h"
 
 namespace uplink::http {
@@ -32,6 +35,14 @@ struct Request {
   std::string fetch_site{};
   /// The request must have one Host header: it is of HTTP/1.1, or has several.
   bool host_required = false;
+  /// The header Authorization; nothing: there is none.
+  std::optional<std::string> authorization{};
+  /// Null: the connection has shown none.
+  std::shared_ptr<const PeerCertificate> certificate{};
+  /// Where it comes from: the connection's peer, or the one for whom that says to ask.
+  Source source{};
+  /// The same for the log.
+  std::string from = "unknown";
   /// The connection is kept for probes and scrapes.
   bool monitoring_only = false;
   /// Where it came in.
@@ -59,6 +70,10 @@ struct Response {
   std::string entity_tag{};
   /// Of a list that goes as lines: what the next page begins behind; empty: this is the last one.
   std::string next_page_token{};
+  /// Value of the WWW-Authenticate header; empty: none.
+  std::string_view authenticate{};
+  /// Value of the Retry-After header; zero: that of every 503, or none.
+  std::chrono::seconds retry_after{0};
   /// The connection ends after it.
   bool closes = false;
   /// What really failed, for the log alone.

@@ -46,8 +46,9 @@ bool MayGiveWay(const Places::Place& place, SteadyTime now) {
 
 }  // namespace
 
-Places::Room Places::MakeRoom(const Source& source, SteadyTime now) {
-  const bool has_its_share = source_share_ > 0 && TakenBy(source) >= source_share_;
+Places::Room Places::MakeRoom(const Source& source, SteadyTime now, Of of) {
+  const bool has_its_share =
+      source_share_ > 0 && of == Of::kSource && TakenBy(source) >= source_share_;
   if (!has_its_share && taken_.size() < places_) return Room::kFree;
   Handle first = taken_.end();
   for (Handle place = taken_.begin(); place != taken_.end(); ++place) {
@@ -62,14 +63,15 @@ Places::Room Places::MakeRoom(const Source& source, SteadyTime now) {
   return Room::kGivenWay;
 }
 
-Places::Handle Places::Take(PlaceHolder& holder, const Source& source, SteadyTime now) {
+Places::Handle Places::Take(PlaceHolder& holder, const Source& source, SteadyTime now, Of of) {
   const bool monitoring_only = others_ + kMonitoringPlaces >= places_;
   if (!monitoring_only) ++others_;
   return taken_.insert(taken_.end(), {.holder = &holder,
                                       .state = State::kNew,
                                       .since = now,
                                       .source = source,
-                                      .monitoring_only = monitoring_only});
+                                      .monitoring_only = monitoring_only,
+                                      .shares = of == Of::kSource});
 }
 
 void Places::Leave(Handle place) {
@@ -83,7 +85,7 @@ void Places::Note(Handle place, State state, SteadyTime now) {
 }
 
 bool Places::Crowded(Handle place) const {
-  if (source_share_ == 0) return false;
+  if (source_share_ == 0 || !place->shares) return false;
   return 2 * taken_.size() > places_ || 2 * TakenBy(place->source) > source_share_;
 }
 

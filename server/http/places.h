@@ -34,7 +34,8 @@ class PlaceHolder {
 /// just come gives way last, for a probe among many that come at once is not read yet.
 ///
 /// A source may have a share of the places. Where it has all of that, its own connections alone
-/// give way to its further one, so that it keeps no other source out.
+/// give way to its further one, so that it keeps no other source out. A proxy speaks for many, and
+/// has no share.
 ///
 /// Confined to one thread.
 class Places final {
@@ -59,8 +60,11 @@ class Places final {
     Source source{};
     /// It answers probes and scrapes alone.
     bool monitoring_only = false;
+    bool shares = true;
   };
   using Handle = std::list<Place>::iterator;
+  /// Whether a connection counts in its source's share.
+  enum class Of : std::uint8_t { kSource, kProxy };
 
   /// `places`: over kMonitoringPlaces. `source_share`: places that one source has at most; 0: all.
   explicit Places(std::size_t places, std::size_t source_share = 0)
@@ -70,9 +74,10 @@ class Places final {
 
   /// Whether there is a place for this source; if not, a connection gives way if one may.
   enum class Room : std::uint8_t { kFree, kGivenWay, kNone };
-  [[nodiscard]] Room MakeRoom(const Source& source, SteadyTime now);
+  [[nodiscard]] Room MakeRoom(const Source& source, SteadyTime now, Of of = Of::kSource);
   /// After MakeRoom found some.
-  [[nodiscard]] Handle Take(PlaceHolder& holder, const Source& source, SteadyTime now);
+  [[nodiscard]] Handle Take(PlaceHolder& holder, const Source& source, SteadyTime now,
+                            Of of = Of::kSource);
   void Leave(Handle place);
   static void Note(Handle place, State state, SteadyTime now);
   /// Whether the connection should end with its answer, because over half of all places, or of its

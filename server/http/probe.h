@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "metrics/cells.h"
+#include "server/http/denied.h"
 #include "server/http/listeners.h"
 #include "server/http/routes.h"
 
@@ -36,6 +37,10 @@ struct HttpProbe {
   metrics::Cell metrics_waiting;
   /// Scrapes of robots that wait for their thread.
   metrics::Cell scrapes_waiting;
+  /// By Denied.
+  std::array<metrics::Cell, kDeniedTexts.size()> denied;
+  /// Tokens of http.tokens_file.
+  metrics::Cell tokens;
 
   void CountRequest(RouteId route, int status) {
     const std::size_t code_class = status < 300 ? 0 : status < 400 ? 1 : status < 500 ? 2 : 3;

@@ -10,33 +10,41 @@
 namespace uplink::http {
 namespace {
 
+constexpr Needs kProbe{Right::kAnyone};
+constexpr Needs kScrapeRobots{Right::kScrape};
+constexpr Needs kScrapeServer{Right::kScrape, true};
+constexpr Needs kReadFleets{Right::kRead};
+constexpr Needs kReadServer{Right::kRead, true};
+constexpr Needs kOperateServer{Right::kOperate, true};
+
 constexpr auto kRoutes = std::to_array<Route>({
-    {"/livez", "livez", Lane::kIo, GetLivez},
-    {"/readyz", "readyz", Lane::kIo, GetReadyz},
-    {"/metrics", "metrics", Lane::kMetrics, GetMetrics},
-    {"/metrics/robots", "metrics_robots", Lane::kScrape, GetRobotMetrics},
-    {"/api/v1/status", "status", Lane::kMemory, GetStatus},
-    {"/api/v1/openapi.yaml", "openapi", Lane::kMemory, GetOpenapi, nullptr, true},
-    {"/api/v1/config", "config", Lane::kMemory, GetConfig},
-    {"/api/v1/robots", "robots", Lane::kMemory, GetRobots, RobotsReadStore, true},
-    {"/api/v1/robots/{}", "robot", Lane::kRead, GetRobot, nullptr, true},
-    {"/api/v1/robot", "robot_by_ruri", Lane::kRead, GetRobot, nullptr, true},
-    {"/api/v1/robot/story", "robot_story", Lane::kRead, GetStory},
-    {"/api/v1/fleets", "fleets", Lane::kMemory, GetFleets},
-    {"/api/v1/top", "top", Lane::kMemory, GetTop},
-    {"/api/v1/events", "events", Lane::kRead, GetEvents},
-    {"/api/v1/messages", "messages", Lane::kRead, GetMessages},
-    {"/api/v1/connections", "connections", Lane::kRead, GetConnections},
-    {"/api/v1/presence", "presence", Lane::kRead, GetPresence},
-    {"/api/v1/quarantine", "quarantine", Lane::kRead, GetQuarantine},
-    {"/api/v1/gaps", "gaps", Lane::kRead, GetGaps},
-    {"/api/v1/scope-updates", "scope_updates", Lane::kRead, GetScopeUpdates},
-    {"/api/v1/faults", "faults", Lane::kRead, GetFaults},
-    {"/api/v1/missions", "missions", Lane::kRead, GetMissions},
-    {"/api/v1/mission-reports", "mission_reports", Lane::kRead, GetMissionReports},
-    {"/api/v1/operator-requests", "operator_requests", Lane::kRead, GetOperatorRequests},
-    {"/api/v1/shapes", "shapes", Lane::kRead, GetShapes},
-    {"/api/v1/objects", "objects", Lane::kRead, GetObjects},
+    {"/livez", "livez", Lane::kIo, kProbe, GetLivez},
+    {"/readyz", "readyz", Lane::kIo, kProbe, GetReadyz},
+    {"/metrics", "metrics", Lane::kMetrics, kScrapeServer, GetMetrics},
+    {"/metrics/robots", "metrics_robots", Lane::kScrape, kScrapeRobots, GetRobotMetrics},
+    {"/api/v1/status", "status", Lane::kMemory, kReadServer, GetStatus},
+    {"/api/v1/openapi.yaml", "openapi", Lane::kMemory, kReadFleets, GetOpenapi, nullptr, true},
+    {"/api/v1/config", "config", Lane::kMemory, kOperateServer, GetConfig},
+    {"/api/v1/robots", "robots", Lane::kMemory, kReadFleets, GetRobots, RobotsReadStore, true},
+    {"/api/v1/robots/{}", "robot", Lane::kRead, kReadFleets, GetRobot, nullptr, true},
+    {"/api/v1/robot", "robot_by_ruri", Lane::kRead, kReadFleets, GetRobot, nullptr, true},
+    {"/api/v1/robot/story", "robot_story", Lane::kRead, kReadFleets, GetStory},
+    {"/api/v1/fleets", "fleets", Lane::kMemory, kReadFleets, GetFleets},
+    {"/api/v1/top", "top", Lane::kMemory, kReadFleets, GetTop},
+    {"/api/v1/events", "events", Lane::kRead, kReadFleets, GetEvents},
+    {"/api/v1/messages", "messages", Lane::kRead, kReadFleets, GetMessages},
+    {"/api/v1/connections", "connections", Lane::kRead, kReadFleets, GetConnections},
+    {"/api/v1/presence", "presence", Lane::kRead, kReadFleets, GetPresence},
+    {"/api/v1/quarantine", "quarantine", Lane::kRead, kReadFleets, GetQuarantine},
+    {"/api/v1/gaps", "gaps", Lane::kRead, kReadFleets, GetGaps},
+    {"/api/v1/scope-updates", "scope_updates", Lane::kRead, kReadFleets, GetScopeUpdates},
+    {"/api/v1/faults", "faults", Lane::kRead, kReadFleets, GetFaults},
+    {"/api/v1/missions", "missions", Lane::kRead, kReadFleets, GetMissions},
+    {"/api/v1/mission-reports", "mission_reports", Lane::kRead, kReadFleets, GetMissionReports},
+    {"/api/v1/operator-requests", "operator_requests", Lane::kRead, kReadFleets,
+     GetOperatorRequests},
+    {"/api/v1/shapes", "shapes", Lane::kRead, kReadFleets, GetShapes},
+    {"/api/v1/objects", "objects", Lane::kRead, kReadFleets, GetObjects},
 });
 
 }  // namespace

@@ -18,6 +18,25 @@ struct Sources;
 /// scrape on a thread for each listener; the robots' scrape on one thread for all.
 enum class Lane : std::uint8_t { kIo, kMemory, kRead, kMetrics, kScrape };
 
+/// What a caller needs to ask for a path. Closed; rights.cc says which roles have which.
+enum class Right : std::uint8_t {
+  /// Nothing: probes.
+  kAnyone,
+  /// Scrapes.
+  kScrape,
+  /// Data.
+  kRead,
+  /// How the server is set up.
+  kOperate,
+};
+
+/// What a path needs of its caller. A value.
+struct Needs {
+  Right right = Right::kRead;
+  /// It speaks of the whole server, so a scope of all fleets, too.
+  bool whole = false;
+};
+
 /// A path and what answers it. Immutable.
 struct Route {
   /// As MatchPath takes it: `{}` stands for one segment.
@@ -25,6 +44,7 @@ struct Route {
   /// The label of its requests in the metrics.
   std::string_view name;
   Lane lane;
+  Needs needs;
   Response (*handler)(const Sources&, const RoutedRequest&);
   /// Of Lane::kMemory: whether this request is one of Lane::kRead; null: none is.
   bool (*reads_store)(const RoutedRequest&) = nullptr;

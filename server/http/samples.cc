@@ -35,6 +35,10 @@ void AddSamples(const HttpProbe& probe, const ConnectionsMax& connections_max,
   page.Add(kHttpReadsWaiting, probe.reads_waiting);
   page.Add(kHttpReadsWaitingLimit, loop::kReadsWaitingMax);
   page.Add(kHttpReadsRefused, probe.reads_refused);
+  for (std::size_t why = 0; why < kDeniedTexts.size(); ++why) {
+    page.Add(kHttpDenied, probe.denied[why], {kDeniedTexts[why]});
+  }
+  page.Add(kHttpTokens, probe.tokens);
 }
 
 }  // namespace uplink::http

@@ -1,6 +1,7 @@
 #include "server/http/target.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "server/http/header_text.h"
@@ -8,7 +9,15 @@
 namespace uplink::http {
 namespace {
 
-constexpr std::string_view kScheme = "http://";
+constexpr std::array<std::string_view, 2> kSchemes{"http://", "https://"};
+
+/// Bytes of the scheme that a target in absolute-form begins with; 0: it begins with none.
+std::size_t SchemeBytes(std::string_view target) {
+  for (const std::string_view scheme : kSchemes) {
+    if (SameWord(target.substr(0, scheme.size()), scheme)) return scheme.size();
+  }
+  return 0;
+}
 
 int HexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -43,12 +52,10 @@ Target SplitTarget(std::string_view target) {
   return {target.substr(0, mark), target.substr(mark + 1)};
 }
 
-bool IsAbsolute(std::string_view target) {
-  return SameWord(target.substr(0, kScheme.size()), kScheme);
-}
+bool IsAbsolute(std::string_view target) { return SchemeBytes(target) > 0; }
 
 std::optional<AbsoluteTarget> SplitAbsolute(std::string_view target) {
-  target.remove_prefix(std::min(kScheme.size(), target.size()));
+  target.remove_prefix(SchemeBytes(target));
   const std::size_t end = std::min(target.find_first_of("/?"), target.size());
   const std::string_view authority = target.substr(0, end);
   if (authority.empty() || authority.front() == ':' || authority.find('@') != authority.npos) {

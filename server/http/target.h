@@ -26,7 +26,7 @@ struct AbsoluteTarget {
   std::string target;
 };
 
-/// Whether a target begins with `http://`, in any case.
+/// Whether a target begins with `http://` or `https://`, in any case.
 [[nodiscard]] bool IsAbsolute(std::string_view target);
 /// Takes such a target apart; nothing if its host is empty or it names a user.
 [[nodiscard]] std::optional<AbsoluteTarget> SplitAbsolute(std::string_view target);

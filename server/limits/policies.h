@@ -31,6 +31,7 @@ enum class PolicyId : std::uint8_t {
   kPongsOfName,
   kPongs,
   kHandshakesOfSource,
+  kFailedProofsOfSource,
 };
 
 /// One sender's share of something. A value.
@@ -122,6 +123,10 @@ inline constexpr auto kPolicies = std::to_array<Policy>({
     // wait.
     {.id = PolicyId::kHandshakesOfSource, .of = "handshakes", .whose = "a source address",
      .most = 20, .at_once = 40, .keys_max = 8'192, .shown = metrics::MetricId::kHandshakesWaiting},
+    // A good proof passes all the same, so a source that is forgotten gains only the other answer.
+    {.id = PolicyId::kFailedProofsOfSource, .of = "wrong tokens and certificates",
+     .whose = "a source address", .most = 10, .at_once = 10, .per = std::chrono::seconds(60),
+     .keys_max = 4'096, .shown = metrics::MetricId::kHttpDenied},
 });
 // clang-format on
 

@@ -58,8 +58,8 @@ struct EventLoop::Context {
   std::jthread thread;
 };
 
-EventLoop::EventLoop(const log::Logger& logger)
-    : logger_(logger), context_(std::make_unique<Context>()) {}
+EventLoop::EventLoop(const log::Logger& logger, const char* name)
+    : logger_(logger), name_(name), context_(std::make_unique<Context>()) {}
 
 EventLoop::~EventLoop() { Stop(); }
 
@@ -83,7 +83,7 @@ asio::io_context& EventLoop::io() { return context_->io; }
 
 void EventLoop::Start() {
   context_->thread = std::jthread([this] { Run(); });
-  pthread_setname_np(context_->thread.native_handle(), "io");
+  pthread_setname_np(context_->thread.native_handle(), name_);
 }
 
 void EventLoop::Stop() {

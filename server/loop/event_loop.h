@@ -13,15 +13,16 @@ class io_context;
 
 namespace uplink::loop {
 
-/// The thread `io`, which waits for sockets, signals and timers: those of HTTP, of the presence
-/// sweep, of the handshake probe.
+/// A thread that waits for sockets, signals and timers. The thread `io` has those of HTTP, of the
+/// presence sweep, of the handshake probe.
 ///
 /// Jobs run on the loop's thread, must be short, and must not throw.
 /// Thread: Every and OnSignals before Start, or on the loop's; Stop by the owner. The rest: any
 /// thread.
 class EventLoop final {
  public:
-  explicit EventLoop(const log::Logger& logger);
+  /// `name`: the thread's, at most 15 bytes.
+  explicit EventLoop(const log::Logger& logger, const char* name = "io");
   /// Stops, then drops what is still queued.
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
@@ -48,6 +49,7 @@ class EventLoop final {
   void Run();
 
   const log::Logger& logger_;
+  const char* const name_;
   std::unique_ptr<Context> context_;
 };
 

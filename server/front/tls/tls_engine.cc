@@ -11,6 +11,7 @@
 #include <openssl/x509.h>
 
 #include "schema/base/check.h"
+#include "server/transport/tls_settings.h"
 
 namespace uplink::front {
 
@@ -47,12 +48,6 @@ long ControlBuffers(BIO* /*bio*/, int command, long /*number*/, void* /*pointer*
 int CreateBuffers(BIO* bio) {
   BIO_set_init(bio, 1);
   return 1;
-}
-
-/// Whether a chain with this X509_V_ERR_... is still one that our authorities signed.
-bool IsTrusted(int error, int depth) {
-  if (error == X509_V_ERR_CERT_HAS_EXPIRED || error == X509_V_ERR_CERT_NOT_YET_VALID) return true;
-  return error == X509_V_ERR_INVALID_PURPOSE && depth == 0;
 }
 
 SSL* New(const TlsContext& context) {
@@ -92,7 +87,7 @@ TlsEngine::~TlsEngine() { SSL_free(ssl_); }
 int TlsEngine::OnVerified(int good, X509_STORE_CTX* store) {
   if (good == 1) return 1;
   const int error = X509_STORE_CTX_get_error(store);
-  if (!IsTrusted(error, X509_STORE_CTX_get_error_depth(store))) return 0;
+  if (!transport::IsTrusted(error, X509_STORE_CTX_get_error_depth(store))) return 0;
   const auto* ssl = static_cast<const SSL*>(
       X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
   auto* engine = static_cast<TlsEngine*>(SSL_get_app_data(ssl));

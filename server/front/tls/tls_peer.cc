@@ -6,28 +6,9 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include "server/transport/tls_settings.h"
+
 namespace uplink::front {
-namespace {
-
-/// The message to the peer of a trusted chain with this X509_V_ERR_....
-absl::Status SentenceOf(int verify_error) {
-  switch (verify_error) {
-    case X509_V_ERR_CERT_HAS_EXPIRED:
-      return absl::UnauthenticatedError(
-          "client certificate: it, or one that signed it, has expired");
-    case X509_V_ERR_CERT_NOT_YET_VALID:
-      return absl::UnauthenticatedError(
-          "client certificate: it, or one that signed it, is not valid yet");
-    case X509_V_ERR_INVALID_PURPOSE:
-      return absl::UnauthenticatedError(
-          "client certificate: its key usage or extended key usage lacks what a client needs");
-    default:  // TlsEngine lets no other through
-      return absl::UnauthenticatedError("client certificate: it is not valid");
-  }
-}
-
-}  // namespace
-
 milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
   return identity.ok() && vouched ? std::min<milliseconds>(expiry - now, kFarAway) : kFarAway;
 }
@@ -57,7 +38,7 @@ TlsPeer PeerOf(const SSL* connection, int verify_error) {
   } else {
     peer.subject = identity::SubjectOf(*certificate);
   }
-  if (verify_error != X509_V_OK) peer.identity = SentenceOf(verify_error);
+  if (verify_error != X509_V_OK) peer.identity = transport::FlawOfTrusted(verify_error);
   ERR_clear_error();
   return peer;
 }

@@ -1,5 +1,9 @@
 #include "server/http/entrance.h"
 
+#include <chrono>
+#include <memory>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -148,6 +152,49 @@ TEST_F(EntranceTest, OnTheListenerOfMetricsThereAreProbesAndScrapesAlone) {
   request.method = Method::kOther;
   EXPECT_EQ(ask("/metrics").run().status, 405);
   EXPECT_EQ(ask("/api/v1/status").run().status, 404);
+}
+
+TEST_F(EntranceTest, ATokenInTheAddressIsRefusedEverywhere) {
+  entrance_.Open(world_.site);
+  for (const char* target :
+       {"/api/v1/robots?token=x", "/api/v1/robots?fleet=a&access_token=x", "/livez?token",
+        "/nowhere?%74oken=x", "http://localhost/metrics?token=x"}) {
+    const Response response = Ask(target).run();
+    EXPECT_EQ(response.status, 400) << target;
+    EXPECT_THAT(response.body, HasSubstr("Authorization: Bearer")) << target;
+  }
+}
+
+TEST_F(EntranceTest, TheGuardStandsBehindHostAndOriginAndBeforeTheSite) {
+  Guard guard({world_.clock, world_.logger, world_.http_probe}, {.asks = true});
+  Entrance guarded{KnownHosts({"uplink.example.org"}), Entrance::Covered::kData, &guard};
+  Request request{Method::kGet, ""};
+  request.host = "127.0.0.1";
+  const auto status = [&](const char* target) {
+    request.target = target;
+    return guarded.Resolve(request).run().status;
+  };
+  for (const bool opened : {false, true}) {
+    if (opened) guarded.Open(world_.site);
+    EXPECT_EQ(status("/api/v1/robots"), 401);
+    EXPECT_EQ(status("/metrics"), 401);
+    EXPECT_EQ(status("/nowhere"), 401);
+    EXPECT_EQ(status("/livez"), 200);
+  }
+  request.method = Method::kOther;
+  EXPECT_EQ(status("/api/v1/robots"), 401);
+  EXPECT_EQ(status("/livez"), 405);
+  request.method = Method::kGet;
+  request.certificate = std::make_shared<const PeerCertificate>(
+      PeerCertificate{.identity = identity::PeerIdentity{identity::Role::kAdmin, "*"},
+                      .subject = "CN=anna",
+                      .expiry = world_.clock.System() + std::chrono::hours(1)});
+  EXPECT_EQ(status("/api/v1/robots"), 200);
+  EXPECT_EQ(status("/nowhere"), 404);
+  request.fetch_site = "cross-site";
+  EXPECT_EQ(status("/api/v1/robots"), 403);
+  request.host = "elsewhere.example";
+  EXPECT_EQ(status("/api/v1/robots"), 421);
 }
 
 TEST_F(EntranceTest, APageOfAnotherSiteIsShownNoData) {

@@ -42,6 +42,20 @@ TEST(Errors, AReadAtItsLimitIs504AndNamesIt) {
   EXPECT_THAT(response.body, HasSubstr("store.timeout"));
 }
 
+TEST(Errors, WhoHasNotShownWhoItIsLearnsHow) {
+  const Response none = Unauthenticated("show who you are");
+  EXPECT_EQ(none.status, 401);
+  EXPECT_EQ(none.authenticate, "Bearer");
+  const Response invalid = InvalidToken("the token has expired");
+  EXPECT_EQ(invalid.status, 401);
+  EXPECT_EQ(invalid.authenticate, R"(Bearer error="invalid_token")");
+  EXPECT_EQ(Forbid("x").status, 403);
+  const Response later = TooManyFailures(std::chrono::seconds(60));
+  EXPECT_EQ(later.status, 429);
+  EXPECT_EQ(later.retry_after, std::chrono::seconds(60));
+  EXPECT_EQ(TokenInAddress().status, 400);
+}
+
 TEST(Errors, AStoreThatIsAwayIs503) {
   EXPECT_EQ(ErrorResponse(absl::UnavailableError("x")).status, 503);
   EXPECT_EQ(ErrorResponse(absl::InternalError("x")).status, 500);

@@ -175,6 +175,15 @@ TEST_F(SharedPlacesTest, ASourceThatIsAnsweredHasItsShareAndNoMore) {
   EXPECT_EQ(MakeRoom(1), Room::kFree);
 }
 
+TEST_F(SharedPlacesTest, AProxyHasNoShare) {
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    ASSERT_EQ(places_.MakeRoom(SourceAt(1), clock_.Steady(), Places::Of::kProxy), Room::kFree) << i;
+    taken_.push_back(
+        places_.Take(holders_.emplace_back(), SourceAt(1), clock_.Steady(), Places::Of::kProxy));
+  }
+  for (const Places::Handle& place : taken_) EXPECT_FALSE(places_.Crowded(place));
+}
+
 TEST_F(SharedPlacesTest, ASourceThatHasItsShareGivesWayToItselfAlone) {
   Take(2, 1, State::kIdle);
   Take(1, kShare - 1, State::kBusy);

@@ -35,6 +35,21 @@ TEST(Routes, EachPathAndLabelStandsThereOnce) {
   }
 }
 
+// The only place beside the table that says so: who changes one looks at the other.
+TEST(Routes, NeedWhatTheTableOfRightsSays) {
+  using std::string_view_literals::operator""sv;
+  for (const Route& route : Routes()) {
+    const bool data = route.pattern.starts_with("/api/v1/");
+    Needs needs{data ? Right::kRead : Right::kScrape};
+    if (route.pattern == "/livez"sv || route.pattern == "/readyz"sv) needs = {Right::kAnyone};
+    if (route.pattern == "/api/v1/config"sv) needs.right = Right::kOperate;
+    needs.whole = route.pattern == "/api/v1/config"sv || route.pattern == "/api/v1/status"sv ||
+                  route.pattern == "/metrics"sv;
+    EXPECT_EQ(route.needs.right, needs.right) << route.pattern;
+    EXPECT_EQ(route.needs.whole, needs.whole) << route.pattern;
+  }
+}
+
 TEST(Routes, AProbeCountsEachAndAllOthers) {
   HttpProbe probe;
   ASSERT_EQ(probe.requests.size(), RouteIds());

@@ -47,8 +47,9 @@ TEST(SplitAbsolute, FindsTheAuthorityAndTheRest) {
   };
   for (const Case& each :
        {Case{"http://a/b?c=http://d/", "a", "/b?c=http://d/"},
-        Case{"HTTP://a:7480/", "a:7480", "/"}, Case{"http://[::1]", "[::1]", "/"},
-        Case{"http://a?b", "a", "/?b"}, Case{"http://a//b", "a", "//b"}}) {
+        Case{"HTTP://a:7480/", "a:7480", "/"}, Case{"https://a:7480/b", "a:7480", "/b"},
+        Case{"http://[::1]", "[::1]", "/"}, Case{"http://a?b", "a", "/?b"},
+        Case{"http://a//b", "a", "//b"}}) {
     ASSERT_TRUE(IsAbsolute(each.target)) << each.target;
     const auto whole = SplitAbsolute(each.target);
     ASSERT_TRUE(whole) << each.target;
@@ -62,7 +63,7 @@ TEST(SplitAbsolute, FindsNoHostWhereNoneIs) {
     ASSERT_TRUE(IsAbsolute(bad)) << bad;
     EXPECT_FALSE(SplitAbsolute(bad)) << bad;
   }
-  for (const char* other : {"", "/", "*", "http:/", "https://a/b", "/http://a/b", "a:80"}) {
+  for (const char* other : {"", "/", "*", "http:/", "ftp://a/b", "/http://a/b", "a:80"}) {
     EXPECT_FALSE(IsAbsolute(other)) << other;
   }
 }

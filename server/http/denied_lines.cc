@@ -1,0 +1,35 @@
+#include "server/http/denied_lines.h"
+
+#include <utility>
+
+namespace uplink::http {
+
+void DeniedLines::Window::Turn(SteadyTime now) {
+  if (lines > 0 && now < start + kSpan) return;
+  start = now;
+  lines = 0;
+}
+
+void DeniedLines::Write(const Line& line, const Source& source, SteadyTime now) {
+  std::uint64_t suppressed = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    Window& window = sources_.Touch(source);
+    window.Turn(now);
+    all_.Turn(now);
+    if (window.lines >= kLinesPerSource || all_.lines >= kLinesMax) {
+      ++window.suppressed;
+      return;
+    }
+    ++window.lines;
+    ++all_.lines;
+    suppressed = std::exchange(window.suppressed, 0);
+  }
+  logger_.Warn("http_denied", {{"why", ToText(line.why)},
+                               {"route", line.route},
+                               {"name", line.name},
+                               {"from", line.from},
+                               {"suppressed", suppressed}});
+}
+
+}  // namespace uplink::http
