@@ -226,8 +226,12 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
   error = connection_->Read(parser);
   if (error) {
     const std::string why = WhyOf(error, limits_.deadline);
-    const bool closed = fresh && error == http::error::end_of_stream && server_.tls == nullptr;
-    return Failed(target, "read", closed && !host_.empty() ? why + "; does it want https?" : why);
+    const bool broke_off = error == http::error::end_of_stream ||
+                           error == http::error::partial_message ||
+                           error == asio::error::connection_reset;
+    // A server that wants TLS closes, perhaps after an alert.
+    const bool wants_tls = fresh && broke_off && server_.tls == nullptr && !host_.empty();
+    return Failed(target, "read", wants_tls ? why + "; does it want https?" : why);
   }
   auto response = parser.release();
   if (!response.keep_alive()) connection_.reset();

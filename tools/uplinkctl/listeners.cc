@@ -40,8 +40,8 @@ std::vector<Listener> ListenersOf(const config::Config& config) {
 ServerUrl OwnUrl(const config::Config& config) {
   config::ListenAddress address = config.listen.http;
   if (config::IsUnix(address)) return {.address = address.path};
-  if (address.host == "0.0.0.0") address.host = "127.0.0.1";
-  if (address.host == "::") address.host = "::1";
+  // [::] serves IPv4 too, and a container may have no ::1.
+  if (address.host == "0.0.0.0" || address.host == "::") address.host = "127.0.0.1";
   // The address of a connection within a machine is on both ends.
   const bool plain = config::Contains(config.http.plain_from, StorageOf(address.host));
   return {.address = config::ToText(address), .tls = config::SpeaksTls(config.http) && !plain};

@@ -40,9 +40,8 @@ SocketTrial TryToConnect(const std::string& path) {
   std::memcpy(static_cast<char*>(address.sun_path), path.data(), path.size());
   const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) return {errno};
-  const int result = ::connect(socket, reinterpret_cast<const sockaddr*>(&address),
-                               sizeof address);  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast):
-                                                 // connect takes it so
+  const void* const place = &address;
+  const int result = ::connect(socket, static_cast<const sockaddr*>(place), sizeof address);
   const int error = result == 0 ? 0 : errno;
   SocketTrial trial;
   if (error == ECONNREFUSED) {

@@ -48,7 +48,7 @@ TEST(Listeners, AClientOnTheMachineAsksAListenerOnAllAddressesOnLoopback) {
   config.listen.http.host = "0.0.0.0";
   EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
   config.listen.http.host = "::";
-  EXPECT_EQ(ToText(OwnUrl(config)), "http://[::1]:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
   config.listen.http = {.host = {}, .port = 0, .path = "/run/uplinkd/http.sock"};
   EXPECT_EQ(ToText(OwnUrl(config)), "unix:/run/uplinkd/http.sock");
 }
@@ -62,9 +62,9 @@ TEST(Listeners, HttpsIsSpokenWhereTheMachineMustNotDoWithout) {
   config.http.plain_from = {*config::Network::Parse("192.0.2.0/24")};
   EXPECT_EQ(ToText(OwnUrl(config)), "http://192.0.2.7:7480");
   config.listen.http.host = "::";
-  EXPECT_EQ(ToText(OwnUrl(config)), "https://[::1]:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "https://127.0.0.1:7480");
   config.http.tls_certificate_file = "";
-  EXPECT_EQ(ToText(OwnUrl(config)), "http://[::1]:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
 }
 
 }  // namespace

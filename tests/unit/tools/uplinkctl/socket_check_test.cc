@@ -26,7 +26,8 @@ class ListeningAt final {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(static_cast<char*>(address.sun_path), path.data(), path.size());
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const void* const place = &address;
+    EXPECT_EQ(::bind(socket_, static_cast<const sockaddr*>(place), sizeof address), 0);
     EXPECT_EQ(::listen(socket_, 1), 0);
   }
   ~ListeningAt() { ::close(socket_); }
