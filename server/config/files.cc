@@ -15,6 +15,7 @@
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
 #include "server/identity/server_pair.h"
+#include "server/identity/token_file.h"
 
 namespace uplink::config {
 namespace {
@@ -112,6 +113,16 @@ void CheckHttpFiles(const HttpConfig& http, std::vector<Problem>& problems) {
   CheckPair({"http.tls.certificate_file", http.tls_certificate_file, "http.tls.key_file",
              http.tls_key_file, identity::CheckServerPair},
             problems);
+  const auto add = [&problems](const std::string& key, const std::string& path,
+                               const absl::Status& good) {
+    if (!good.ok()) problems.push_back({path, key, WithoutPath(path, good)});
+  };
+  if (const std::string& path = http.tokens_file; !path.empty()) {
+    add("http.tokens_file", path, identity::ReadTokenFile(path).status());
+  }
+  if (const std::string& path = http.metrics_token_file; !path.empty()) {
+    add("http.metrics_token_file", path, identity::ReadScrapeToken(path).status());
+  }
 }
 
 }  // namespace

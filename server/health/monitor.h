@@ -41,6 +41,7 @@ class Monitor final {
     std::function<bool()> live_state_over = [] { return false; };
     std::function<BrokerFacts()> broker = [] { return BrokerFacts(); };
     std::function<bool()> series_left_out = [] { return false; };
+    std::function<bool()> tokens_unread = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

@@ -43,6 +43,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"series_max", [](const Facts& facts) { return facts.series_left_out; }},
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
+    {"tokens_unread", [](const Facts& facts) { return facts.tokens_unread; }},
     {"descriptors",
      [](const Facts& facts) { return facts.descriptors.above(kDescriptorsPercent); }},
 });

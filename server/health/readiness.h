@@ -57,6 +57,8 @@ struct ReadinessFacts {
   SystemTime certificate_expiry;
   /// The PEM files on disk are the ones served.
   bool certificate_fits = true;
+  /// A file of tokens cannot be read; those that were good last count.
+  bool tokens_unread = false;
   Fill robots;
   bool store_failing = false;
   /// Acked records may be lost in a power failure, which the operator accepted.

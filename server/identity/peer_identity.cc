@@ -112,10 +112,10 @@ absl::StatusOr<std::vector<std::string>> RurisOf(const X509& certificate) {
 
 absl::StatusOr<Role> RoleOf(const std::optional<std::string>& unit) {
   if (!unit) return Role::kRobot;
-  for (const Role role :
-       {Role::kRobot, Role::kGateway, Role::kViewer, Role::kOperator, Role::kAdmin}) {
+  for (const Role role : {Role::kRobot, Role::kGateway}) {
     if (*unit == ToText(role)) return role;
   }
+  if (const std::optional<Role> role = AskingRoleOf(*unit)) return *role;
   return Wrong(fmt::format("its OU is {}, which is no role", Shown(*unit)));
 }
 
@@ -142,6 +142,7 @@ absl::Status CheckRole(const PeerIdentity& identity, std::size_t count) {
     case Role::kViewer:
     case Role::kOperator:
     case Role::kAdmin:
+    case Role::kMetrics:
       if (count > 0) {
         return Wrong(
             fmt::format("its OU is {} and it has an rcan:// URI, which only robots and "
@@ -167,8 +168,17 @@ std::string_view ToText(Role role) {
       return "operator";
     case Role::kAdmin:
       return "admin";
+    case Role::kMetrics:
+      return "metrics";
   }
   return "";
+}
+
+std::optional<Role> AskingRoleOf(std::string_view text) {
+  for (const Role role : kAskingRoles) {
+    if (text == ToText(role)) return role;
+  }
+  return std::nullopt;
 }
 
 absl::StatusOr<PeerIdentity> IdentityOf(X509& certificate) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,9 +15,14 @@
 namespace uplink::identity {
 
 /// The role of a certificate's holder, from its subject (protocol: Certificates). Closed.
-enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin };
+enum class Role : std::uint8_t { kRobot, kGateway, kViewer, kOperator, kAdmin, kMetrics };
+/// The roles of people and programs that ask. A metrics role scrapes, and no more.
+inline constexpr std::array<Role, 4> kAskingRoles = {Role::kViewer, Role::kOperator, Role::kAdmin,
+                                                     Role::kMetrics};
 
 [[nodiscard]] std::string_view ToText(Role role);
+/// One of kAskingRoles; nothing for any other text.
+[[nodiscard]] std::optional<Role> AskingRoleOf(std::string_view text);
 
 /// Bytes of a subject that are kept; a longer one is cut.
 inline constexpr std::size_t kSubjectBytesMax = 256;

@@ -28,10 +28,14 @@ inline constexpr std::size_t kTokenNoteMax = 200;
 /// The SHA-256 of a whole token.
 using TokenHash = std::array<std::uint8_t, 32>;
 
+[[nodiscard]] TokenHash HashOfToken(std::string_view token);
+/// Whether the token has this hash. Its time tells nothing of how much of it is right.
+[[nodiscard]] bool HasHash(std::string_view token, const TokenHash& hash);
+
 /// One line of a file of tokens, which is a JSON object. A value.
 struct TokenEntry {
   /// 8 lower-case hexadecimal digits, the first of the hash: what people and logs call it.
-  std::string id;
+  std::string id{};
   Role role = Role::kViewer;
   Scope scope = Scope::Of({});
   /// Nothing: it never expires.
@@ -69,14 +73,15 @@ class TokenTable final {
   std::vector<TokenEntry> entries_;
 };
 
-/// The line that Parse reads back, without a line end.
+/// The line that Parse reads back, without a line end. Pure; any thread.
 [[nodiscard]] std::string LineOf(const TokenEntry& entry);
 
-/// A new token of `random`, and its hash.
+/// A new token of random bytes, and its hash. A value.
 struct NewToken {
   std::string token;
   TokenHash hash{};
 };
+/// Pure; any thread.
 [[nodiscard]] NewToken MakeToken(const std::array<std::uint8_t, kTokenRandomBytes>& random);
 
 }  // namespace uplink::identity

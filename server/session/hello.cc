@@ -88,6 +88,7 @@ absl::Status CheckPeer(const v1::Hello& hello, const identity::PeerIdentity& pee
     case identity::Role::kViewer:
     case identity::Role::kOperator:
     case identity::Role::kAdmin:
+    case identity::Role::kMetrics:
       break;
   }
   return absl::UnauthenticatedError(

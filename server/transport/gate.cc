@@ -35,6 +35,7 @@ Entrant EntrantOf(const identity::PeerIdentity& peer) {
     case identity::Role::kViewer:
     case identity::Role::kOperator:
     case identity::Role::kAdmin:
+    case identity::Role::kMetrics:
       break;
   }
   return {};

@@ -37,6 +37,8 @@ class Pki(EndToEnd):
             self.assertIn(part, robot)
         self.assertNotIn("OU=", robot)
         self.assertIn("OU=admin", self.text_of("operator"))
+        uplinkctl("pki", "operator", "--dir", self.pki, "--role", "metrics", "--fleet", "north", "--name", "scraper")
+        self.assertIn("OU=metrics", self.text_of("scraper"))
         self.assertIn("URI:rcan://a/1, URI:rcan://a/2", self.text_of("gateway"))
         self.assertIn("OU=gateway", self.text_of("gateway"))
 

@@ -8,9 +8,10 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "tools/pki/folder_lock.h"
 
 namespace uplink::pki {
 namespace {
@@ -47,25 +48,6 @@ bool WriteAll(int fd, const std::string& text) {
   }
   return fsync(fd) == 0;
 }
-
-/// Keeps other calls from writing into a folder, so that none takes the other's file aside for one
-/// that was left. A file system without such locks does without.
-class FolderLock {
- public:
-  explicit FolderLock(const std::string& folder)
-      : fd_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    while (fd_ >= 0 && flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-  }
-  ~FolderLock() {
-    if (fd_ >= 0) close(fd_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  const int fd_;
-};
 
 absl::Status WriteFile(const std::string& path, const std::string& text, Existing existing) {
   const std::filesystem::path whole(path);

@@ -14,8 +14,8 @@ namespace uplink::pki {
 struct Listed {
   /// Of its files.
   std::string name;
-  /// `authority`, `server`, `robot`, `gateway`, `viewer`, `operator`, `admin`; `unknown` if the
-  /// server would take it for nothing, and `why` says so.
+  /// `authority`, `server`, `robot`, `gateway`, `viewer`, `operator`, `admin`,
+  /// `metrics`; `unknown` if the server would take it for nothing, and `why` says so.
   std::string kind;
   std::string why;
   std::string fleet;

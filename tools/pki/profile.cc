@@ -10,6 +10,7 @@
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/ids.h"
 #include "server/identity/fleet_name.h"
+#include "server/identity/peer_identity.h"
 
 namespace uplink::pki {
 namespace {
@@ -137,8 +138,8 @@ absl::StatusOr<Profile> GatewayProfile(const std::vector<std::string>& ruris,
 
 absl::StatusOr<Profile> OperatorProfile(const std::string& role, const std::string& fleet,
                                         const std::string& name) {
-  if (role != "viewer" && role != "operator" && role != "admin") {
-    return Bad(fmt::format("role \"{}\": it must be viewer, operator or admin",
+  if (!identity::AskingRoleOf(role)) {
+    return Bad(fmt::format("role \"{}\": it must be viewer, operator, admin or metrics",
                            PrintableUtf8(role, kNameBytesMax)));
   }
   for (const absl::Status& status : {CheckFleet(fleet), CheckName("name", name)}) {

@@ -45,7 +45,7 @@ struct Profile {
                                                      const std::string& fleet,
                                                      const std::string& name);
 
-/// `role` is viewer, operator or admin; `fleet` may be `*` for all fleets.
+/// `role` is viewer, operator, admin or metrics; `fleet` may be `*` for all fleets.
 [[nodiscard]] absl::StatusOr<Profile> OperatorProfile(const std::string& role,
                                                       const std::string& fleet,
                                                       const std::string& name);

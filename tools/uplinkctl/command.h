@@ -22,6 +22,9 @@ void AddConfig(config::Flags& program);
 /// Adds the noun `store` and its verbs.
 void AddStore(config::Flags& program);
 
+/// Adds the noun `tokens` and its verbs.
+void AddTokens(config::Flags& program);
+
 /// Adds `health`, which has no verbs.
 void AddHealth(config::Flags& program);
 

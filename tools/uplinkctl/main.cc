@@ -19,6 +19,7 @@ int Run(int argc, char** argv) {
   AddConfig(program);
   AddStore(program);
   AddPki(program);
+  AddTokens(program);
   return program.Parse(argc, argv).value_or(kExitWrongUse);
 }
 

@@ -232,7 +232,7 @@ void AddOperator(config::Flags& noun) {
   AddName(flags, *request, "operator");
   flags.Add({"--fleet", "Fleet that the operator may see; *: all"}, request->fleet);
   flags.AddChoice({"--role", "What the operator may do"}, request->role,
-                  {"viewer", "operator", "admin"});
+                  {"viewer", "operator", "admin", "metrics"});
   flags.Example("uplinkctl pki operator --dir pki --role viewer --fleet north");
 }
 

@@ -76,6 +76,9 @@ TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
   ASSERT_TRUE(admin.ok()) << admin.status();
   EXPECT_EQ(admin->role, identity::Role::kAdmin);
   EXPECT_EQ(admin->fleet, "*");
+  const auto scraper = identity_of(OperatorProfile("metrics", "north", "prometheus"));
+  ASSERT_TRUE(scraper.ok()) << scraper.status();
+  EXPECT_EQ(scraper->role, identity::Role::kMetrics);
   // A server's certificate is no robot's or operator's identity.
   EXPECT_FALSE(identity_of(ServerProfile({"localhost", "::1"})).ok());
 }

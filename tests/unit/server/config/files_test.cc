@@ -107,6 +107,20 @@ TEST_F(ValidateFilesTest, ThePairOfHttpIsChecked) {
   EXPECT_THAT(problems[0].text, HasSubstr("h.key: is not the key of"));
 }
 
+TEST_F(ValidateFilesTest, TheFilesOfTokensAreChecked) {
+  config_.http.tokens_file = Write("tokens", "# none yet\n");
+  config_.http.metrics_token_file = Write("metrics", "0123456789abcdef\n");
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+  Write("tokens", "\nsecret\n");
+  Write("metrics", "short\n");
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(2));
+  EXPECT_EQ(problems[0].key, "http.tokens_file");
+  EXPECT_EQ(problems[0].text, "line 2: is no JSON object of a token");
+  EXPECT_EQ(problems[1].key, "http.metrics_token_file");
+  EXPECT_THAT(problems[1].text, StartsWith("its first line is no token"));
+}
+
 TEST_F(ValidateFilesTest, SaysWhenTheCertificateForABrokerHasExpired) {
   testing::CertificateSpec spec = testing::RobotSpec("rcan://a");
   spec.not_after_s = 60;

@@ -87,8 +87,11 @@ TEST(RelationsTest, TheModeOfTheSocketIsOctal) {
 }
 
 TEST(ConfigTest, OperatorsAreVerifiedByTheirOwnAuthoritiesIfTheyHaveAny) {
-  EXPECT_EQ(OperatorCaFile({.client_ca_file = "ca"}), "ca");
-  EXPECT_EQ(OperatorCaFile({.client_ca_file = "ca", .operator_ca_file = "op"}), "op");
+  TlsConfig tls;
+  tls.client_ca_file = "ca";
+  EXPECT_EQ(OperatorCaFile(tls), "ca");
+  tls.operator_ca_file = "op";
+  EXPECT_EQ(OperatorCaFile(tls), "op");
 }
 
 TEST(RelationsTest, TwoListenersDoNotShareAPort) {

@@ -60,6 +60,13 @@ TEST(Readiness, ReportsFilesThatAreNotServed) {
   EXPECT_THAT(ReadinessOf(facts).all(), ElementsAre("draining", "certificate_mismatch"));
 }
 
+TEST(Readiness, ReportsTokensThatCannotBeRead) {
+  ReadinessFacts facts = Good();
+  facts.tokens_unread = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("tokens_unread"));
+}
+
 TEST(Readiness, ReportsAClockThatNobodyVouchesFor) {
   ReadinessFacts facts = Good();
   facts.clock_not_vouched = true;

@@ -255,7 +255,7 @@ TEST(PeerIdentity, GatewayWithAnUncleanRuri) {
 }
 
 TEST(PeerIdentity, OperatorRoles) {
-  for (const Role role : {Role::kViewer, Role::kOperator, Role::kAdmin}) {
+  for (const Role role : kAskingRoles) {
     const auto identity = IdentityOf(OperatorSpec(std::string(ToText(role))));
     ASSERT_TRUE(identity.ok()) << identity.status();
     EXPECT_EQ(identity->role, role);

@@ -161,8 +161,7 @@ TEST_F(HelloTest, AGatewayMustNameItsRobot) {
 }
 
 TEST_F(HelloTest, OtherRolesAreNoRobots) {
-  for (const identity::Role role :
-       {identity::Role::kViewer, identity::Role::kOperator, identity::Role::kAdmin}) {
+  for (const identity::Role role : identity::kAskingRoles) {
     BenchStream& stream = server().OpenAs({.role = role, .fleet = "bench"});
     stream.Send(frame_);
     EXPECT_EQ(stream.end(), "UNAUTHENTICATED: the certificate is of role " +
