@@ -6,13 +6,15 @@ import json
 import os
 import socketserver
 import ssl
+import subprocess
 import threading
 import unittest
 
-from harness import EndToEnd, uplinkctl
+from harness import BIN, EndToEnd, uplinkctl
 
 TOKEN = "uplinkd_0123456789abcdef"
 JOIN_SECONDS = 30
+DOCTOR_SECONDS = 60
 STATUS = {"version": "1"}
 
 
@@ -70,11 +72,20 @@ class Told:
         self.server.server_close()
 
 
-class Access(EndToEnd):
+class Asking(EndToEnd):
     def setUp(self):
         super().setUp()
         self.home = self.folder / "home"
         self.home.mkdir()
+
+    def ctl(self, *arguments, code=0, **environment):
+        env = {name: value for name, value in os.environ.items() if not name.startswith(("UPLINKCTL", "XDG"))}
+        return uplinkctl(*arguments, code=code, env={**env, "HOME": str(self.home), **environment})
+
+
+class Access(Asking):
+    def setUp(self):
+        super().setUp()
         self.pki = self.folder / "pki"
         uplinkctl("pki", "init", "--dir", self.pki)
         uplinkctl("pki", "server", "--dir", self.pki, "--host", "localhost")
@@ -82,10 +93,6 @@ class Access(EndToEnd):
         self.token = self.folder / "token"
         self.token.write_text(f"{TOKEN}\n", encoding="utf-8")
         self.token.chmod(0o600)
-
-    def ctl(self, *arguments, code=0, **environment):
-        env = {name: value for name, value in os.environ.items() if not name.startswith(("UPLINKCTL", "XDG"))}
-        return uplinkctl(*arguments, code=code, env={**env, "HOME": str(self.home), **environment})
 
     def told(self, server, context=None):
         told = Told(server, context)
@@ -195,6 +202,64 @@ class Access(EndToEnd):
                 said = self.ctl("status", "--server", url, code=1).stderr
                 self.assertIn("the server's sentence; ", said)
                 self.assertIn(part, said)
+
+
+class OwnServer(Asking):
+    """uplinkctl finds a server by its configuration."""
+
+    def token(self, file, *flags):
+        text = uplinkctl("tokens", "new", "--tokens-file", file, *flags).stdout
+        path = self.folder / "caller.token"
+        path.write_text(text, encoding="utf-8")
+        path.chmod(0o600)
+        return path
+
+    def doctor(self, config):
+        user = ("--user", "root") if os.geteuid() == 0 else ()
+        done = subprocess.run([BIN / "uplinkctl", "doctor", "--config", config, *user], capture_output=True, text=True,
+                              timeout=DOCTOR_SECONDS, check=False)  # fmt: skip
+        return done.stdout
+
+    def test_https_is_spoken_and_its_certificate_known(self):
+        server = self.server()
+        tokens = self.folder / "tokens"
+        token = self.token(tokens, "--role", "admin", "--fleet", "*")
+        # No machine has this address (RFC 5737): this one must speak TLS.
+        server.settings = (f'[http]\ntls.certificate_file = "{server.pki}/server.crt"\n'
+                           f'tls.key_file = "{server.pki}/server.key"\n'
+                           f'tokens_file = "{tokens}"\nplain_from = ["192.0.2.1"]\n')  # fmt: skip
+        config = server.start().configuration()
+        self.assertIn("alive: ", self.ctl("health", "--config", config).stdout)
+        self.assertIn("server: ready: ", self.doctor(config))
+        self.ctl("status", "--config", config, "--token-file", token)
+        self.assertIn("--token-file FILE", self.ctl("status", "--config", config, code=1).stderr)
+        url = f"https://{server.http}"
+        self.ctl("status", "--server", url, "--ca-file", server.pki / "ca.crt", "--token-file", token)
+        uplinkctl("pki", "operator", "--dir", server.pki, "--role", "viewer", "--fleet", "*", "--name", "ann")
+        ann = ("--certificate-file", server.pki / "ann.crt", "--key-file", server.pki / "ann.key")
+        self.ctl("status", "--config", config, *ann)
+        self.assertIn("uplinkctl tokens list", self.ctl("config", "show", "--server", url, "--ca-file",
+                                                        server.pki / "ca.crt", *ann, code=1).stderr)  # fmt: skip
+        # Another certificate than the server shows is in its place now.
+        other = self.folder / "other"
+        uplinkctl("pki", "init", "--dir", other)
+        uplinkctl("pki", "server", "--dir", other, "--host", "localhost")
+        mistaken = config.with_name("mistaken.toml")
+        mistaken.write_text(config.read_text(encoding="utf-8").replace(
+            f'\ntls.certificate_file = "{server.pki}', f'\ntls.certificate_file = "{other}'), encoding="utf-8")  # fmt: skip
+        said = self.ctl("status", "--config", mistaken, "--token-file", token, code=1).stderr
+        self.assertIn("another certificate than its configuration names", said)
+
+    def test_a_unix_socket_is_found(self):
+        server = self.server()
+        path = self.folder / "http.sock"
+        server.http = f"unix:{path}"
+        config = server.start().configuration()
+        self.assertIn("alive: ", self.ctl("health", "--config", config).stdout)
+        self.ctl("status", "--config", config)
+        said = self.doctor(config)
+        self.assertIn(f"listen.http: {path} is held by the running uplinkd (pid {server.process.pid})", said)
+        self.assertIn("server: ready: ", said)
 
 
 if __name__ == "__main__":
