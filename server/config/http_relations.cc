@@ -20,24 +20,32 @@ constexpr mode_t kModeMax = 0777;
 
 void CheckAddress(const Config& config, std::vector<Breach>& breaches) {
   const ListenAddress& address = config.listen.http;
-  if (IsLoopback(address)) return;
+  if (IsLoopback(address) || AsksForProof(config.http)) return;
+  breaches.push_back(
+      {"listen", "http",
+       fmt::format("{} is not a loopback address, and nothing asks callers who they are; set "
+                   "http.tokens_file, or http.tls.certificate_file and http.tls.key_file with "
+                   "tls.operator_ca_file, or listen on 127.0.0.1, on [::1] or on a Unix socket, "
+                   "such as \"unix:/run/uplinkd/http.sock\"",
+                   ToText(address))});
+}
+
+/// Without TLS somebody must be able to speak plain HTTP, beyond this machine if others may
+/// connect.
+void CheckPlain(const Config& config, std::vector<Breach>& breaches) {
+  const ListenAddress& address = config.listen.http;
   const HttpConfig& http = config.http;
-  if (!AsksForProof(http)) {
-    breaches.push_back(
-        {"listen", "http",
-         fmt::format("{} is not a loopback address, and nothing asks callers who they are; set "
-                     "http.tokens_file, or http.tls.certificate_file and http.tls.key_file with "
-                     "tls.operator_ca_file, or listen on 127.0.0.1, on [::1] or on a Unix socket, "
-                     "such as \"unix:/run/uplinkd/http.sock\"",
-                     ToText(address))});
-  } else if (!SpeaksTls(http) && http.plain_from == LoopbackNetworks()) {
-    breaches.push_back(
-        {"http", "plain_from",
-         fmt::format("listen.http, {}, speaks no TLS, and this machine alone may speak plain HTTP; "
-                     "set http.tls.certificate_file and http.tls.key_file, or name here the "
-                     "proxies or networks that may do without TLS",
-                     ToText(address))});
-  }
+  if (SpeaksTls(http) || IsUnix(address)) return;
+  // One problem is enough for an address without authentication.
+  if (!IsLoopback(address) && !AsksForProof(http)) return;
+  const bool here_alone = http.plain_from == LoopbackNetworks();
+  if (!http.plain_from.empty() && (IsLoopback(address) || !here_alone)) return;
+  breaches.push_back(
+      {"http", "plain_from",
+       fmt::format("listen.http, {}, speaks no TLS, and {} may speak plain HTTP; set "
+                   "http.tls.certificate_file and http.tls.key_file, or name here the proxies or "
+                   "networks that may do without TLS",
+                   ToText(address), here_alone ? "this machine alone" : "no address")});
 }
 
 void CheckPair(const HttpConfig& http, std::vector<Breach>& breaches) {
@@ -91,6 +99,7 @@ bool AsksForProof(const HttpConfig& http) { return SpeaksTls(http) || !http.toke
 std::vector<Breach> CheckHttp(const Config& config) {
   std::vector<Breach> breaches;
   CheckAddress(config, breaches);
+  CheckPlain(config, breaches);
   CheckPair(config.http, breaches);
   CheckMode(config.http.socket_mode, breaches);
   CheckHosts(config.http.hosts, breaches);
