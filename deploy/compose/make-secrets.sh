@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")/secrets"
 
 chmod 700 .
-for name in grafana owner store broker; do
+for name in grafana metrics owner store broker; do
   [ -s "$name.password" ] || head -c 24 /dev/urandom | base64 | tr '+/' '-_' >"$name.password"
   chmod 644 "$name.password"
 done

@@ -32,9 +32,14 @@ printf 'root:x:0:0:root:/:/sbin/nologin\nuplinkd:x:%s:%s:uplinkd:/var/lib/uplink
 printf 'root:x:0:\nuplinkd:x:%s:\n' "$user" >"$image/etc/group"
 # For brokers and databases whose certificates a public authority signed.
 cp /etc/ssl/certs/ca-certificates.crt "$image/etc/ssl/certs/"
+# Where OpenSSL looks for them.
+mkdir -p "$image/usr/lib/ssl"
+ln -s /etc/ssl/certs/ca-certificates.crt "$image/usr/lib/ssl/cert.pem"
 
 install -D -m 644 /build/uplinkd.toml "$image/etc/uplinkd/uplinkd.toml"
 # A volume that is new takes over owner and mode of its folder here.
 install -d -m 1777 "$image/tmp"
 install -d -o "$user" -g "$user" -m 750 "$image/var/lib/uplinkd"
-install -d -o "$user" -g "$user" -m 700 "$image/etc/uplinkd/tls" "$image/etc/uplinkd/authority"
+for folder in tls authority access; do
+  install -d -o "$user" -g "$user" -m 700 "$image/etc/uplinkd/$folder"
+done

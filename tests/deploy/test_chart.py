@@ -69,7 +69,7 @@ def keys_of_uplinkd():
 
 class Chart(unittest.TestCase):
     def setUp(self):
-        self.assertEqual(len(SETS), 6)
+        self.assertEqual(len(SETS), 7)
 
     def test_helm_lint_finds_nothing(self):
         for values in SETS:
@@ -125,9 +125,12 @@ class Chart(unittest.TestCase):
                 ports = {port["name"]: port["containerPort"] for port in container["ports"]}
                 set_here = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])["listen"]
                 listen = {**defaults["listen"], **set_here}
-                self.assertEqual(ports, {"relay": port_of(listen["relay"]), "metrics": port_of(listen["metrics"])})
-                # The chart leaves it on loopback, where only the probes ask.
-                self.assertNotIn("http", set_here)
+                wanted = {"relay": port_of(listen["relay"]), "metrics": port_of(listen["metrics"])}
+                # Without the API the chart leaves it on loopback, where only the probes ask.
+                if "http" in set_here:
+                    wanted["http"] = port_of(listen["http"])
+                self.assertEqual(ports, wanted)
+                self.assertEqual("http" in set_here, values.name == "http.yaml")
 
     def test_every_named_port_is_one_of_the_pod(self):
         named = set()
@@ -144,7 +147,7 @@ class Chart(unittest.TestCase):
                 }.get(kind, list)()
                 self.assertLessEqual(set(names), ports, f"{values.name}: {kind}")
                 named.update((kind, name) for name in names)
-        both = {(kind, name) for kind in ("Service", "NetworkPolicy") for name in ("relay", "metrics")}
+        both = {(kind, name) for kind in ("Service", "NetworkPolicy") for name in ("relay", "metrics", "http")}
         self.assertEqual(named, both | {("PodMonitor", "metrics")})
 
     def test_numbers_and_texts_keep_their_type(self):
@@ -173,6 +176,23 @@ class Chart(unittest.TestCase):
                     ["/usr/bin/uplinkctl", "health", *ready, "--config", "/etc/uplinkd/uplinkd.toml"],
                 )
                 self.assertGreater(container[probe]["timeoutSeconds"], probe_seconds(), "uplinkctl says why first")
+
+    def test_the_api_asks_everyone_who_they_are(self):
+        _, documents = rendered(CHART / "ci/http.yaml", KUBERNETES[-1])
+        http = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])["http"]
+        self.assertEqual(http["tls"], {"certificate_file": "/etc/uplinkd/http/tls.crt",
+                                       "key_file": "/etc/uplinkd/http/tls.key"})  # fmt: skip
+        self.assertEqual(http["tokens_file"], "/etc/uplinkd/access/tokens")
+        self.assertEqual(http["plain_from"], ["127.0.0.0/8", "::1", "10.0.0.0/28"])
+        self.assertEqual(http["hosts"][0::3], ["robots-uplinkd-http", "fleet.example.org"])
+        (container,) = one(documents, "StatefulSet")["spec"]["template"]["spec"]["containers"]
+        mounts = {mount["name"]: mount["mountPath"] for mount in container["volumeMounts"]}
+        self.assertEqual((mounts["http"], mounts["access"]), ("/etc/uplinkd/http", "/etc/uplinkd/access"))
+        for endpoint in one(documents, "PodMonitor")["spec"]["podMetricsEndpoints"]:
+            self.assertEqual(endpoint["authorization"]["credentials"], {"name": "uplinkd-scrapes", "key": "token"})
+        for key in ("tokens_file", "plain_from", "tls.certificate_file"):
+            helm("template", "robots", CHART, "--values", CHART / "ci/sqlite.yaml",
+                 "--set-json", f'config.http={{"{key}":"x"}}', code=1)  # fmt: skip
 
     def test_a_changed_setting_restarts_pods_and_an_unchanged_one_does_not(self):
         def template(*flags):
@@ -223,6 +243,7 @@ class Chart(unittest.TestCase):
         scraper = "networkPolicy.metricsFrom[0].namespaceSelector.matchLabels.name=monitoring"
         self.assertTrue(says("--set", scraper))
         self.assertFalse(says("--set", f"networkPolicy.enabled=true,{scraper}"))
+        self.assertFalse(says("--set", "metrics.tokenSecret=scrapes"))
 
     def test_no_selector_of_servers_finds_a_job_or_a_test(self):
         _, documents = rendered(CHART / "ci/postgres.yaml", KUBERNETES[-1], "--set", "tests.authoritySecret=x")

@@ -111,7 +111,7 @@ class Health(EndToEnd):
 
     def test_wrong_use_ends_with_2(self):
         for arguments in (
-            ["--url", "https://127.0.0.1:1"], ["--url", "127.0.0.1:1"], ["--url", "http://a:1", "--config", "b"],
+            ["--url", "ftp://127.0.0.1:1"], ["--url", "127.0.0.1:1"], ["--url", "http://a:1", "--config", "b"],
             ["--config", self.folder / "nowhere.toml"], ["--config", self.server().configuration()],
         ):  # fmt: skip
             with self.subTest(arguments):

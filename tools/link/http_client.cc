@@ -1,13 +1,20 @@
 #include "tools/link/http_client.h"
 
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include <boost/asio/connect.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/ssl/error.hpp>
+#include <boost/asio/ssl/stream.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <fmt/core.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
 
 #include "schema/base/utf8.h"
 
@@ -18,30 +25,46 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
-using Found = asio::ip::tcp::resolver::results_type;
+using Places = std::vector<asio::generic::stream_protocol::endpoint>;
+/// Of TCP or of a Unix socket.
+using Plain = beast::basic_stream<asio::generic::stream_protocol>;
+using Secure = asio::ssl::stream<Plain&>;
 
 constexpr int kHttp11 = 11;
 /// Bytes of an error's body that are repeated.
 constexpr std::size_t kShownBytesMax = 300;
+/// Of a socket's path: sockaddr_un has 108 with the NUL (unix(7)).
+constexpr std::size_t kPathBytesMax = 107;
+
+/// Which a Host header leaves out (RFC 9110, 4.2.1 and 4.2.2).
+constexpr std::string_view kHttpPort = "80";
+constexpr std::string_view kHttpsPort = "443";
+
+bool IsPath(const std::string& address) { return address.starts_with('/'); }
 
 /// Without its port.
 std::string HostText(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
 }
 
-/// Which a Host header leaves out (RFC 9110, 4.2.1).
-constexpr std::string_view kDefaultPort = "80";
-
 std::string WhyOf(const beast::error_code& error, milliseconds deadline) {
   if (error != beast::error::timeout && error != asio::error::timed_out) return error.message();
   return fmt::format("not done within {} ms", deadline.count());
+}
+
+/// A server that speaks no TLS answers a handshake by a text.
+bool SpeaksPlain(const beast::error_code& error) {
+  return error.category() == asio::error::get_ssl_category() &&
+         ERR_GET_REASON(static_cast<unsigned long>(error.value())) == SSL_R_WRONG_VERSION_NUMBER;
 }
 
 }  // namespace
 
 struct HttpClient::Connection {
   asio::io_context context;
-  beast::tcp_stream stream{context};
+  Plain plain{context};
+  /// Around it, where the server is asked by TLS.
+  std::optional<Secure> secure;
   beast::flat_buffer buffer;
 
   /// Runs one asynchronous operation to its end: only these know deadlines.
@@ -54,22 +77,54 @@ struct HttpClient::Connection {
     return result;
   }
 
+  template <typename Request>
+  beast::error_code Write(const Request& request) {
+    return Run([&](auto handler) {
+      if (secure) return http::async_write(*secure, request, std::move(handler));
+      http::async_write(plain, request, std::move(handler));
+    });
+  }
+
+  template <typename Parser>
+  beast::error_code Read(Parser& parser) {
+    return Run([&](auto handler) {
+      if (secure) return http::async_read(*secure, buffer, parser, std::move(handler));
+      http::async_read(plain, buffer, parser, std::move(handler));
+    });
+  }
+
   /// The places of a name. Nothing is asked for a literal address.
   beast::error_code Resolve(const std::string& host, const std::string& port, SteadyTime until,
-                            Found& found) {
+                            Places& places) {
     beast::error_code result = asio::error::timed_out;
     asio::ip::tcp::resolver resolver(context);
-    resolver.async_resolve(host, port, [&](beast::error_code error, Found places) {
-      result = error;
-      found = std::move(places);
-    });
+    resolver.async_resolve(
+        host, port,
+        [&](beast::error_code error, const asio::ip::tcp::resolver::results_type& found) {
+          result = error;
+          for (const auto& each : found) places.emplace_back(each.endpoint());
+        });
     context.restart();
     context.run_until(until);
     return result;
   }
+
+  /// The first place that takes a connection; the error of the last one if none does.
+  beast::error_code ConnectTo(const Places& places) {
+    beast::error_code error = asio::error::host_not_found;
+    for (const auto& place : places) {
+      error = Run([&](auto handler) { plain.async_connect(place, std::move(handler)); });
+      if (!error || error == beast::error::timeout) return error;
+      plain.close();
+    }
+    return error;
+  }
 };
 
-HttpClient::HttpClient(const std::string& address, const HttpLimits& limits) : limits_(limits) {
+HttpClient::HttpClient(HttpServer server, const HttpLimits& limits)
+    : server_(std::move(server)), limits_(limits) {
+  const std::string& address = server_.address;
+  if (IsPath(address)) return;
   const std::size_t colon = address.rfind(':');
   host_ = address.substr(0, colon);
   port_ = colon == std::string::npos ? "" : address.substr(colon + 1);
@@ -83,8 +138,12 @@ HttpClient::~HttpClient() = default;
 absl::Status HttpClient::Failed(const std::string& target, std::string_view doing,
                                 const std::string& why) {
   connection_.reset();
-  return absl::UnavailableError(
-      fmt::format("http://{}:{}{}: {}: {}", HostText(host_), port_, target, doing, why));
+  const std::string where =
+      IsPath(server_.address)
+          ? fmt::format("unix:{} {}", server_.address, target)
+          : fmt::format("{}://{}:{}{}", server_.tls == nullptr ? "http" : "https", HostText(host_),
+                        port_, target);
+  return absl::UnavailableError(fmt::format("{}: {}: {}", where, doing, why));
 }
 
 absl::StatusOr<HttpAnswer> HttpClient::Ask(const std::string& target) {
@@ -111,39 +170,69 @@ absl::Status ErrorOf(const std::string& target, const HttpAnswer& answer) {
 
 absl::Status HttpClient::Connect(const std::string& target, SteadyTime until) {
   connection_ = std::make_unique<Connection>();
-  Found found;
-  beast::error_code error = connection_->Resolve(host_, port_, until, found);
+  Places places;
+  beast::error_code error;
+  if (!IsPath(server_.address)) {
+    error = connection_->Resolve(host_, port_, until, places);
+  } else if (server_.address.size() <= kPathBytesMax) {
+    places.emplace_back(asio::local::stream_protocol::endpoint(server_.address));
+  } else {
+    error = asio::error::name_too_long;
+  }
   if (error == asio::error::timed_out) {
     // The thread that asks the system's resolver cannot be stopped, and the end of its context
     // would wait for it: both stay until the program ends.
     static_cast<void>(connection_.release());
   }
   if (error) return Failed(target, "resolve", WhyOf(error, limits_.deadline));
-  connection_->stream.expires_at(until);
-  error = connection_->Run(
-      [&](auto handler) { connection_->stream.async_connect(found, std::move(handler)); });
+  connection_->plain.expires_at(until);
+  error = connection_->ConnectTo(places);
   if (error) return Failed(target, "connect", WhyOf(error, limits_.deadline));
-  return absl::OkStatus();
+  return server_.tls == nullptr ? absl::OkStatus() : Handshake(target);
+}
+
+absl::Status HttpClient::Handshake(const std::string& target) {
+  Secure& secure =
+      connection_->secure.emplace(connection_->plain, server_.tls->NewSession(host_).release());
+  const beast::error_code error = connection_->Run([&](auto handler) {
+    secure.async_handshake(asio::ssl::stream_base::client, std::move(handler));
+  });
+  constexpr std::string_view kDoing = "TLS handshake";
+  if (const std::string why = server_.tls->Distrust(*secure.native_handle()); !why.empty()) {
+    return absl::UnauthenticatedError(
+        Failed(target, kDoing, "the server's certificate is not believed: " + why).message());
+  }
+  if (!error) return absl::OkStatus();
+  const std::string why = WhyOf(error, limits_.deadline);
+  return Failed(target, kDoing, SpeaksPlain(error) ? why + "; does it speak http there?" : why);
 }
 
 absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
   const SteadyTime until = SystemClock().Steady() + limits_.deadline;
-  if (connection_ == nullptr) {
+  const bool fresh = connection_ == nullptr;
+  if (fresh) {
     if (absl::Status connected = Connect(target, until); !connected.ok()) return connected;
   }
-  connection_->stream.expires_at(until);
+  connection_->plain.expires_at(until);
   http::request<http::empty_body> request(http::verb::get, target, kHttp11);
-  request.set(http::field::host, HostHeader(host_, port_));
+  request.set(http::field::host,
+              host_.empty() ? "localhost" : HostHeader(host_, port_, server_.tls != nullptr));
   request.set(http::field::accept, "application/json");
-  beast::error_code error = connection_->Run(
-      [&](auto handler) { http::async_write(connection_->stream, request, std::move(handler)); });
+  if (!server_.token.empty()) request.set(http::field::authorization, "Bearer " + server_.token);
+  beast::error_code error = connection_->Write(request);
   if (error) return Failed(target, "write", WhyOf(error, limits_.deadline));
   http::response_parser<http::string_body> parser;
   parser.body_limit(limits_.body_bytes_max);
-  error = connection_->Run([&](auto handler) {
-    http::async_read(connection_->stream, connection_->buffer, parser, std::move(handler));
-  });
-  if (error) return Failed(target, "read", WhyOf(error, limits_.deadline));
+  error = connection_->Read(parser);
+  if (error) {
+    const std::string why = WhyOf(error, limits_.deadline);
+    const bool broke_off = error == http::error::end_of_stream ||
+                           error == http::error::partial_message ||
+                           error == asio::error::connection_reset;
+    // A server that wants TLS closes, perhaps after an alert.
+    const bool wants_tls = fresh && broke_off && server_.tls == nullptr && !host_.empty();
+    return Failed(target, "read", wants_tls ? why + "; does it want https?" : why);
+  }
   auto response = parser.release();
   if (!response.keep_alive()) connection_.reset();
   const beast::string_view retry_after = response[http::field::retry_after];
@@ -151,8 +240,8 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
       response.result_int(), std::move(response.body()), {retry_after.data(), retry_after.size()}};
 }
 
-std::string HostHeader(const std::string& host, const std::string& port) {
-  if (port.empty() || port == kDefaultPort) return HostText(host);
+std::string HostHeader(const std::string& host, const std::string& port, bool tls) {
+  if (port.empty() || port == (tls ? kHttpsPort : kHttpPort)) return HostText(host);
   return fmt::format("{}:{}", HostText(host), port);
 }
 

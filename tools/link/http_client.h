@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "tools/link/server_tls.h"
 
 namespace uplink::link {
 
@@ -20,6 +21,16 @@ struct HttpLimits {
   milliseconds deadline = std::chrono::seconds(10);
   /// Bytes of an answer's body: a page of 1,000 rows with long texts fits.
   std::size_t body_bytes_max = std::size_t{64} * 1024 * 1024;
+};
+
+/// Which server is asked, and who asks. A value.
+struct HttpServer {
+  /// HOST:PORT, an IPv6 host in brackets; or the path of a Unix socket, which begins with a slash.
+  std::string address;
+  /// Null: it is asked without TLS.
+  std::shared_ptr<const ServerTls> tls = {};
+  /// A bearer token; empty: none is shown.
+  std::string token = {};
 };
 
 struct HttpAnswer {
@@ -37,12 +48,15 @@ struct HttpAnswer {
 /// ends.
 ///
 /// Errors: kUnavailable if the server cannot be reached, breaks off, does not speak HTTP or is not
-///         done within a deadline; each names the URL.
+///         done within a deadline; kUnauthenticated if it shows no certificate that is believed.
+///         Each names the URL.
 /// Thread: confined to the thread that made it; blocks.
 class HttpClient final {
  public:
-  /// `address` is HOST:PORT, an IPv6 host in brackets.
-  explicit HttpClient(const std::string& address, const HttpLimits& limits = {});
+  explicit HttpClient(HttpServer server, const HttpLimits& limits = {});
+  /// Without TLS and token.
+  explicit HttpClient(const std::string& address, const HttpLimits& limits = {})
+      : HttpClient(HttpServer{address}, limits) {}
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
@@ -58,19 +72,22 @@ class HttpClient final {
   struct Connection;
   [[nodiscard]] absl::StatusOr<HttpAnswer> AskOnce(const std::string& target);
   [[nodiscard]] absl::Status Connect(const std::string& target, SteadyTime until);
+  [[nodiscard]] absl::Status Handshake(const std::string& target);
   /// Ends the connection.
   [[nodiscard]] absl::Status Failed(const std::string& target, std::string_view doing,
                                     const std::string& why);
 
+  const HttpServer server_;
   const HttpLimits limits_;
+  /// Both empty for a Unix socket.
   std::string host_;
   std::string port_;
   std::unique_ptr<Connection> connection_;
 };
 
 /// The Host header of a request: `host` in brackets if it is an IPv6 address, and `port` unless it
-/// is http's own.
-[[nodiscard]] std::string HostHeader(const std::string& host, const std::string& port);
+/// is the scheme's own.
+[[nodiscard]] std::string HostHeader(const std::string& host, const std::string& port, bool tls);
 
 /// `text` with every byte but letters, digits and `-._~` as %XX.
 [[nodiscard]] std::string PercentEncoded(const std::string& text);

@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
@@ -13,12 +15,27 @@
 namespace uplink::link {
 namespace {
 
+/// `host` is an address of either family.
 bool IsAddress(const std::string& host) {
-  return host.find(':') != std::string::npos ||
-         host.find_first_not_of("0123456789.") == std::string::npos;
+  in6_addr any{};
+  return inet_pton(AF_INET, host.c_str(), &any) == 1 ||
+         inet_pton(AF_INET6, host.c_str(), &any) == 1;
 }
 
 }  // namespace
+
+void ExpectHost(SSL* session, const std::string& host) {
+  if (IsAddress(host)) {
+    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(session), host.c_str());
+  } else {
+    // A name only in the subject proves no host (RFC 6125).
+    SSL_set_hostflags(session, X509_CHECK_FLAG_NEVER_CHECK_SUBJECT);
+    SSL_set1_host(session, host.c_str());
+    // OpenSSL's macro casts in C's way and wants a mutable name, which it copies.
+    SSL_ctrl(session, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
+             const_cast<char*>(host.c_str()));
+  }
+}
 
 std::string TakeTlsError() {
   std::array<char, 256> text{};
@@ -74,14 +91,7 @@ TlsClient::Session TlsClient::NewSession(const Identity& identity, const std::st
   UPLINK_CHECK(session != nullptr, "OpenSSL makes a session");
   SSL_use_certificate(session.get(), identity.certificate_.get());
   SSL_use_PrivateKey(session.get(), identity.key_.get());
-  if (IsAddress(host)) {
-    X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(session.get()), host.c_str());
-  } else {
-    SSL_set1_host(session.get(), host.c_str());
-    // OpenSSL's macro casts in C's way and wants a mutable name, which it copies.
-    SSL_ctrl(session.get(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
-             const_cast<char*>(host.c_str()));
-  }
+  ExpectHost(session.get(), host);
   SSL_set_connect_state(session.get());
   return session;
 }

@@ -51,6 +51,9 @@ class TlsClient final {
   std::shared_ptr<SSL_CTX> context_;
 };
 
+/// The session's server must be `host`, a name or an address, and is asked for by it.
+void ExpectHost(SSL* session, const std::string& host);
+
 /// OpenSSL's own words for the oldest error of this thread; empties its queue.
 [[nodiscard]] std::string TakeTlsError();
 

@@ -1,6 +1,7 @@
 #include "tools/uplinkctl/ask/contexts.h"
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,7 +10,6 @@
 #include <unistd.h>
 
 #include "schema/base/clock.h"
-#include "tools/uplinkctl/ask/server_url.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/verbs/common.h"
 
@@ -18,15 +18,22 @@ namespace {
 
 struct Request {
   std::string name;
-  std::string server;
+  Context context;
   bool use = false;
   CommonFlags common;
+  /// Whether a flag of the verb was given: `set` keeps what is not.
+  std::function<bool(const std::string& flag)> given;
 };
 using SharedRequest = std::shared_ptr<Request>;
 
 const Columns& ContextColumns() {
-  static const Columns columns = {
-      {"CURRENT", "current", Kind::kYes}, {"NAME", "name"}, {"SERVER", "server"}};
+  static const Columns columns = {{"CURRENT", "current", Kind::kYes},
+                                  {"NAME", "name"},
+                                  {"SERVER", "server"},
+                                  {"TOKEN FILE", "tokenFile", Kind::kText, Fit::kDrop},
+                                  {"CERTIFICATE FILE", "certificateFile", Kind::kText, Fit::kDrop},
+                                  {"KEY FILE", "keyFile", Kind::kText, Fit::kDrop},
+                                  {"CA FILE", "caFile", Kind::kText, Fit::kDrop}};
   return columns;
 }
 
@@ -36,8 +43,13 @@ absl::Status List(const Request& request) {
   if (!contexts.ok()) return contexts.status();
   boost::json::array rows;
   for (const auto& [name, context] : contexts->by_name) {
-    rows.push_back(boost::json::object{
-        {"current", name == contexts->current}, {"name", name}, {"server", context.server}});
+    rows.push_back(boost::json::object{{"current", name == contexts->current},
+                                       {"name", name},
+                                       {"server", context.server},
+                                       {"tokenFile", context.files.token_file},
+                                       {"certificateFile", context.files.certificate_file},
+                                       {"keyFile", context.files.key_file},
+                                       {"caFile", context.files.ca_file}});
   }
   const SystemClock clock;
   const Screen screen = ProcessScreen(clock);
@@ -57,34 +69,60 @@ absl::Status List(const Request& request) {
   return absl::OkStatus();
 }
 
+absl::Status Unknown(const std::string& name) {
+  return absl::InvalidArgumentError(fmt::format(
+      "there is no context {}; uplinkctl contexts list shows those that are there", name));
+}
+
 absl::Status Use(const Request& request) {
   const std::string path = ContextsFile(environ);
   absl::StatusOr<Contexts> contexts = LoadContexts(path);
   if (!contexts.ok()) return contexts.status();
   const auto found = contexts->by_name.find(request.name);
-  if (found == contexts->by_name.end()) {
-    return absl::InvalidArgumentError(
-        fmt::format("there is no context {}; uplinkctl contexts list shows those that are there",
-                    request.name));
-  }
+  if (found == contexts->by_name.end()) return Unknown(request.name);
   contexts->current = request.name;
   if (absl::Status saved = SaveContexts(*contexts, path); !saved.ok()) return saved;
   fmt::print("uplinkctl asks {} now: {}\n", request.name, found->second.server);
   return absl::OkStatus();
 }
 
+/// Puts the request's context into the file.
+absl::Status Save(const Request& request, const Context& context, Contexts contexts,
+                  const std::string& path) {
+  absl::StatusOr<Context> good = GoodContext(context, "--server");
+  if (!good.ok()) return good.status();
+  contexts.by_name.insert_or_assign(request.name, *std::move(good));
+  if (request.use || contexts.by_name.size() == 1) contexts.current = request.name;
+  if (absl::Status saved = SaveContexts(contexts, path); !saved.ok()) return saved;
+  fmt::print("{} is in {}\n", request.name, path);
+  return absl::OkStatus();
+}
+
 absl::Status AddOne(const Request& request) {
   if (absl::Status good = CheckContextName(request.name); !good.ok()) return good;
-  const absl::StatusOr<ServerUrl> url = ParseServerUrl(request.server, "--server");
-  if (!url.ok()) return url.status();
   const std::string path = ContextsFile(environ);
   absl::StatusOr<Contexts> contexts = LoadContexts(path);
   if (!contexts.ok()) return contexts.status();
-  contexts->by_name.insert_or_assign(request.name, Context{request.server});
-  if (request.use || contexts->by_name.size() == 1) contexts->current = request.name;
-  if (absl::Status saved = SaveContexts(*contexts, path); !saved.ok()) return saved;
-  fmt::print("{} is in {}\n", request.name, path);
-  return absl::OkStatus();
+  return Save(request, request.context, *std::move(contexts), path);
+}
+
+absl::Status Set(const Request& request) {
+  const std::string path = ContextsFile(environ);
+  absl::StatusOr<Contexts> contexts = LoadContexts(path);
+  if (!contexts.ok()) return contexts.status();
+  const auto found = contexts->by_name.find(request.name);
+  if (found == contexts->by_name.end()) return Unknown(request.name);
+  Context context = found->second;
+  const auto take = [&](const char* flag, std::string& into, const std::string& value) {
+    if (request.given(flag)) into = value;
+  };
+  const AccessFiles& files = request.context.files;
+  take("--server", context.server, request.context.server);
+  take("--token-file", context.files.token_file, files.token_file);
+  take("--ca-file", context.files.ca_file, files.ca_file);
+  take("--certificate-file", context.files.certificate_file, files.certificate_file);
+  take("--key-file", context.files.key_file, files.key_file);
+  return Save(request, context, *std::move(contexts), path);
 }
 
 config::Flags& AddVerb(config::Flags& noun, const SharedRequest& request, const char* name,
@@ -108,10 +146,20 @@ void AddContexts(config::Flags& program) {
   config::Flags& add =
       AddVerb(noun, request, "add", "Give a server a name; the first one is used at once", AddOne);
   add.Add({"NAME", "Letters, digits, - and _", config::Flag::Need::kRequired}, request->name);
-  add.Add({"--server", "http://HOST:PORT, perhaps with a path", config::Flag::Need::kRequired},
-          request->server);
+  add.Add({"--server", fmt::format("{}, http and https perhaps with a path", kUrlForms),
+           config::Flag::Need::kRequired},
+          request->context.server);
+  AddAccessFlags(add, request->context.files);
   add.AddSwitch({"--use", "Ask it from now on"}, request->use);
   add.Example("uplinkctl contexts add hall --server http://192.0.2.7:7480 --use");
+  config::Flags& set = AddVerb(noun, request, "set",
+                               "Change a server that has a name; an empty file takes it away", Set);
+  set.Add({"NAME", "The name that it has", config::Flag::Need::kRequired}, request->name);
+  set.Add({"--server", "Where it answers now"}, request->context.server);
+  AddAccessFlags(set, request->context.files);
+  set.AddSwitch({"--use", "Ask it from now on"}, request->use);
+  set.Example("uplinkctl contexts set hall --token-file ~/.config/uplinkctl/hall.token");
+  request->given = [&set](const std::string& flag) { return set.Given(flag); };
 }
 
 }  // namespace uplink::ctl

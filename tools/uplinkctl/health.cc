@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "server/config/load.h"
+#include "tools/uplinkctl/ask/access.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/probe.h"
 #include "tools/uplinkctl/probe_target.h"
@@ -28,9 +29,11 @@ absl::StatusOr<ProbeTarget> TargetOf(const Arguments& arguments) {
 int Health(const Arguments& arguments) {
   const absl::StatusOr<ProbeTarget> target = TargetOf(arguments);
   if (!target.ok()) return ExitOf(target.status());
+  const absl::StatusOr<link::HttpServer> server = ServerToProbe(target->url);
+  if (!server.ok()) return ExitOf(server.status());
   const Probe probe = arguments.ready ? Probe::kReady : Probe::kAlive;
-  link::HttpClient client(target->address, {kProbeDeadline, kProbeBytesMax});
-  const absl::StatusOr<link::HttpAnswer> answer = client.Ask(ProbePath(probe));
+  link::HttpClient client(*server, {kProbeDeadline, kProbeBytesMax});
+  const absl::StatusOr<link::HttpAnswer> answer = client.Ask(target->url.prefix + ProbePath(probe));
   if (!answer.ok()) return ExitOf(WithSource(answer.status(), *target));
   const ProbeWord word = JudgeAnswer(probe, *answer);
   fmt::print(word.good ? stdout : stderr, "{}\n", word.line);
@@ -45,7 +48,10 @@ void AddHealth(config::Flags& program) {
       "health", "Ask a server whether it is alive, in one line; 1 if it is not, or does not answer",
       [arguments] { return Health(*arguments); });
   noun.AddSwitch({"--ready", "Ask whether it is ready for traffic instead"}, arguments->ready);
-  noun.Add({"--url,--server", "Where it answers probes: http://HOST:PORT"}, arguments->url);
+  noun.Add({"--url,--server", fmt::format("Where it answers probes: {}; of https any certificate "
+                                          "will do",
+                                          kUrlForms)},
+           arguments->url);
   noun.Add({"--config", fmt::format("The server's configuration file, which says where it listens "
                                     "(without --url: {}, if it can be read)",
                                     config::kConfigFileDefault)},

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <string>
 
-#include <absl/status/statusor.h>
-
 #include "schema/base/clock.h"
 #include "tools/link/http_client.h"
 
@@ -34,11 +32,5 @@ struct ProbeWord {
 /// A pure function. An answer of 200 is good only in the server's own words: another program may
 /// have taken the port.
 [[nodiscard]] ProbeWord JudgeAnswer(Probe probe, const link::HttpAnswer& answer);
-
-/// HOST:PORT of `http://HOST[:PORT][/]`; `named` says in errors where the text comes from.
-///
-/// Errors: kInvalidArgument repeats the text.
-[[nodiscard]] absl::StatusOr<std::string> AddressOfUrl(const std::string& url,
-                                                       const std::string& named = "--url");
 
 }  // namespace uplink::ctl

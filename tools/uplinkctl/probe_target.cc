@@ -4,12 +4,12 @@
 #include <cerrno>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include "tools/uplinkctl/listeners.h"
-#include "tools/uplinkctl/probe.h"
 
 namespace uplink::ctl {
 namespace {
@@ -26,21 +26,21 @@ absl::StatusOr<ProbeTarget> TargetOf(const config::LoadResult& read, const std::
   const bool is_set = std::any_of(environment.begin(), environment.end(),
                                   [](const auto& each) { return each.first == kVariable; });
   const std::string from = is_set ? fmt::format("that of the variable {}", kVariable) : source;
-  const config::ListenAddress address = ProbeAddress(*read.readable);
-  if (address.port == 0) {
+  const config::Config& config = *read.readable;
+  if (config.listen.http.port == 0 && !config::IsUnix(config.listen.http)) {
     return absl::InvalidArgumentError(fmt::format(
         "the address is {}, whose port is 0: the server takes any free one; name it by --url",
         from));
   }
-  return ProbeTarget{config::ToText(address), from};
+  return ProbeTarget{OwnUrl(config), from, config.http.tls_certificate_file};
 }
 
 }  // namespace
 
 absl::StatusOr<ProbeTarget> TargetOfUrl(const std::string& url) {
-  absl::StatusOr<std::string> address = AddressOfUrl(url);
-  if (!address.ok()) return address.status();
-  return ProbeTarget{*std::move(address), "that of --url"};
+  absl::StatusOr<ServerUrl> parsed = ParseServerUrl(url, "--url");
+  if (!parsed.ok()) return parsed.status();
+  return ProbeTarget{*std::move(parsed), "that of --url"};
 }
 
 absl::StatusOr<ProbeTarget> TargetOfConfig(const std::string& path,

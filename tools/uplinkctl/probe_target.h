@@ -6,18 +6,20 @@
 #include <absl/status/statusor.h>
 
 #include "server/config/load.h"
+#include "tools/uplinkctl/ask/server_url.h"
 
 namespace uplink::ctl {
 
 /// Which server a probe asks. A value.
 struct ProbeTarget {
-  /// HOST:PORT.
-  std::string address;
+  ServerUrl url;
   /// Where the address comes from, for people: `listen.http of /etc/uplinkd/uplinkd.toml`.
   std::string source;
+  /// The certificate that the server's configuration names; empty: it names none.
+  std::string certificate_file = {};
 };
 
-/// Errors: kInvalidArgument for what is no `http://HOST:PORT`.
+/// Errors: kInvalidArgument for what is no URL of a server.
 [[nodiscard]] absl::StatusOr<ProbeTarget> TargetOfUrl(const std::string& url);
 
 /// The server of that configuration file, with the variables of `environment` over it.

@@ -8,6 +8,7 @@
 
 #include "schema/base/utf8.h"
 #include "schema/json/exact.h"
+#include "tools/uplinkctl/ask/server_choice.h"
 
 namespace uplink::ctl {
 namespace {
@@ -22,8 +23,11 @@ constexpr std::string_view kNothingAt = "there is nothing at ";
 
 constexpr unsigned kOk = 200;
 constexpr unsigned kBadRequest = 400;
+constexpr unsigned kUnauthorized = 401;
+constexpr unsigned kForbidden = 403;
 constexpr unsigned kNotFound = 404;
 constexpr unsigned kTooManyBytes = 413;
+constexpr unsigned kTooManyRequests = 429;
 constexpr unsigned kUnavailable = 503;
 constexpr unsigned kTooLong = 504;
 
@@ -36,6 +40,11 @@ std::optional<std::string> MessageOf(const std::string& body) {
   const auto* message = error->get_object().if_contains("message");
   if (message == nullptr || !message->is_string()) return std::nullopt;
   return std::string(message->get_string().data(), message->get_string().size());
+}
+
+std::string AgainIn(const link::HttpAnswer& answer) {
+  if (answer.retry_after.empty()) return "try again";
+  return "try again in " + PrintableUtf8(answer.retry_after, kShownMax) + " s";
 }
 
 /// Takes the rows out of a page. False if the page has no such list.
@@ -82,6 +91,19 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
     case kBadRequest:
     case kTooManyBytes:
       return absl::InvalidArgumentError(*message);
+    case kUnauthorized:
+      return absl::UnauthenticatedError(fmt::format(
+          "{}; show a token by --token-file FILE, {} or uplinkctl contexts set NAME --token-file "
+          "FILE, or a certificate by --certificate-file and --key-file. On the server uplinkctl "
+          "tokens new makes a token",
+          *message, kTokenVariable));
+    case kForbidden:
+      return absl::PermissionDeniedError(
+          fmt::format("{}; on the server uplinkctl tokens list shows roles and fleets", *message));
+    case kTooManyRequests:
+      return absl::ResourceExhaustedError(
+          fmt::format("{}; {}, and check the file of the token or certificate first", *message,
+                      AgainIn(answer)));
     case kNotFound:
       // No row is missing then, but the path.
       return absl::NotFoundError(
@@ -90,8 +112,7 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
               : *message);
     case kUnavailable:
       return absl::UnavailableError(
-          fmt::format("{}; try again{}, and see uplinkctl health --ready", *message,
-                      answer.retry_after.empty() ? "" : " in " + answer.retry_after + " s"));
+          fmt::format("{}; {}, and see uplinkctl health --ready", *message, AgainIn(answer)));
     case kTooLong:
       return absl::DeadlineExceededError(
           fmt::format("{}; ask for less: --since, --robot, a lower --limit", *message));
@@ -102,11 +123,16 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
 
 absl::StatusOr<json::object> Api::Get(const std::string& path, const Query& query) {
   absl::StatusOr<link::HttpAnswer> answer = ask_(PathWith(prefix_ + path, query));
+  if (absl::IsUnauthenticated(answer.status())) {
+    return absl::UnauthenticatedError(
+        fmt::format("{}; the address is {}. --ca-file FILE names the authorities of that server",
+                    std::string(answer.status().message()), source_));
+  }
   if (!answer.ok()) {
-    return absl::UnavailableError(fmt::format(
-        "{}; the address is {}. Does uplinkd run there? --server http://HOST:PORT or uplinkctl "
-        "contexts use NAME chooses another",
-        std::string(answer.status().message()), source_));
+    return absl::UnavailableError(
+        fmt::format("{}; the address is {}. Does uplinkd run there? --server URL or uplinkctl "
+                    "contexts use NAME chooses another",
+                    std::string(answer.status().message()), source_));
   }
   if (answer->status != kOk) return ErrorOf(path, *answer);
   std::optional<json::value> value = uplink::json::ParseExact(answer->body);

@@ -35,8 +35,11 @@ inline constexpr std::size_t kPageRowsMax = 1000;
 
 /// Questions to a server's API.
 ///
-/// Errors: kInvalidArgument for a question that the server refuses, kNotFound, kUnavailable if it
-///         cannot be reached or says 503, kInternal otherwise. Each says what to try.
+/// Errors: kInvalidArgument for a question that the server refuses, kNotFound, kUnauthenticated
+/// (401,
+///         or its certificate is not believed), kPermissionDenied (403), kResourceExhausted (429),
+///         kUnavailable if it cannot be reached or says 503, kInternal otherwise. Each says what to
+///         try.
 /// Thread: confined to one thread; blocks.
 class Api final {
  public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -15,6 +16,7 @@
 #include <unistd.h>
 
 #include "schema/base/file_text.h"
+#include "schema/base/utf8.h"
 #include "schema/base/write_all.h"
 #include "tools/terminal/terminal.h"
 #include "tools/uplinkctl/ask/server_url.h"
@@ -32,6 +34,33 @@ absl::Status WrongKey(const std::string& path, const std::string& key, const cha
   return Wrong(path, fmt::format("{}: unknown key; it takes {}, and no secrets", key, known));
 }
 
+/// The files of a context, by their keys.
+constexpr std::pair<std::string_view, std::string AccessFiles::*> kFiles[] = {
+    {"ca_file", &AccessFiles::ca_file},
+    {"certificate_file", &AccessFiles::certificate_file},
+    {"key_file", &AccessFiles::key_file},
+    {"token_file", &AccessFiles::token_file},
+};
+constexpr const char* kKnownKeys = "server, ca_file, certificate_file, key_file and token_file";
+
+/// A path that TOML holds as Quoted writes it.
+bool IsPlain(const std::string& text) {
+  return IsCleanUtf8(text) && std::ranges::none_of(text, [](char c) {
+           const auto byte = static_cast<unsigned char>(c);
+           return byte < 0x20 || byte == 0x7f;
+         });
+}
+
+/// A string of TOML; without control characters there is nothing else to escape.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
 absl::StatusOr<Context> ReadContext(const std::string& name, const toml::node& node,
                                     const std::string& path) {
   const std::string key = "contexts." + name;
@@ -42,14 +71,17 @@ absl::StatusOr<Context> ReadContext(const std::string& name, const toml::node& n
   if (table == nullptr) return Wrong(path, key + ": it must be a table");
   Context context;
   for (const auto& [member, value] : *table) {
-    if (member.str() != "server") {
-      return WrongKey(path, key + "." + std::string(member.str()), "server");
+    const auto* const file =
+        std::ranges::find_if(kFiles, [&](const auto& each) { return each.first == member.str(); });
+    if (member.str() != "server" && file == std::end(kFiles)) {
+      return WrongKey(path, key + "." + std::string(member.str()), kKnownKeys);
     }
-    context.server = value.value_or(std::string());
+    std::string& into = file == std::end(kFiles) ? context.server : context.files.*(file->second);
+    into = value.value_or(std::string());
   }
-  const absl::StatusOr<ServerUrl> url = ParseServerUrl(context.server, key + ".server");
-  if (!url.ok()) return Wrong(path, std::string(url.status().message()));
-  return context;
+  absl::StatusOr<Context> good = GoodContext(std::move(context), key + ".server");
+  if (!good.ok()) return Wrong(path, std::string(good.status().message()));
+  return good;
 }
 
 absl::Status Failed(const std::string& path) {
@@ -84,6 +116,28 @@ absl::Status CheckContextName(const std::string& name) {
   if (plain && !name.empty() && name.size() <= kContextNameMax) return absl::OkStatus();
   return absl::InvalidArgumentError(fmt::format(
       "context \"{}\": a name has letters, digits, - and _, at most {}", name, kContextNameMax));
+}
+
+absl::StatusOr<Context> GoodContext(Context context, const std::string& key) {
+  const absl::StatusOr<ServerUrl> url = ParseServerUrl(context.server, key);
+  if (!url.ok()) return url.status();
+  if (!IsPlain(context.server)) {
+    return absl::InvalidArgumentError(key + ": it has a control character");
+  }
+  for (const auto& [name, member] : kFiles) {
+    std::string& file = context.files.*member;
+    if (file.empty()) continue;
+    if (!IsPlain(file)) {
+      return absl::InvalidArgumentError(
+          fmt::format("{}: it has a control character, or is no UTF-8", name));
+    }
+    std::error_code error;
+    const std::filesystem::path absolute = std::filesystem::absolute(file, error);
+    if (error) return absl::InvalidArgumentError(fmt::format("{}: {}", file, error.message()));
+    file = absolute.lexically_normal().string();
+  }
+  if (absl::Status good = CheckAccess(*url, context.files); !good.ok()) return good;
+  return context;
 }
 
 absl::StatusOr<Contexts> ParseContexts(const std::string& text, const std::string& path) {
@@ -128,8 +182,11 @@ std::string ContextsText(const Contexts& contexts) {
   std::string text = "# Servers that uplinkctl knows; uplinkctl contexts --help\n";
   if (!contexts.current.empty()) text += fmt::format("current = \"{}\"\n", contexts.current);
   for (const auto& [name, context] : contexts.by_name) {
-    // Neither has a character that TOML escapes.
-    text += fmt::format("\n[contexts.{}]\nserver = \"{}\"\n", name, context.server);
+    text += fmt::format("\n[contexts.{}]\nserver = {}\n", name, Quoted(context.server));
+    for (const auto& [key, member] : kFiles) {
+      const std::string& file = context.files.*member;
+      if (!file.empty()) text += fmt::format("{} = {}\n", key, Quoted(file));
+    }
   }
   return text;
 }

@@ -7,16 +7,20 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "tools/uplinkctl/ask/access.h"
+
 namespace uplink::ctl {
 
 /// A server by a name of the operator's. A value.
 struct Context {
-  /// http://HOST:PORT, perhaps with a path behind it.
+  /// As ParseServerUrl reads it.
   std::string server;
+  /// Absolute paths.
+  AccessFiles files = {};
 };
 
-/// What `~/.config/uplinkctl/config.toml` holds. It has no secrets, only where a server is. A
-/// value.
+/// What `~/.config/uplinkctl/config.toml` holds. It has no secrets, only where a server is, and
+/// where the files are by which it is asked. A value.
 struct Contexts {
   /// The one that is used without a flag; empty: none.
   std::string current;
@@ -35,6 +39,12 @@ inline constexpr std::size_t kContextNameMax = 64;
 /// kInvalidArgument unless the name has letters, digits, `-` and `_` alone, at most
 /// kContextNameMax.
 [[nodiscard]] absl::Status CheckContextName(const std::string& name);
+
+/// Checks a context, whose paths become absolute. `key` says in errors where its server comes from.
+///
+/// Errors: kInvalidArgument for a URL of no server, for files that mean nothing there, and for
+///         control characters in paths.
+[[nodiscard]] absl::StatusOr<Context> GoodContext(Context context, const std::string& key);
 
 /// Reads the text of a file; `path` stands in errors.
 ///

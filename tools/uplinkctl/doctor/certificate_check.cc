@@ -145,8 +145,8 @@ Findings AuthorityFindings(const NamedFile& file, const std::vector<CertificateF
   return findings;
 }
 
-Findings ClientCertificateFindings(const NamedFile& file,
-                                   const std::vector<CertificateFacts>& chain, SystemTime now) {
+Findings ShownCertificateFindings(const NamedFile& file, const std::vector<CertificateFacts>& chain,
+                                  SystemTime now) {
   if (chain.empty()) return {};
   return {DatesFinding(file.key, file.path, JudgeDates(chain.front(), now),
                        "rename a new certificate and its key into place")};

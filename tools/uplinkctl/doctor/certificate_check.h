@@ -38,9 +38,9 @@ struct ServerCertificate {
                                          const std::vector<CertificateFacts>& authorities,
                                          SystemTime now);
 
-/// The dates of the certificate that is shown to a broker.
-[[nodiscard]] Findings ClientCertificateFindings(const NamedFile& file,
-                                                 const std::vector<CertificateFacts>& chain,
-                                                 SystemTime now);
+/// The dates of the certificate that is shown to a broker, or to callers of listen.http.
+[[nodiscard]] Findings ShownCertificateFindings(const NamedFile& file,
+                                                const std::vector<CertificateFacts>& chain,
+                                                SystemTime now);
 
 }  // namespace uplink::ctl

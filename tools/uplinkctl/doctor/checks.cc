@@ -10,6 +10,7 @@
 #include "storage/postgres/admin.h"
 #include "storage/sqlite/migrations.h"
 #include "tools/link/http_client.h"
+#include "tools/uplinkctl/ask/access.h"
 #include "tools/uplinkctl/doctor/certificate_check.h"
 #include "tools/uplinkctl/doctor/certificate_facts.h"
 #include "tools/uplinkctl/doctor/config_check.h"
@@ -17,6 +18,7 @@
 #include "tools/uplinkctl/doctor/machine_check.h"
 #include "tools/uplinkctl/doctor/postgres_check.h"
 #include "tools/uplinkctl/doctor/server_check.h"
+#include "tools/uplinkctl/doctor/socket_check.h"
 #include "tools/uplinkctl/doctor/sqlite_check.h"
 #include "tools/uplinkctl/doctor/sqlite_facts.h"
 #include "tools/uplinkctl/listeners.h"
@@ -47,10 +49,14 @@ Findings CheckCertificates(const Config& config, SystemTime now) {
   }
   Append(findings, AuthorityFindings({"tls.client_ca_file", config.tls.client_ca_file},
                                      ReadFacts(authorities), now));
+  if (const std::string& path = config.http.tls_certificate_file; !path.empty()) {
+    Append(findings, ShownCertificateFindings({"http.tls.certificate_file", path},
+                                              ReadFacts(ReadOrNothing(path)), now));
+  }
   if (!config.mqtt.url.empty()) {
     const std::string& path = config.mqtt.client_certificate_file;
-    Append(findings, ClientCertificateFindings({"mqtt.client_certificate_file", path},
-                                               ReadFacts(ReadOrNothing(path)), now));
+    Append(findings, ShownCertificateFindings({"mqtt.client_certificate_file", path},
+                                              ReadFacts(ReadOrNothing(path)), now));
   }
   return findings;
 }
@@ -80,8 +86,13 @@ std::vector<PortFacts> TryPorts(const Config& config, const std::set<std::string
   std::vector<PortFacts> ports;
   for (Listener& listener : ListenersOf(config)) {
     if (at_fault.contains(listener.key)) continue;
-    const int error = TryToBind(listener.address);
-    ports.push_back({std::move(listener), error});
+    if (config::IsUnix(listener.address)) {
+      const SocketTrial trial = TryToListenAt(listener.address.path);
+      ports.push_back({std::move(listener), trial.error, trial.holder});
+    } else {
+      const int error = TryToBind(listener.address);
+      ports.push_back({std::move(listener), error});
+    }
   }
   return ports;
 }
@@ -91,14 +102,20 @@ StoreHolder HolderOf(const PortUser& user, const std::vector<PortFacts>& ports) 
   return FixesPort(ports) ? StoreHolder::kOther : StoreHolder::kUnknown;
 }
 
+absl::StatusOr<link::HttpAnswer> AskWhetherReady(const Config& config) {
+  const absl::StatusOr<link::HttpServer> server = ServerToProbe(OwnUrl(config));
+  if (!server.ok()) return server.status();
+  link::HttpClient client(*server, {kProbeDeadline, kProbeBytesMax});
+  return client.Ask(ProbePath(Probe::kReady));
+}
+
 /// Ports, and the server that has them.
 Findings CheckServer(const Config& config, const std::vector<PortFacts>& ports,
                      const MachineFacts& machine, const PortUser& user) {
   Findings findings;
   for (const PortFacts& port : ports) findings.push_back(PortFinding(port, machine, user));
   if (user.running) {
-    link::HttpClient client(config::ToText(ProbeAddress(config)), {kProbeDeadline, kProbeBytesMax});
-    findings.push_back(ServerFinding(client.Ask(ProbePath(Probe::kReady))));
+    findings.push_back(ServerFinding(AskWhetherReady(config)));
   } else {
     // A running server says it itself, by its word `clock`.
     findings.push_back(ClockFinding(store::KernelClockSynchronised()));

@@ -10,6 +10,7 @@
 
 #include "schema/base/doc_page.h"
 #include "server/transport/descriptors.h"
+#include "tools/uplinkctl/doctor/socket_check.h"
 
 namespace uplink::ctl {
 namespace {
@@ -75,17 +76,36 @@ bool ListensOnlyAt(const std::vector<PortFacts>& ports, pid_t pid, const Machine
                      });
 }
 
+std::optional<ServerProcess> ServerWithPid(pid_t pid, const MachineFacts& machine) {
+  const auto found = std::ranges::find(machine.servers, pid, &ServerProcess::pid);
+  return found == machine.servers.end() ? std::nullopt : std::optional(*found);
+}
+
+/// The uplinkd that has a port or a Unix socket.
+std::optional<ServerProcess> HolderOf(const PortFacts& port, const MachineFacts& machine) {
+  if (config::IsUnix(port.listener.address)) return ServerWithPid(port.holder, machine);
+  return ServerAt(port.listener.address, machine);
+}
+
+/// Whether it may be any that is free.
+bool IsAny(const PortFacts& port) {
+  return port.listener.address.port == 0 && !config::IsUnix(port.listener.address);
+}
+
 }  // namespace
 
 bool HasUnknownHolder(const std::vector<PortFacts>& ports, const MachineFacts& machine) {
   return std::any_of(ports.begin(), ports.end(), [&](const PortFacts& port) {
-    return port.bind_error == EADDRINUSE && SocketAt(port.listener.address, machine) == nullptr;
+    if (port.bind_error != EADDRINUSE) return false;
+    return config::IsUnix(port.listener.address)
+               ? !ServerWithPid(port.holder, machine)
+               : SocketAt(port.listener.address, machine) == nullptr;
   });
 }
 
 bool FixesPort(const std::vector<PortFacts>& ports) {
   return std::any_of(ports.begin(), ports.end(),
-                     [](const PortFacts& port) { return port.listener.address.port != 0; });
+                     [](const PortFacts& port) { return !IsAny(port); });
 }
 
 std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
@@ -93,13 +113,13 @@ std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
   std::optional<ServerProcess> own;
   bool relay_free = false;
   for (const PortFacts& port : ports) {
-    if (port.listener.address.port == 0) continue;
+    if (IsAny(port)) continue;
     if (port.listener.key == kRelayKey && port.bind_error == 0) {
       relay_free = true;
       continue;
     }
     std::optional<ServerProcess> server;
-    if (port.bind_error == EADDRINUSE) server = ServerAt(port.listener.address, machine);
+    if (port.bind_error == EADDRINUSE) server = HolderOf(port, machine);
     if (!server || (own && own->pid != server->pid)) return std::nullopt;
     own = std::move(server);
   }
@@ -128,6 +148,7 @@ std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
 }
 
 Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const PortUser& user) {
+  if (config::IsUnix(port.listener.address)) return SocketFinding(port, user);
   const Listener& listener = port.listener;
   const std::string address = config::ToText(listener.address);
   switch (port.bind_error) {

@@ -23,11 +23,21 @@ namespace uplink::ctl {
 [[nodiscard]] std::optional<ServerProcess> ServerAt(const config::ListenAddress& address,
                                                     const MachineFacts& machine);
 
-/// A port as it was tried. A value.
+/// How a Unix socket was tried. A value.
+struct SocketTrial {
+  /// 0, or an errno value; EADDRINUSE: a program listens there.
+  int error = 0;
+  /// That program; 0: it is not known, or there is none.
+  pid_t holder = 0;
+};
+
+/// A port or a Unix socket as it was tried. A value.
 struct PortFacts {
   Listener listener;
-  /// TryToBind's.
+  /// TryToBind's, or SocketTrial's.
   int bind_error = 0;
+  /// SocketTrial's; of a port 0.
+  pid_t holder = 0;
 };
 /// A port is in use, and `machine` knows no socket there: the program came after it was read.
 [[nodiscard]] bool HasUnknownHolder(const std::vector<PortFacts>& ports,
@@ -37,7 +47,7 @@ struct PortFacts {
 /// other port.
 [[nodiscard]] std::optional<ServerProcess> OwnServer(const std::vector<PortFacts>& ports,
                                                      const MachineFacts& machine);
-/// A port does not stand for any free one.
+/// A port does not stand for any free one, or is a Unix socket.
 [[nodiscard]] bool FixesPort(const std::vector<PortFacts>& ports);
 
 /// For whom a port is judged. A value.
@@ -47,7 +57,7 @@ struct PortUser {
   /// OwnServer's.
   std::optional<ServerProcess> running;
 };
-/// Whether the server can listen there, or does.
+/// Whether the server can listen there, or does; of a Unix socket as SocketFinding.
 [[nodiscard]] Finding PortFinding(const PortFacts& port, const MachineFacts& machine,
                                   const PortUser& user);
 

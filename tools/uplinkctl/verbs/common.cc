@@ -28,14 +28,24 @@ bool Print(std::string_view text, std::FILE* to) {
 
 }  // namespace
 
+void AddAccessFlags(config::Flags& verb, AccessFiles& files) {
+  verb.Add({"--token-file", fmt::format("A file whose first line is your token (without a flag {})",
+                                        kTokenVariable)},
+           files.token_file);
+  verb.Add({"--ca-file", "Authorities of an https server (without it the system's)"},
+           files.ca_file);
+  verb.Add({"--certificate-file", "Your certificate, for https"}, files.certificate_file);
+  verb.Add({"--key-file", "Its private key"}, files.key_file);
+}
+
 void AddServerFlags(config::Flags& verb, ServerFlags& flags, const char* about_config) {
-  verb.Add({"--server", fmt::format("Which server: http://HOST:PORT, perhaps with a path (without "
-                                    "a flag {}, the current context, {})",
-                                    kServerVariable, kServerDefault)},
+  verb.Add({"--server", fmt::format("Which server: {} (without a flag {}, the current context, {})",
+                                    kUrlForms, kServerVariable, kServerDefault)},
            flags.server);
   verb.Add({"--context", "Which server: by its name of uplinkctl contexts"}, flags.context);
   verb.Add({"--config", about_config}, flags.config);
   verb.AtMostOne({"--server", "--context", "--config"});
+  AddAccessFlags(verb, flags.files);
 }
 
 void AddOutputFlags(config::Flags& verb, CommonFlags& flags, bool follows) {
@@ -72,11 +82,19 @@ Screen ProcessScreen(const Clock& clock) {
 int WithServer(const ServerFlags& flags, const Work& work) {
   const absl::StatusOr<ServerChoice> choice = ChooseServer(flags, ProcessSources());
   if (!choice.ok()) return ExitOf(choice.status());
-  link::HttpClient client(choice->url.address);
+  const absl::StatusOr<link::HttpServer> server =
+      ServerWith(choice->url, choice->files, choice->certificate_file);
+  if (!server.ok()) return ExitOf(server.status());
+  link::HttpClient client(*server);
   Api api([&client](const std::string& target) { return client.Ask(target); }, choice->url.prefix,
           choice->source);
   const SystemClock clock;
-  return ExitOf(work(api, ProcessScreen(clock)));
+  const Screen screen = ProcessScreen(clock);
+  if (ShowsToken(*server)) {
+    screen.note(fmt::format("the network can read the token on its way to {}; is there https?",
+                            ToText(choice->url)));
+  }
+  return ExitOf(work(api, screen));
 }
 
 absl::Status ShowAgain(const Screen& screen, bool follow,

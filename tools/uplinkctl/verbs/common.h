@@ -26,7 +26,9 @@ struct CommonFlags {
 /// What --config means where a server is asked.
 inline constexpr const char* kConfigOfServer =
     "Which server: by its configuration file, which says where it listens";
-/// Adds --server, --context and --config.
+/// Adds --token-file, --ca-file, --certificate-file and --key-file.
+void AddAccessFlags(config::Flags& verb, AccessFiles& files);
+/// Adds --server, --context, --config and those of AddAccessFlags.
 void AddServerFlags(config::Flags& verb, ServerFlags& flags,
                     const char* about_config = kConfigOfServer);
 /// Adds -o, and with `follows` --follow.

@@ -92,6 +92,26 @@ capabilities:
 {{- $_ := set $own.store "url" .Values.store.postgres.url -}}
 {{- $_ := set $own.store "password_file" (printf "/etc/uplinkd/store/%s" .Values.store.postgres.passwordKey) -}}
 {{- end -}}
+{{- $http := dict -}}
+{{- if .Values.http.enabled -}}
+{{- $service := printf "%s-http" (include "uplinkd.fullname" .) -}}
+{{- $names := list $service (printf "%s.%s" $service .Release.Namespace) (printf "%s.%s.svc" $service .Release.Namespace) -}}
+{{- $_ := set $own.listen "http" "[::]:7480" -}}
+{{- $_ := set $http "hosts" (concat $names .Values.http.hosts (dig "http" "hosts" (list) .Values.config)) -}}
+{{- $_ := set $http "tls.certificate_file" "/etc/uplinkd/http/tls.crt" -}}
+{{- $_ := set $http "tls.key_file" "/etc/uplinkd/http/tls.key" -}}
+{{- /* The probes ask over loopback. */ -}}
+{{- $_ := set $http "plain_from" (concat (list "127.0.0.0/8" "::1") .Values.http.plainFrom) -}}
+{{- if .Values.http.tokensSecret -}}
+{{- $_ := set $http "tokens_file" (printf "/etc/uplinkd/access/%s" .Values.http.tokensKey) -}}
+{{- end -}}
+{{- end -}}
+{{- if .Values.metrics.tokenSecret -}}
+{{- $_ := set $http "metrics_token_file" (printf "/etc/uplinkd/metrics/%s" .Values.metrics.tokenKey) -}}
+{{- end -}}
+{{- if $http -}}
+{{- $_ := set $own "http" $http -}}
+{{- end -}}
 {{- $all := mergeOverwrite (deepCopy .Values.config) $own -}}
 {{- range $section := keys $all | sortAlpha }}
 [{{ $section }}]

@@ -67,6 +67,28 @@ TEST(Api, ErrorsSayWhatToTry) {
   EXPECT_THAT(Words(api.Get("/x").status()), HasSubstr("older than this uplinkctl"));
 }
 
+TEST(Api, ARefusedCallerIsToldWhatToShow) {
+  FakeServer server;
+  server.Answer(401, R"({"error":{"code":"UNAUTHENTICATED","message":"show a token"}})");
+  server.Answer(403, R"({"error":{"code":"PERMISSION_DENIED","message":"admin is needed"}})");
+  server.Answer(429, R"({"error":{"code":"RESOURCE_EXHAUSTED","message":"too many"}})", "42");
+  server.Fail(absl::UnauthenticatedError("https://a:1/x: TLS handshake: it is not believed"));
+  Api api = server.MakeApi();
+  const absl::Status nobody = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsUnauthenticated(nobody));
+  EXPECT_THAT(Words(nobody),
+              HasSubstr("show a token; show a token by --token-file FILE, UPLINKCTL"));
+  const absl::Status denied = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsPermissionDenied(denied));
+  EXPECT_THAT(Words(denied), HasSubstr("admin is needed; on the server uplinkctl tokens list"));
+  const absl::Status many = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsResourceExhausted(many));
+  EXPECT_THAT(Words(many), HasSubstr("too many; try again in 42 s, and check"));
+  const absl::Status stranger = api.Get("/x").status();
+  EXPECT_TRUE(absl::IsUnauthenticated(stranger));
+  EXPECT_THAT(Words(stranger), HasSubstr("of the test. --ca-file FILE names"));
+}
+
 TEST(Api, AnAnswerThatIsNotOursIsNamedSo) {
   FakeServer server;
   server.Answer(200, "<html>\x1b[2J</html>");

@@ -42,29 +42,29 @@ TEST(Probe, ALongAnswerIsCut) {
   EXPECT_EQ(line.back(), 'a');
 }
 
-TEST(Probe, AUrlNamesHostAndPort) {
-  EXPECT_EQ(AddressOfUrl("http://127.0.0.1:7480").value(), "127.0.0.1:7480");
-  EXPECT_EQ(AddressOfUrl("http://[::1]:65535/").value(), "[::1]:65535");
-  EXPECT_EQ(AddressOfUrl("http://uplinkd").value(), "uplinkd:80");
-  EXPECT_EQ(AddressOfUrl("http://[::1]").value(), "[::1]:80");
-}
-
-TEST(Probe, AnotherUrlIsWrongUse) {
-  for (const char* url :
-       {"", "127.0.0.1:7480", "https://a:1", "http://", "http://:80", "http://[]:80", "http://[::1",
-        "http://::1:80", "http://a:0", "http://a:65536", "http://a:b", "http://a:", "http://a:1/x",
-        "http://u@a:1", "http://a:1?b"}) {
-    EXPECT_TRUE(absl::IsInvalidArgument(AddressOfUrl(url).status())) << url;
-  }
-}
-
-TEST(Listeners, ProbesOfAListenerOnAllAddressesGoToLoopback) {
+TEST(Listeners, AClientOnTheMachineAsksAListenerOnAllAddressesOnLoopback) {
   config::Config config;
-  EXPECT_EQ(config::ToText(ProbeAddress(config)), "127.0.0.1:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
   config.listen.http.host = "0.0.0.0";
-  EXPECT_EQ(config::ToText(ProbeAddress(config)), "127.0.0.1:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
   config.listen.http.host = "::";
-  EXPECT_EQ(config::ToText(ProbeAddress(config)), "[::1]:7480");
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
+  config.listen.http = {.host = {}, .port = 0, .path = "/run/uplinkd/http.sock"};
+  EXPECT_EQ(ToText(OwnUrl(config)), "unix:/run/uplinkd/http.sock");
+}
+
+TEST(Listeners, HttpsIsSpokenWhereTheMachineMustNotDoWithout) {
+  config::Config config;
+  config.http.tls_certificate_file = "http.crt";
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
+  config.listen.http.host = "192.0.2.7";
+  EXPECT_EQ(ToText(OwnUrl(config)), "https://192.0.2.7:7480");
+  config.http.plain_from = {*config::Network::Parse("192.0.2.0/24")};
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://192.0.2.7:7480");
+  config.listen.http.host = "::";
+  EXPECT_EQ(ToText(OwnUrl(config)), "https://127.0.0.1:7480");
+  config.http.tls_certificate_file = "";
+  EXPECT_EQ(ToText(OwnUrl(config)), "http://127.0.0.1:7480");
 }
 
 }  // namespace
