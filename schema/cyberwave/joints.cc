@@ -125,8 +125,9 @@ std::optional<Joint> JointOf(Reader& in, const Channels& channels, std::size_t f
 template <typename Each>
 void ForEachJoint(const Channels& channels, Each each) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (channels.at(i) == nullptr) continue;
-    for (const auto& member : *channels.at(i)) {
+    const js::object* const channel = channels.at(i);
+    if (channel == nullptr) continue;
+    for (const auto& member : *channel) {
       if (member.value().is_null()) continue;
       const auto earlier = channels.begin() + static_cast<std::ptrdiff_t>(i);
       const bool before = std::any_of(channels.begin(), earlier, [&member](const js::object* map) {

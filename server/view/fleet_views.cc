@@ -57,7 +57,8 @@ absl::StatusOr<FleetsPage> Queries::Fleets(const FleetsQuery& query) {
   FilteredRobots filtered(filter, true);
   filtered.SetSources(FilterSourcesOf(seen));
   std::map<std::string, FleetView> fleets;
-  for (const SortedRobots::Entry& entry : *sorted_.Get()) {
+  const std::shared_ptr<const SortedRobots::List> sorted = sorted_.Get();
+  for (const SortedRobots::Entry& entry : *sorted) {
     const fleet::RobotPtr robot = entry.robot.lock();
     if (robot == nullptr) continue;
     Glance glance;

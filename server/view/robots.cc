@@ -129,7 +129,8 @@ absl::StatusOr<RobotsPage> Queries::Robots(const RobotsQuery& query) {
   // One more shows whether another page follows.
   FoundRobots found(query.order, std::move(after), std::size_t{query.page_size} + 1);
   RobotsPage page;
-  for (const SortedRobots::Entry& entry : *sorted_.Get()) {
+  const std::shared_ptr<const SortedRobots::List> sorted = sorted_.Get();
+  for (const SortedRobots::Entry& entry : *sorted) {
     const fleet::RobotPtr robot = entry.robot.lock();
     if (robot == nullptr) continue;
     Glance glance;

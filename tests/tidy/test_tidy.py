@@ -290,6 +290,8 @@ class BannedTest(RuleTest):
         ("thread.detach();", None, "tools/a.cc"),
         ("int a = rand();", None, "tools/a.cc"),
         ("GTEST_SKIP();", None, "tests/a.cc"),
+        ("for (const auto& each : *sorted_.Get()) {", None, "server/a.cc"),
+        ("for (const auto& row : store.Rows({})->rows) {", None, "tests/a.cc"),
     )
 
     def test_refuses_the_call_where_it_is_banned(self):

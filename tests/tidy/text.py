@@ -60,6 +60,11 @@ BANNED = (
     Banned(re.compile(r"\bthrow\b"), "return a Status or a Rejection", CODE),
     Banned(re.compile(r"\.detach\s*\("), "join it: std::jthread", CODE),
     Banned(re.compile(r"\bs?rand\s*\("), "take a seeded generator", CODE),
+    Banned(
+        re.compile(r"\bfor \(.* : (\*[\w.>-]+\(|.*\)->\w+\))"),
+        "name what the call returns: it ends before the loop does",
+        CODE,
+    ),
     Banned(re.compile(r"\bGTEST_SKIP\b"), "fail and name the remedy", ("tests/",)),
 )
 

@@ -55,7 +55,8 @@ absl::Status FetchPages(link::HttpClient& http, const std::string& target, Rows 
     if (!token.empty()) path += "&pageToken=" + link::PercentEncoded(token);
     absl::StatusOr<Response> response = Fetch<Response>(http, path);
     if (!response.ok()) return response.status();
-    for (auto& row : *rows(*response)) {
+    auto& received = *rows(*response);
+    for (auto& row : received) {
       take(std::move(row));
     }
     token = response->next_page_token();

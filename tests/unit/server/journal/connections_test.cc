@@ -45,7 +45,8 @@ class JournalConnections : public ::testing::Test, protected JournalBench {
   /// By their ids, newest first.
   std::vector<int> Ids(bool open = false) {
     std::vector<int> ids;
-    for (const auto& row : store.Connections({.rows = {}, .open = open})->rows) {
+    const auto page = store.Connections({.rows = {}, .open = open});
+    for (const auto& row : page->rows) {
       ids.push_back(row.id[0]);
     }
     return ids;

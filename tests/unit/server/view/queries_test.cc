@@ -1,5 +1,10 @@
 #include "server/view/queries.h"
 
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,6 +49,23 @@ TEST_F(QueriesTest, WalksRobotsByRuriWithATotal) {
   EXPECT_THAT(Ruris(last), ElementsAre("rcan://c"));
   EXPECT_EQ(last.next_token, "");
   EXPECT_EQ(last.total, 3);
+}
+
+TEST_F(QueriesTest, KeepsWhatItWalksWhileRobotsComeAndOthersAsk) {
+  std::atomic<bool> ended{false};
+  std::jthread other([&] {
+    while (!ended) {
+      EXPECT_TRUE(world_.queries.Robots({}).ok());
+      EXPECT_TRUE(world_.queries.Fleets({}).ok());
+    }
+  });
+  constexpr int kRobots = 90;
+  for (int i = 0; i < kRobots; ++i) {
+    world_.AddRobot("rcan://r" + std::to_string(i));
+    EXPECT_EQ(Robots({}).total, i + 1);
+    EXPECT_TRUE(world_.queries.Fleets({}).ok());
+  }
+  ended = true;
 }
 
 TEST_F(QueriesTest, ShowsAGatewayForAsLongAsTheRobotsStreamComesThroughIt) {
