@@ -7,29 +7,22 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/span_body.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/http/write.hpp>
 
-#include "server/http/answer_head.h"
 #include "server/http/errors.h"
-#include "server/http/header_text.h"
+#include "server/http/guard.h"
 #include "server/http/incoming.h"
 #include "server/http/posted_job.h"
+#include "server/http/request_of.h"
+#include "server/http/sent_answer.h"
 
 namespace uplink::http {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace bhttp = boost::beast::http;
-using asio::ip::tcp;
+using boost::system::error_code;
 
 /// What is read and thrown away after the last answer, so that closing with unread bytes does not
 /// reset the connection before the peer has read that answer.
@@ -37,20 +30,21 @@ constexpr std::size_t kLingerBytesMax = 64UL * 1024;
 constexpr std::chrono::seconds kLingerWait{1};
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 
-Method MethodOf(bhttp::verb verb) {
-  if (verb == bhttp::verb::get) return Method::kGet;
-  if (verb == bhttp::verb::head) return Method::kHead;
-  return Method::kOther;
-}
-
-class Connection final : public PlaceHolder, public std::enable_shared_from_this<Connection> {
+class Connection final : public PlaceHolder,
+                         public HandshakeHolder,
+                         public std::enable_shared_from_this<Connection> {
  public:
-  Connection(std::shared_ptr<ConnectionContext> context, tcp::socket socket, const Source& source)
-      : context_(std::move(context)), stream_(std::move(socket)), incoming_(context_->limits) {
-    place_ = context_->places.Take(*this, source, context_->server.clock.Steady());
+  Connection(std::shared_ptr<ConnectionContext> context, RawStream::socket_type socket, Peer peer)
+      : context_(std::move(context)),
+        peer_(std::move(peer)),
+        wire_(std::move(socket)),
+        incoming_(context_->limits) {
+    place_ =
+        context_->places.Take(*this, peer_.source, context_->server.clock.Steady(), peer_.of());
     context_->probe().open.Add(1);
   }
   ~Connection() override {
+    EndHandshake();
     if (place_) context_->places.Leave(*place_);
     context_->probe().open.Add(-1);
   }
@@ -62,21 +56,72 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     const auto self = shared_from_this();
     place_.reset();
     gave_way_ = true;
-    stream_.close();
+    wire_.raw().close();
     // Else the jobs of those that gave way would take the places of others in the queue.
     if (job_) job_->Withdraw();
+  }
+
+  void CutHandshake() override {
+    handshake_.reset();
+    context_->probe().given_up.Add();
+    wire_.raw().close();
+  }
+
+  void Begin() {
+    if (context_->tls == nullptr || peer_.on_machine) return ReadRequest();
+    wire_.raw().expires_after(context_->limits.idle_wait);
+    const asio::mutable_buffer room = incoming_.Room();
+    wire_.async_read_some(room, [self = shared_from_this(), room](error_code error, std::size_t n) {
+      if (!error) self->Choose(asio::const_buffer(room.data(), n));
+    });
+  }
+
+ private:
+  /// The first byte says whether the peer speaks TLS.
+  void Choose(asio::const_buffer first) {
+    if (*static_cast<const unsigned char*>(first.data()) == kTlsHandshake) return Handshake(first);
+    if (!peer_.plain) return context_->server.entrance.NoteDenied(Denied::kPlain, peer_);
+    incoming_.Received(first.size());
+    incoming_.Next();
+    wire_.raw().expires_after(context_->limits.idle_wait);
+    Advance();
+  }
+
+  void Handshake(asio::const_buffer first) {
+    handshake_ = context_->handshakes.Begin(*this);
+    wire_.raw().expires_after(kHandshakeWait);
+    wire_.Handshake(context_->tls->get().get(), first,
+                    [self = shared_from_this()](error_code error) {
+                      self->EndHandshake();
+                      if (error == asio::error::operation_aborted) return;  // it gave way
+                      if (error) return self->NoteFailedHandshake(error);
+                      self->certificate_ = CertificateOf(self->wire_.connection());
+                      self->ReadRequest();
+                    });
+  }
+
+  void EndHandshake() {
+    if (handshake_) context_->handshakes.End(*std::exchange(handshake_, std::nullopt));
+  }
+
+  void NoteFailedHandshake(error_code error) {
+    const identity::CertificateFlaw flaw = wire_.flaw();
+    if (flaw != identity::CertificateFlaw::kNone) {
+      return context_->server.entrance.NoteDenied(Denied::kBadCertificate, peer_);
+    }
+    context_->handshake_failures.Write(log::Level::kInfo, "http_handshake_failed",
+                                       {{"from", peer_.text}, {"why", error.message()}});
   }
 
   /// The first time and after each answer.
   void ReadRequest() {
     if (answered_any_) Note(Places::State::kIdle);
     incoming_.Next();
-    stream_.expires_after(context_->limits.idle_wait);
+    wire_.raw().expires_after(context_->limits.idle_wait);
     begun_ = false;
     Advance();
   }
 
- private:
   void Note(Places::State state) {
     if (place_) Places::Note(*place_, state, context_->server.clock.Steady());
   }
@@ -84,7 +129,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void Advance() {
     const Incoming::Step step = incoming_.Advance();
     if (step == Incoming::Step::kNothing) return ReadMore();
-    if (!std::exchange(begun_, true)) stream_.expires_after(context_->limits.request_wait);
+    if (!std::exchange(begun_, true)) wire_.raw().expires_after(context_->limits.request_wait);
     switch (step) {
       case Incoming::Step::kNothing:
       case Incoming::Step::kPart:
@@ -99,17 +144,17 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   }
 
   void ReadMore() {
-    stream_.async_read_some(incoming_.Room(),
-                            [self = shared_from_this()](beast::error_code error, std::size_t n) {
-                              if (error) return;  // the peer is gone, or took too long
-                              self->incoming_.Received(n);
-                              self->Advance();
-                            });
+    wire_.async_read_some(incoming_.Room(),
+                          [self = shared_from_this()](error_code error, std::size_t n) {
+                            if (error) return;  // the peer is gone, or took too long
+                            self->incoming_.Received(n);
+                            self->Advance();
+                          });
   }
 
   void SendContinue() {
-    asio::async_write(stream_, asio::buffer(kContinue),
-                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+    asio::async_write(wire_, asio::buffer(kContinue),
+                      [self = shared_from_this()](error_code error, std::size_t) {
                         if (!error) self->Advance();
                       });
   }
@@ -117,33 +162,14 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
   void OnRefused() {
     started_ = context_->server.clock.Steady();
     route_ = OtherRoute();
-    method_ = MethodOf(incoming_.message().method());
+    method_ = MethodOf(incoming_.message());
     keep_alive_ = false;
     Answer(std::move(incoming_.refusal()));
   }
 
-  /// A header that may stand there several times, as one (RFC 9110, 5.3).
-  [[nodiscard]] std::string Listed(bhttp::field name) const {
-    std::string all;
-    const auto [first, last] = incoming_.message().equal_range(name);
-    for (auto header = first; header != last; ++header) {
-      if (!all.empty()) all += ", ";
-      all += std::string_view(header->value().data(), header->value().size());
-    }
-    return all;
-  }
-
   [[nodiscard]] Request ToRequest() const {
-    const auto& message = incoming_.message();
-    Request request{method_, std::string(message.target()), Listed(bhttp::field::accept),
-                    Listed(bhttp::field::accept_encoding), Listed(bhttp::field::if_none_match)};
-    const std::size_t hosts = message.count(bhttp::field::host);
-    if (hosts == 1) request.host = std::string(message[bhttp::field::host]);
-    request.host_required = version_ >= 11 || hosts > 1;
-    if (message.count(bhttp::field::origin) > 0) {
-      request.origin = std::string(message[bhttp::field::origin]);
-    }
-    request.fetch_site = std::string(message["Sec-Fetch-Site"]);
+    Request request = RequestOf(incoming_.message(), peer_, peer_.proxy && !wire_.is_tls());
+    request.certificate = certificate_;
     request.monitoring_only = place_ && (*place_)->monitoring_only;
     request.listener = context_->listener;
     return request;
@@ -151,7 +177,7 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
   void OnRequest() {
     started_ = context_->server.clock.Steady();
-    method_ = MethodOf(incoming_.message().method());
+    method_ = MethodOf(incoming_.message());
     version_ = incoming_.message().version();
     keep_alive_ = incoming_.keep_alive();
     Resolved resolved = context_->server.entrance.Resolve(ToRequest());
@@ -159,14 +185,14 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     route_ = resolved.route;
     if (resolved.lane == Lane::kIo) return Answer(resolved.run());
 
-    stream_.expires_never();  // the answer's time is the store's
+    wire_.raw().expires_never();  // the answer's time is the store's
     job_ = PostedJob::Post(
         *context_, resolved.lane,
         [self = shared_from_this(), run = std::move(resolved.run)]() mutable {
           // A connection that has given way meanwhile needs no answer.
           Response response = self->gave_way_ ? Response() : run();
           // The reference moves along, so that the connection always ends on the loop's thread.
-          asio::any_io_executor executor = self->stream_.get_executor();
+          asio::any_io_executor executor = self->wire_.get_executor();
           asio::post(executor, [moved = std::move(self), answer = std::move(response)]() mutable {
             moved->job_.reset();
             if (!moved->gave_way_) moved->Answer(std::move(answer));
@@ -175,95 +201,76 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
     if (!job_) Answer(IsScrape(resolved.lane) ? TooManyScrapes() : TooBusy());
   }
 
-  template <typename Body>
-  bhttp::response<Body> Head(const Response& answer) const {
-    bhttp::response<Body> message(bhttp::int_to_status(static_cast<unsigned>(answer.status)),
-                                  version_);
-    message.set(bhttp::field::date, ImfFixdate(context_->server.clock.System()));
-    SetHeaders(answer, message);
-    message.keep_alive(keep_alive_);
-    if (keep_alive_) {
-      message.set(bhttp::field::connection, "keep-alive");  // names the header, too
-      message.set(bhttp::field::keep_alive, context_->keep_alive);
-    }
-    return message;
-  }
-
   void Answer(Response answer) {
     if (answer.closes || (place_ && context_->places.Crowded(*place_))) keep_alive_ = false;
     answered_any_ = true;
     // A client that is refused because no place is free has no place to keep.
     Note(answer.closes ? Places::State::kIdle : Places::State::kAnswering);
-    const auto took = context_->server.clock.Steady() - started_;
-    context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
-    context_->server.probe.CountRequest(route_, answer.status);
-    const log::Logger& logger = context_->server.logger;
-    if (logger.Enabled(log::Level::kDebug)) {
-      const auto ms = std::chrono::duration_cast<milliseconds>(took).count();
-      logger.Debug("http_answered",
-                   {{"route", RouteName(route_)}, {"status", answer.status}, {"ms", ms}});
-    }
-    if (method_ == Method::kHead || answer.status == 304) {
-      Send(answer_.emplace<HeadOnly>(Head<bhttp::empty_body>(answer)));
-    } else if (answer.shared_body != nullptr) {
-      auto& message = answer_.emplace<Shared>(Head<bhttp::span_body<const char>>(answer));
-      message.body() = {answer.shared_body->data(), answer.shared_body->size()};
-      shared_body_ = std::move(answer.shared_body);
-      Send(message);
-    } else {
-      auto& message = answer_.emplace<Whole>(Head<bhttp::string_body>(answer));
-      message.body() = std::move(answer.body);
-      Send(message);
-    }
+    NoteAnswered(answer.status);
+    wire_.raw().expires_after(context_->limits.answer_wait);
+    const SentAnswer::Form form{.version = version_,
+                                .head_only = method_ == Method::kHead || answer.status == 304,
+                                .keep_alive = keep_alive_,
+                                .keep_alive_text = context_->keep_alive,
+                                .now = context_->server.clock.System()};
+    answer_.Write(wire_, std::move(answer), form,
+                  [self = shared_from_this()](error_code error, std::size_t) {
+                    // At once, even if the connection is kept.
+                    self->answer_.Clear();
+                    if (error) return;
+                    if (self->keep_alive_) return self->ReadRequest();
+                    self->Close();
+                  });
   }
 
-  template <typename Message>
-  void Send(Message& message) {
-    stream_.expires_after(context_->limits.answer_wait);
-    bhttp::async_write(stream_, message,
-                       [self = shared_from_this()](beast::error_code error, std::size_t) {
-                         // Release a shared answer at once, even if the connection is kept.
-                         self->answer_.emplace<std::monostate>();
-                         self->shared_body_.reset();
-                         if (error) return;
-                         if (self->keep_alive_) return self->ReadRequest();
-                         self->Close();
-                       });
+  void NoteAnswered(int status) {
+    const auto took = context_->server.clock.Steady() - started_;
+    context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
+    context_->server.probe.CountRequest(route_, status);
+    const log::Logger& logger = context_->server.logger;
+    if (!logger.Enabled(log::Level::kDebug)) return;
+    const auto ms = std::chrono::duration_cast<milliseconds>(took).count();
+    logger.Debug("http_answered", {{"route", RouteName(route_)}, {"status", status}, {"ms", ms}});
   }
 
   void Close() {
     Note(Places::State::kIdle);
-    beast::error_code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    stream_.expires_after(kLingerWait);
+    wire_.raw().expires_after(kLingerWait);
+    if (!wire_.is_tls()) return ShutDown();
+    wire_.EndTls([self = shared_from_this()](error_code) { self->ShutDown(); });
+  }
+
+  void ShutDown() {
+    error_code ignored;
+    wire_.raw().socket().shutdown(asio::socket_base::shutdown_send, ignored);
     Linger();
   }
 
   void Linger() {
-    stream_.async_read_some(asio::buffer(discard_),
-                            [self = shared_from_this()](beast::error_code error, std::size_t n) {
-                              self->lingered_ += n;
-                              if (!error && self->lingered_ < kLingerBytesMax) self->Linger();
-                            });
+    wire_.raw().async_read_some(asio::buffer(discard_),
+                                [self = shared_from_this()](error_code error, std::size_t n) {
+                                  self->lingered_ += n;
+                                  if (!error && self->lingered_ < kLingerBytesMax) self->Linger();
+                                });
   }
 
-  using Whole = bhttp::response<bhttp::string_body>;
-  using HeadOnly = bhttp::response<bhttp::empty_body>;
-  using Shared = bhttp::response<bhttp::span_body<const char>>;
-
   const std::shared_ptr<ConnectionContext> context_;
+  const Peer peer_;
   /// That of the request, until the loop has its answer.
   std::optional<PostedJob> job_;
   /// Nothing once it gave way.
   std::optional<Places::Handle> place_;
-  beast::tcp_stream stream_;
+  /// While its handshake is under way.
+  std::optional<Handshakes::Handle> handshake_;
+  Wire wire_;
+  /// Null: the peer has shown none.
+  std::shared_ptr<const PeerCertificate> certificate_;
   /// Read by the thread that answers, too.
   std::atomic<bool> gave_way_{false};
   Incoming incoming_;
   /// Something of the request has come.
   bool begun_ = false;
-  std::variant<std::monostate, Whole, HeadOnly, Shared> answer_;
-  std::shared_ptr<const std::string> shared_body_;
+  SentAnswer answer_;
   Method method_ = Method::kGet;
   RouteId route_ = OtherRoute();
   unsigned version_ = 11;
@@ -276,9 +283,9 @@ class Connection final : public PlaceHolder, public std::enable_shared_from_this
 
 }  // namespace
 
-void ServeConnection(const std::shared_ptr<ConnectionContext>& context, tcp::socket socket,
-                     const Source& source) {
-  std::make_shared<Connection>(context, std::move(socket), source)->ReadRequest();
+void ServeConnection(const std::shared_ptr<ConnectionContext>& context,
+                     RawStream::socket_type socket, Peer peer) {
+  std::make_shared<Connection>(context, std::move(socket), std::move(peer))->Begin();
 }
 
 }  // namespace uplink::http

@@ -2,17 +2,23 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+#include <string>
 #include <utility>
 
 #include <absl/status/status.h>
+#include <boost/asio/basic_socket_acceptor.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/core.h>
 
 #include "server/http/connection.h"
 #include "server/http/limits.h"
+#include "server/http/unix_socket.h"
 
 namespace uplink::http {
 namespace {
@@ -20,15 +26,28 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
+/// Of TCP, or of a Unix socket.
+using Protocol = asio::generic::stream_protocol;
+using Endpoint = Protocol::endpoint;
+using Socket = RawStream::socket_type;
+
+sockaddr_storage AddressOf(const Endpoint& endpoint) {
+  sockaddr_storage address{};
+  std::memcpy(&address, endpoint.data(), std::min(endpoint.size(), sizeof(address)));
+  return address;
+}
 
 /// Unknown if the peer is gone already.
-Source SourceOfPeer(const tcp::socket& socket) {
+Peer PeerOfSocket(const Socket& socket, const ConnectionContext& context) {
   error_code error;
-  const asio::ip::address address = socket.remote_endpoint(error).address();
+  const Endpoint endpoint = socket.remote_endpoint(error);
   if (error) return {};
-  const auto v6 = address.is_v6() ? address.to_v6()
-                                  : asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4());
-  return SourceOf(v6.to_bytes());
+  Peer peer = PeerOf(AddressOf(endpoint), context.plain_from);
+  if (context.listener == ListenerId::kMetrics) {
+    peer.plain = true;
+    peer.proxy = false;
+  }
+  return peer;
 }
 
 /// At most half of what one source may have, so that each is read before it could give way.
@@ -46,29 +65,38 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   Listener(const Context& context, const Options& options)
       : context_(std::make_shared<ConnectionContext>(context, options)),
         accepts_per_turn_(AcceptsPerTurn(options.limits)),
+        address_(options.address),
+        socket_mode_(options.socket_mode),
         acceptor_(context.io),
         pause_(context.io) {}
 
-  error_code Open(const tcp::endpoint& endpoint) {
-    error_code error;
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error && endpoint.address().is_v6()) {
-      acceptor_.set_option(asio::ip::v6_only(false), error);
+  absl::Status Open() {
+    const bool is_path = config::IsUnix(address_);
+    if (is_path) {
+      if (absl::Status clear = ClearSocketPath(address_.path); !clear.ok()) return clear;
     }
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    error_code error =
+        is_path ? Bind(asio::local::stream_protocol::endpoint(address_.path)) : BindHost();
+    if (error) return absl::UnavailableError(error.message());
+    if (is_path) {
+      if (absl::Status owned = file_.Own(address_.path, socket_mode_); !owned.ok()) return owned;
+    }
+    acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (!error) acceptor_.non_blocking(true, error);
-    return error;
+    return error ? absl::UnavailableError(error.message()) : absl::OkStatus();
   }
 
   [[nodiscard]] config::ListenAddress bound() const {
-    const tcp::endpoint endpoint = acceptor_.local_endpoint();
+    if (config::IsUnix(address_)) return address_;
+    const Endpoint any = acceptor_.local_endpoint();
+    tcp::endpoint endpoint;
+    endpoint.resize(any.size());
+    std::memcpy(endpoint.data(), any.data(), any.size());
     return {endpoint.address().to_string(), endpoint.port()};
   }
 
   void Accept() {
-    acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
+    acceptor_.async_accept([self = shared_from_this()](error_code error, Socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) return self->Rest();
       self->Admit(std::move(socket));
@@ -78,22 +106,43 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   }
 
  private:
+  error_code BindHost() {
+    error_code error;
+    const asio::ip::address host = asio::ip::make_address(address_.host, error);
+    return error ? error : Bind(tcp::endpoint(host, address_.port));
+  }
+
+  error_code Bind(const Endpoint& endpoint) {
+    error_code error;
+    acceptor_.open(endpoint.protocol(), error);
+    const int family = endpoint.protocol().family();
+    if (!error && family != AF_UNIX) {
+      acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+    }
+    if (!error && family == AF_INET6) acceptor_.set_option(asio::ip::v6_only(false), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    return error;
+  }
+
   /// A failure shows again in the accept that follows.
   void AdmitThoseThatWait() {
     for (std::size_t accepted = 1; accepted < accepts_per_turn_; ++accepted) {
       error_code error;
-      tcp::socket socket(acceptor_.get_executor());
+      Socket socket(acceptor_.get_executor());
       acceptor_.accept(socket, error);
       if (error) return;
       Admit(std::move(socket));
     }
   }
 
-  void Admit(tcp::socket socket) {
+  void Admit(Socket socket) {
     const HttpServer::Context& server = context_->server;
     ConnectionProbe& probe = context_->probe();
-    const Source source = SourceOfPeer(socket);
-    switch (context_->places.MakeRoom(source, server.clock.Steady())) {
+    Peer peer = PeerOfSocket(socket, *context_);
+    if (context_->tls == nullptr && !peer.plain) {
+      return server.entrance.NoteDenied(Denied::kPlain, peer);
+    }
+    switch (context_->places.MakeRoom(peer.source, server.clock.Steady(), peer.of())) {
       case Places::Room::kNone: {
         probe.refused.Add();
         error_code ignored;
@@ -106,7 +155,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
       case Places::Room::kFree:
         break;
     }
-    ServeConnection(context_, std::move(socket), source);
+    ServeConnection(context_, std::move(socket), std::move(peer));
   }
 
   void Rest() {
@@ -118,20 +167,21 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
 
   const std::shared_ptr<ConnectionContext> context_;
   const std::size_t accepts_per_turn_;
-  tcp::acceptor acceptor_;
+  const config::ListenAddress address_;
+  const mode_t socket_mode_;
+  SocketFile file_;
+  asio::basic_socket_acceptor<Protocol> acceptor_;
   asio::steady_timer pause_;
 };
 
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& context,
                                                                const Options& options) {
-  error_code error;
-  const asio::ip::address address = asio::ip::make_address(options.address.host, error);
   auto listener = std::make_shared<Listener>(context, options);
-  if (!error) error = listener->Open(tcp::endpoint(address, options.address.port));
-  if (error) {
-    return absl::UnavailableError(
-        fmt::format("{}: {} cannot be bound: {}; set an address of this machine and a free port",
-                    KeyOf(options.listener), config::ToText(options.address), error.message()));
+  if (absl::Status open = listener->Open(); !open.ok()) {
+    return absl::UnavailableError(fmt::format(
+        "{}: {} cannot be bound: {}{}", KeyOf(options.listener), config::ToText(options.address),
+        std::string(open.message()),
+        config::IsUnix(options.address) ? "" : "; set an address of this machine and a free port"));
   }
   auto server = std::unique_ptr<HttpServer>(new HttpServer(listener));
   listener->Accept();

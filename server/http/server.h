@@ -1,11 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <absl/status/statusor.h>
+#include <sys/types.h>
 
 #include "schema/base/clock.h"
 #include "server/config/address.h"
+#include "server/config/networks.h"
 #include "server/http/entrance.h"
 #include "server/http/limits.h"
 #include "server/http/listeners.h"
@@ -28,7 +31,11 @@ inline constexpr loop::ThreadKind kScrapeThread{"http-scrape", 10};
 /// So do scrapes of /metrics that strangers may ask for.
 inline constexpr loop::ThreadKind kMonitorThread{"http-monitor", 10};
 
-/// An HTTP/1.1 listener: bounded connections (Places) with keep-alive on one event loop.
+class ServedTls;
+
+/// An HTTP/1.1 listener: bounded connections (Places) with keep-alive on one event loop. One
+/// address serves HTTP and, with Options::tls, HTTPS: the first byte of a connection tells them
+/// apart.
 ///
 /// Thread: made and destroyed by the loop's owner while the loop does not run.
 class HttpServer final {
@@ -37,6 +44,12 @@ class HttpServer final {
     ListenerId listener = ListenerId::kHttp;
     config::ListenAddress address;
     ListenerLimits limits = kHttpLimits;
+    /// Of a Unix socket.
+    mode_t socket_mode = 0660;
+    /// Null: no TLS. Outlives the listener.
+    const ServedTls* tls = nullptr;
+    /// Who may speak without TLS: http.plain_from. Of listen.http alone; listen.metrics has no TLS.
+    std::vector<config::Network> plain_from = config::LoopbackNetworks();
   };
   struct Context {
     /// One thread runs it: the loop.
@@ -56,6 +69,8 @@ class HttpServer final {
   };
 
   /// Binds and listens; answers once the loop runs. What the context names must outlive the loop.
+  ///
+  /// A Unix socket that a server which is over has left is replaced; ours is removed at the end.
   ///
   /// Errors: kUnavailable naming key and address, if it cannot be bound.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<HttpServer>> Listen(const Context& context,

@@ -50,7 +50,8 @@ class App::Impl {
                  options_.process, options_.random, allowances_, reports_},
                 std::move(store_.stores().topic_leases)),
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
-                 early.loop(), certificate_expiry, [this] { return view_.series_left_out(); }}),
+                 early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
+                 [&early] { return early.access().tokens_unread(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
         reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
@@ -156,6 +157,7 @@ class App::Impl {
     health_.AddWork(work);
     view_.AddWork(work);
     work.look_at_drones = [this] { uncrew_.Round(); };
+    work.look_at_access = [this] { early_.access().Look(); };
     return work;
   }
 
@@ -196,7 +198,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   const auto expiry = identity::ExpiryOfFile(config.tls.certificate_file);
   if (!expiry.ok()) return expiry.status();
   auto early = std::make_unique<EarlyServices>(
-      EarlyServices::Context{options.clock, options.logger, config.listen, config.http,
+      EarlyServices::Context{options.clock, options.logger, config.listen, config.http, config.tls,
                              config.store.readers, options.greeting});
   if (absl::Status began = early->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});

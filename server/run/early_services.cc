@@ -1,5 +1,7 @@
 #include "server/run/early_services.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include <signal.h>
@@ -12,14 +14,29 @@ namespace uplink::run {
 namespace {
 
 constexpr loop::ThreadKind kOwnReadThread{"store-read", 0};
+constexpr const char* kTlsThread = "http-tls";
+
+/// Of listen.http. On the machine its own clients share the places; beyond it a source has a
+/// quarter, as on listen.metrics.
+http::ListenerLimits HttpLimitsOf(const config::ListenAddress& address,
+                                  const config::HttpConfig& http) {
+  http::ListenerLimits limits = http::kHttpLimits;
+  limits.connections_max = http.connections_max;
+  if (!config::IsLoopback(address)) {
+    limits.source_share = std::max<std::size_t>(http.connections_max / 4, 2);
+  }
+  return limits;
+}
 
 }  // namespace
 
 EarlyServices::EarlyServices(Context context)
     : context_(std::move(context)),
+      access_({context_.clock, context_.logger, context_.http, context_.tls, http_probe_}),
       entrance_(http::KnownHosts(context_.http.hosts),
                 context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
-                                                  : http::Entrance::Covered::kData),
+                                                  : http::Entrance::Covered::kData,
+                &access_.guard()),
       stop_signal_(context_.logger, [this](int signal) { context_.greeting.TellStopped(signal); }),
       loop_(context_.logger) {
   memory_.emplace(http_probe_.reads_waiting, http_probe_.reads_refused, http::kMemoryThread);
@@ -34,6 +51,7 @@ EarlyServices::EarlyServices(Context context)
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max,
                                    .ahead_max = loop::kReadsWaitingMax});
+  if (access_.tls() != nullptr) tls_loop_.emplace(context_.logger, kTlsThread);
   if (!config::IsSet(context_.listen.metrics)) return;
   monitor_.emplace(http_probe_.metrics_waiting, http_probe_.reads_refused, http::kMonitorThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max});
@@ -45,25 +63,32 @@ EarlyServices::~EarlyServices() {
 }
 
 absl::Status EarlyServices::Listen() {
-  const auto listen = [this](loop::ReadThreads& metrics, const http::HttpServer::Options& options) {
-    return http::HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
+  const auto listen = [this](loop::EventLoop& loop, loop::ReadThreads& metrics,
+                             const http::HttpServer::Options& options) {
+    return http::HttpServer::Listen({loop.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
                                      http_probe_, context_.clock, context_.logger},
                                     options);
   };
-  http::ListenerLimits limits = http::kHttpLimits;
-  limits.connections_max = context_.http.connections_max;
-  auto http = listen(*metrics_, {http::ListenerId::kHttp, context_.listen.http, limits});
+  auto http = listen(tls_loop_ ? *tls_loop_ : loop_, *metrics_,
+                     {.listener = http::ListenerId::kHttp,
+                      .address = context_.listen.http,
+                      .limits = HttpLimitsOf(context_.listen.http, context_.http),
+                      .socket_mode = config::ParseSocketMode(context_.http.socket_mode).value_or(0),
+                      .tls = access_.tls(),
+                      .plain_from = context_.http.plain_from});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
   if (!monitor_) return absl::OkStatus();
-  auto monitoring = listen(
-      *monitor_, {http::ListenerId::kMetrics, context_.listen.metrics, http::kMetricsLimits});
+  auto monitoring =
+      listen(loop_, *monitor_,
+             {http::ListenerId::kMetrics, context_.listen.metrics, http::kMetricsLimits});
   if (!monitoring.ok()) return monitoring.status();
   monitoring_ = *std::move(monitoring);
   return absl::OkStatus();
 }
 
 absl::Status EarlyServices::Begin() {
+  if (absl::Status opened = access_.Open(); !opened.ok()) return opened;
   if (absl::Status listens = Listen(); !listens.ok()) return listens;
   loop_.OnSignals({SIGTERM, SIGINT}, [this](int signal) { stop_signal_.OnSignal(signal); });
   loop_.OnSignals({SIGHUP}, [this](int) {
@@ -71,6 +96,7 @@ absl::Status EarlyServices::Begin() {
     if (reload_) reload_();
   });
   loop_.Start();
+  if (tls_loop_) tls_loop_->Start();
   context_.logger.Info("probes_answered", {{"http", config::ToText(http_address())},
                                            {"metrics", config::ToText(metrics_address())}});
   return absl::OkStatus();

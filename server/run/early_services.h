@@ -16,6 +16,7 @@
 #include "server/loop/one_at_a_time.h"
 #include "server/loop/read_threads.h"
 #include "server/rcan/probe.h"
+#include "server/run/access_side.h"
 #include "server/run/greeting.h"
 #include "server/run/periodic.h"
 #include "server/run/stop_signal.h"
@@ -39,6 +40,7 @@ class EarlyServices final {
     log::Logger& logger;
     config::ListenConfig listen;
     config::HttpConfig http;
+    config::TlsConfig tls;
     /// store.readers: questions that wait for the store side by side.
     std::size_t readers;
     Greeting& greeting;
@@ -65,7 +67,10 @@ class EarlyServices final {
     loop_.Post([this] { stop_signal_.OnFailure(); });
   }
 
-  void StopLoop() { loop_.Stop(); }
+  void StopLoop() {
+    if (tls_loop_) tls_loop_->Stop();
+    loop_.Stop();
+  }
   /// Ends the threads that answer HTTP or wait for the store, and drops the jobs that wait for
   /// them.
   void EndReaders();
@@ -81,6 +86,8 @@ class EarlyServices final {
   [[nodiscard]] loop::Post OnReadsAhead() {
     return [this](auto job) { return own_reads_->TryPostAhead(std::move(job)).has_value(); };
   }
+  /// Who may ask by HTTP. Look on the loop's thread.
+  [[nodiscard]] AccessSide& access() { return access_; }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
   /// The address that was really bound. After Begin.
@@ -94,6 +101,7 @@ class EarlyServices final {
   const Context context_;
   http::HttpProbe http_probe_;
   rcan::RcanProbe rcan_probe_;
+  AccessSide access_;
   http::Entrance entrance_;
   StopSignal stop_signal_;
   // Confined to the loop's thread.
@@ -108,6 +116,8 @@ class EarlyServices final {
   /// Of listen.metrics, if that is set.
   std::optional<loop::ReadThreads> monitor_;
   loop::EventLoop loop_;
+  /// Of listen.http, if that speaks TLS: strangers' handshakes delay no other work.
+  std::optional<loop::EventLoop> tls_loop_;
   std::unique_ptr<http::HttpServer> http_;
   std::unique_ptr<http::HttpServer> monitoring_;
 };

@@ -50,6 +50,18 @@ std::string LeftText(SystemTime expiry, SystemTime now) {
                      identity::ExpiryText(expiry));
 }
 
+std::string HttpText(const config::Config& config, const config::ListenAddress& http) {
+  if (config::IsUnix(http)) return config::ToText(http);
+  return (config::SpeaksTls(config.http) ? "https://" : "http://") + config::ToText(http);
+}
+
+std::string NextCommand(const config::Config& config, const config::ListenAddress& http) {
+  if (!config.http.tokens_file.empty()) return "uplinkctl tokens new --help";
+  if (config::AsksForProof(config.http)) return "uplinkctl pki operator --help";
+  if (!config::IsUnix(http)) return fmt::format("curl {}/api/v1/robots", HttpText(config, http));
+  return fmt::format("curl --unix-socket {} http://localhost/api/v1/robots", http.path);
+}
+
 std::string RobotsText(const Ready& ready) {
   if (ready.robots_unread) return "its robots are not read yet";
   return fmt::format("{} known", Counted(static_cast<std::int64_t>(ready.robots), "robot"));
@@ -80,7 +92,6 @@ std::string CertificateText(const ShownCertificate& certificate, SystemTime now)
 
 std::vector<std::string> ReadyLines(const config::Config& config, const Ready& ready,
                                     const std::string& certificate) {
-  const std::string http = "http://" + config::ToText(ready.http);
   std::vector<std::string> lines = {
       fmt::format("  store   {}, {}", PrintableUtf8(ready.store, kShownBytesMax),
                   RobotsText(ready)),
@@ -90,13 +101,17 @@ std::vector<std::string> ReadyLines(const config::Config& config, const Ready& r
     const auto broker = config::ParseBrokerUrl(config.mqtt.url);
     lines.push_back(fmt::format("  broker  {}, MQTT", broker.ok() ? broker->Text() : "?"));
   }
-  lines.push_back(fmt::format("  http    {}: API, metrics, health", http));
+  lines.push_back(
+      fmt::format("  http    {}: API, metrics, health{}", HttpText(config, ready.http),
+                  config::AsksForProof(config.http) ? ", to those who show who they are" : ""));
   if (config::IsSet(ready.metrics)) {
-    lines.push_back(fmt::format("  metrics http://{}: probes and scrapes, without authentication",
-                                config::ToText(ready.metrics)));
+    const bool asks = config::AsksForProof(config.http) || !config.http.metrics_token_file.empty();
+    lines.push_back(fmt::format("  metrics http://{}: probes and scrapes, {} authentication",
+                                config::ToText(ready.metrics), asks ? "with" : "without"));
   }
   lines.push_back(fmt::format("  TLS     {}", certificate));
-  lines.push_back(fmt::format("  next    curl {}/api/v1/robots   (Ctrl-C drains and stops)", http));
+  lines.push_back(
+      fmt::format("  next    {}   (Ctrl-C drains and stops)", NextCommand(config, ready.http)));
   return lines;
 }
 

@@ -29,7 +29,8 @@ health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
       .forward_incomplete = [&relay = context.relay] { return relay.forwarding().incomplete(); },
       .live_state_over = [&live_budget] { return live_budget.over(); },
       .broker = [&broker = context.broker] { return broker.facts(); },
-      .series_left_out = context.series_left_out};
+      .series_left_out = context.series_left_out,
+      .tokens_unread = context.tokens_unread};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "server/fleet/liveness.h"
 #include "server/fleet/top_senders.h"
+#include "server/http/token_files.h"
 #include "server/transport/options.h"
 #include "server/view/fault_counts.h"
 
@@ -30,6 +31,7 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
                     PeriodicWork work) {
   every(kSweepEvery, std::move(work.sweep));
   every(transport::kFilesRefresh, std::move(work.look_at_certificate));
+  every(http::kTokensRefresh, std::move(work.look_at_access));
   every(kStoreEvery, std::move(work.look_at_store));
   every(kRobotsEvery, std::move(work.read_robots));
   every(kSnapshotEvery, std::move(work.ask_for_snapshot));

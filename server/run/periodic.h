@@ -13,6 +13,8 @@ struct PeriodicWork {
   std::function<void()> sweep;
   /// Looks whether the relay's certificate files were replaced, and when the certificate expires.
   std::function<void()> look_at_certificate;
+  /// Looks whether the files of HTTP's tokens and TLS were replaced.
+  std::function<void()> look_at_access;
   /// Looks at the store's last error, for the log.
   std::function<void()> look_at_store;
   /// Reads the robots, if the store was away at the start, and the state of those that this process

@@ -70,6 +70,31 @@ TEST(ReadyLinesTest, AreFiveWithoutBrokerAndDrones) {
                           "and stops)"));
 }
 
+TEST(ReadyLinesTest, SayHowToAskWhereCallersShowWhoTheyAre) {
+  config::Config config;
+  config.http.tls_certificate_file = "http.crt";
+  EXPECT_THAT(
+      ReadyLines(config, SomeReady(), ""),
+      IsSupersetOf({"  http    https://127.0.0.1:7480: API, metrics, health, to those who "
+                    "show who they are",
+                    "  next    uplinkctl pki operator --help   (Ctrl-C drains and stops)"}));
+  config.http.tokens_file = "/etc/uplinkd/tokens";
+  Ready ready = SomeReady();
+  ready.metrics = {"::", 9464};
+  EXPECT_THAT(ReadyLines(config, ready, ""),
+              IsSupersetOf({"  metrics http://[::]:9464: probes and scrapes, with authentication",
+                            "  next    uplinkctl tokens new --help   (Ctrl-C drains and stops)"}));
+}
+
+TEST(ReadyLinesTest, NameTheSocketOfHttp) {
+  Ready ready = SomeReady();
+  ready.http = {.path = "/run/uplinkd/http.sock"};
+  EXPECT_THAT(ReadyLines({}, ready, ""),
+              IsSupersetOf({"  http    unix:/run/uplinkd/http.sock: API, metrics, health",
+                            "  next    curl --unix-socket /run/uplinkd/http.sock "
+                            "http://localhost/api/v1/robots   (Ctrl-C drains and stops)"}));
+}
+
 TEST(ReadyLinesTest, TellOfABrokerAndDronesWhereTheyAreSet) {
   config::Config config;
   config.uncrew.avatar = true;

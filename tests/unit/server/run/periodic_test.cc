@@ -25,6 +25,7 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
       },
       {.sweep = [&now] { now = "sweep"; },
        .look_at_certificate = [&now] { now = "certificate"; },
+       .look_at_access = [&now] { now = "access"; },
        .look_at_store = [&now] { now = "store"; },
        .read_robots = [&now] { now = "robots"; },
        .ask_for_snapshot = [&now] { now = "snapshot"; },
@@ -37,13 +38,14 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .feed_watchdog = [&now] { now = "watchdog"; }});
   EXPECT_THAT(
       done,
-      ElementsAre(
-          Pair(std::chrono::seconds(1), "sweep"), Pair(std::chrono::seconds(5), "certificate"),
-          Pair(std::chrono::seconds(1), "store"), Pair(milliseconds(500), "robots"),
-          Pair(std::chrono::seconds(10), "snapshot"), Pair(std::chrono::seconds(2), "space"),
-          Pair(std::chrono::seconds(5), "clock"), Pair(std::chrono::seconds(10), "faults"),
-          Pair(std::chrono::seconds(5), "top"), Pair(std::chrono::seconds(1), "drones"),
-          Pair(std::chrono::seconds(2), "relay"), Pair(std::chrono::seconds(10), "watchdog")));
+      ElementsAre(Pair(std::chrono::seconds(1), "sweep"),
+                  Pair(std::chrono::seconds(5), "certificate"),
+                  Pair(std::chrono::seconds(2), "access"), Pair(std::chrono::seconds(1), "store"),
+                  Pair(milliseconds(500), "robots"), Pair(std::chrono::seconds(10), "snapshot"),
+                  Pair(std::chrono::seconds(2), "space"), Pair(std::chrono::seconds(5), "clock"),
+                  Pair(std::chrono::seconds(10), "faults"), Pair(std::chrono::seconds(5), "top"),
+                  Pair(std::chrono::seconds(1), "drones"), Pair(std::chrono::seconds(2), "relay"),
+                  Pair(std::chrono::seconds(10), "watchdog")));
 }
 
 }  // namespace

@@ -1,0 +1,102 @@
+#include "server/http/tls_context.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include "server/identity/expiry.h"
+#include "server/identity/pem.h"
+#include "server/identity/shown_certificate.h"
+#include "server/transport/tls_settings.h"
+
+namespace uplink::http {
+namespace {
+
+/// HTTP/1.1 in ALPN's form: its length, its name.
+constexpr unsigned char kHttp11[] = {8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
+
+int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* chosen_size,
+                   const unsigned char* offered, unsigned int offered_size, void* /*argument*/) {
+  unsigned char* found = nullptr;
+  if (SSL_select_next_proto(&found, chosen_size, kHttp11, sizeof kHttp11, offered, offered_size) !=
+      OPENSSL_NPN_NEGOTIATED) {
+    return SSL_TLSEXT_ERR_ALERT_FATAL;
+  }
+  *chosen = found;
+  return SSL_TLSEXT_ERR_OK;
+}
+
+/// OpenSSL keeps the error, for CertificateOf.
+int OnVerified(int /*good*/, X509_STORE_CTX* /*store*/) { return 1; }
+
+/// What is wrong with a chain with this X509_V_ERR_....
+absl::Status FlawOf(int verify_error, int depth) {
+  if (transport::IsTrusted(verify_error, depth)) return transport::FlawOfTrusted(verify_error);
+  return absl::UnauthenticatedError(
+      fmt::format("client certificate: no authority of operators vouches for it: {}",
+                  X509_verify_cert_error_string(verify_error)));
+}
+
+}  // namespace
+
+void SslContextFree::operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
+
+absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeTlsContext(const transport::PemTexts& texts,
+                                                        const transport::TlsRules& rules) {
+  if (absl::Status good = transport::CheckTexts(texts); !good.ok()) return good;
+  std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_server_method()), SslContextFree());
+  if (context == nullptr) return absl::InternalError("OpenSSL: no context");
+  SSL_CTX_set_alpn_select_cb(context.get(), ChooseProtocol, nullptr);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, OnVerified);
+  if (!transport::SetProtocol(context.get(), rules)) {
+    ERR_clear_error();
+    return absl::InternalError("OpenSSL: none of the suites or groups");
+  }
+  if (!identity::UseChain(context.get(), texts.certificate) ||
+      !identity::UseKey(context.get(), texts.key) ||
+      !transport::TrustAuthorities(context.get(), texts.client_ca)) {
+    ERR_clear_error();
+    return absl::FailedPreconditionError("OpenSSL does not take certificate, key or authority");
+  }
+  ERR_clear_error();
+  return context;
+}
+
+std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection) {
+  X509* const certificate = SSL_get0_peer_certificate(connection);
+  if (certificate == nullptr) return nullptr;
+  auto shown = std::make_shared<PeerCertificate>(
+      PeerCertificate{.identity = identity::IdentityOf(*certificate),
+                      .subject = identity::SubjectOf(*certificate),
+                      .expiry = identity::NotAfterOf(*certificate)});
+  const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
+  }
+  const auto error = static_cast<int>(SSL_get_verify_result(connection));
+  if (error != X509_V_OK) shown->identity = FlawOf(error, 0);
+  ERR_clear_error();
+  return shown;
+}
+
+absl::Status ServedTls::Serve() {
+  auto made = MakeTlsContext(files_.texts(), rules_);
+  if (!made.ok()) return made.status();
+  const std::lock_guard lock(mutex_);
+  context_ = *std::move(made);
+  return absl::OkStatus();
+}
+
+transport::FilesLook ServedTls::Refresh() {
+  const auto fresh = files_.Refresh();
+  if (!fresh.ok()) return {fresh.status(), files_.served()};
+  // The same texts have the same result as before.
+  if (*fresh) served_ = Serve();
+  return {served_, files_.served()};
+}
+
+}  // namespace uplink::http
