@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -79,7 +80,8 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
         is_path ? Bind(asio::local::stream_protocol::endpoint(address_.path)) : BindHost();
     if (error) return absl::UnavailableError(error.message());
     if (is_path) {
-      if (absl::Status owned = file_.Own(address_.path, socket_mode_); !owned.ok()) return owned;
+      if (absl::Status owned = file_.emplace().Own(address_.path, socket_mode_); !owned.ok())
+        return owned;
     }
     acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (!error) acceptor_.non_blocking(true, error);
@@ -94,6 +96,9 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
     std::memcpy(endpoint.data(), any.data(), any.size());
     return {endpoint.address().to_string(), endpoint.port()};
   }
+
+  /// The handlers that wait on the loop may outlive the server.
+  void RemoveFile() { file_.reset(); }
 
   void Accept() {
     acceptor_.async_accept([self = shared_from_this()](error_code error, Socket socket) {
@@ -169,7 +174,7 @@ class HttpServer::Listener final : public std::enable_shared_from_this<HttpServe
   const std::size_t accepts_per_turn_;
   const config::ListenAddress address_;
   const mode_t socket_mode_;
-  SocketFile file_;
+  std::optional<SocketFile> file_;
   asio::basic_socket_acceptor<Protocol> acceptor_;
   asio::steady_timer pause_;
 };
@@ -190,6 +195,6 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Listen(const Context& co
 
 HttpServer::HttpServer(std::shared_ptr<Listener> listener)
     : listener_(std::move(listener)), bound_(listener_->bound()) {}
-HttpServer::~HttpServer() = default;
+HttpServer::~HttpServer() { listener_->RemoveFile(); }
 
 }  // namespace uplink::http

@@ -81,6 +81,7 @@ TEST_F(UnixSocketTest, AnswersWithTheModeThatIsSetAndGoesAtTheEnd) {
               HasSubstr("HTTP/1.0 421 "));
   loop_.Stop();
   server->reset();
+  EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
 TEST_F(UnixSocketTest, ALeftSocketIsReplaced) {
