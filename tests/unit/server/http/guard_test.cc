@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "server/http/rights.h"
+#include "server/identity/token_line.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
@@ -38,8 +39,10 @@ class GuardTest : public ::testing::Test {
   void SetUp() override {
     const identity::NewToken made = identity::MakeToken(kRandom);
     token_ = made.token;
-    entry_ = {
-        .id = "0a1b2c3d", .role = Role::kViewer, .scope = Scope::Of({"north"}), .hash = made.hash};
+    entry_ = {.id = identity::TokenIdOf(made.hash),
+              .role = Role::kViewer,
+              .scope = Scope::Of({"north"}),
+              .hash = made.hash};
     WriteTable();
   }
 
@@ -129,7 +132,7 @@ TEST_F(GuardTest, ATokenShowsRoleAndFleets) {
   EXPECT_EQ(answer.caller.role, Role::kViewer);
   EXPECT_EQ(answer.caller.scope, Scope::Of({"north"}));
   EXPECT_EQ(answer.caller.proof, identity::Proof::kToken);
-  EXPECT_EQ(answer.caller.name, "0a1b2c3d");
+  EXPECT_EQ(answer.caller.name, entry_.id);
 }
 
 TEST_F(GuardTest, AWrongTokenIsInvalid) {
