@@ -292,6 +292,7 @@ class BannedTest(RuleTest):
         ("GTEST_SKIP();", None, "tests/a.cc"),
         ("for (const auto& each : *sorted_.Get()) {", None, "server/a.cc"),
         ("for (const auto& row : store.Rows({})->rows) {", None, "tests/a.cc"),
+        ("for (const auto& row : store.Rows({}).value().rows) {", None, "tests/a.cc"),
     )
 
     def test_refuses_the_call_where_it_is_banned(self):

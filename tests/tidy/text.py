@@ -61,7 +61,7 @@ BANNED = (
     Banned(re.compile(r"\.detach\s*\("), "join it: std::jthread", CODE),
     Banned(re.compile(r"\bs?rand\s*\("), "take a seeded generator", CODE),
     Banned(
-        re.compile(r"\bfor \(.* : (\*[\w.>-]+\(|.*\)->\w+\))"),
+        re.compile(r"\bfor \(.* : (\*[\w.>-]+\(|.*\)->\w+\)|.*\)\.value\(\)(\.\w+)?\))"),
         "name what the call returns: it ends before the loop does",
         CODE,
     ),
