@@ -7,7 +7,7 @@ import threading
 import urllib.request
 
 from harness import wait_until
-from prometheus import free_port
+from ports import free_port
 
 START_SECONDS = 60
 DELIVERY_SECONDS = 60

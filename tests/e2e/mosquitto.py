@@ -5,6 +5,7 @@ import socket
 import subprocess
 
 from harness import START_SECONDS, wait_until
+from ports import free_port
 
 PROGRAM = "/usr/sbin/mosquitto"
 STOP_SECONDS = 30
@@ -23,11 +24,6 @@ log_type warning
 log_type notice
 connection_messages true
 """
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 class Mosquitto:

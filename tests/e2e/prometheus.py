@@ -3,21 +3,15 @@
 import json
 import math
 import re
-import socket
 import subprocess
 import urllib.parse
 import urllib.request
 
 from harness import SOURCE, wait_until
+from ports import free_port
 
 START_SECONDS = 60
 DEPLOY = SOURCE / "deploy/prometheus"
-
-
-def free_port():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return taken.getsockname()[1]
 
 
 def deployed(target, alertmanager=None, through=None):

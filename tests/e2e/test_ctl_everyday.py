@@ -11,6 +11,7 @@ import subprocess
 import unittest
 
 from harness import BIN, EndToEnd, run, uplinkctl, wait_until
+from ports import free_port
 
 ROBOTS = 3
 PREFIX = "rcan://local.rcan/uplink/synthetic/1.0/robot-000"
@@ -199,9 +200,7 @@ class Choosing(Everyday):
 
     def refused(self):
         """An address on which nothing listens."""
-        with socket.socket() as place:
-            place.bind(("127.0.0.1", 0))
-            return f"http://127.0.0.1:{place.getsockname()[1]}"
+        return f"http://127.0.0.1:{free_port()}"
 
     def test_a_server_that_is_down_says_where_it_was_looked_for(self):
         url = self.refused()

@@ -9,6 +9,7 @@ import subprocess
 import unittest
 
 from harness import BIN, Cluster, EndToEnd, Server, run, uplinkctl
+from ports import free_port
 
 LINE = re.compile(r"^(ok|warning|error) +(\S+): (.*)$")
 # The machine may keep its clock by something that the kernel does not know.
@@ -18,11 +19,6 @@ AS_ROOT = os.geteuid() == 0
 STATUS_SECONDS = 30
 # Over the bounds of a database that is silent.
 DOCTOR_SECONDS = 60
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 class Report:

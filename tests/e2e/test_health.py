@@ -6,7 +6,7 @@ import threading
 import unittest
 
 from harness import BIN, EndToEnd, run, uplinkctl
-from prometheus import free_port
+from ports import free_port
 
 # Longer than the program waits for an answer.
 PROBE_SECONDS = 30

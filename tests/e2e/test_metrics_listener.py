@@ -11,7 +11,8 @@ import urllib.error
 import urllib.request
 
 from harness import BIN, EndToEnd, Server, wait_until
-from prometheus import Prometheus, free_port
+from ports import free_port
+from prometheus import Prometheus
 
 WAIT_SECONDS = 30
 METRICS = re.compile(r" listening .*? metrics=\"?([^ \"]+)\"?")

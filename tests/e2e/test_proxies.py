@@ -15,6 +15,7 @@ import unittest
 
 from harness import SOURCE, EndToEnd, wait_until
 from openapi import FILE
+from ports import free_port
 
 FOLDER = SOURCE / "deploy" / "proxy"
 HOST = "fleet.example.org"
@@ -22,11 +23,6 @@ PASSWORD = "open-sesame"
 RURI = "rcan%3A%2F%2Fnowhere%2Fhere"
 WAIT_SECONDS = 60
 TIMES_OF_A_CONNECTION = 3
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return one.getsockname()[1]
 
 
 def replaced(text, **words):
