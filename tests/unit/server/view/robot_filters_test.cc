@@ -109,7 +109,7 @@ class RobotFiltersTest : public ::testing::Test {
     } while (!query.page_token.empty() && ruris.size() < 10);
     return ruris;
   }
-  v1::Robot Shown(const std::string& ruri) { return ToMessage(*queries_.Robot(ruri)); }
+  v1::Robot Shown(const std::string& ruri) { return ToMessage(*queries_.Robot(ruri, {})); }
 
   testing::ManualClock clock_;
   testing::FakeDatabase database_;

@@ -69,14 +69,14 @@ class TwinQueriesTest : public ::testing::Test {
 TEST_F(TwinQueriesTest, ARobotShowsWhatItsTwinSaidAndByWhichWayItCame) {
   AddTwinRobot();
   Publish("position", R"({"position":{"x":1,"y":2,"z":3}})");
-  const auto robot = queries_.Robot(RuriOf(0));
+  const auto robot = queries_.Robot(RuriOf(0), {});
   ASSERT_TRUE(robot.ok()) << robot.status();
   EXPECT_EQ(ToMessage(*robot).source(), "cyberwave");
   EXPECT_THAT(TextsOf(*robot, PartSet::All()).text(),
               HasSubstr(R"("cyberwave":{"position":{"x":1E0,"y":2E0,"z":3E0)"));
 
   fleet_.FindOrAdmit({"rcan://a", "default"}).IgnoreError();
-  const auto other = queries_.Robot("rcan://a");
+  const auto other = queries_.Robot("rcan://a", {});
   EXPECT_EQ(ToMessage(*other).source(), "uplink");
   EXPECT_EQ(TextsOf(*other, PartSet::All()).text(), "");
 }
@@ -84,7 +84,7 @@ TEST_F(TwinQueriesTest, ARobotShowsWhatItsTwinSaidAndByWhichWayItCame) {
 TEST_F(TwinQueriesTest, WhatWasShownIsNotWhatIsSaidLater) {
   AddTwinRobot();
   Publish("position", R"({"position":{"x":1,"y":2,"z":3}})");
-  const auto robot = queries_.Robot(RuriOf(0));
+  const auto robot = queries_.Robot(RuriOf(0), {});
   Publish("position", R"({"position":{"x":7,"y":7,"z":7}})");
   EXPECT_EQ(robot->twin->position->value.x_m, 1);
 }
@@ -136,7 +136,7 @@ TEST_F(TwinQueriesTest, WhoDoesNotHoldARobotShowsNothingOfItsTwin) {
   Publish("position", R"({"position":{"x":1,"y":2,"z":3}})");
   robot.state.FollowHolder({.held_by = "b:2", .written_at = FromUnixMs(8)},
                            {model::Presence::kOnline, FromUnixMs(6)});
-  EXPECT_EQ(queries_.Robot(RuriOf(0))->twin, nullptr);
+  EXPECT_EQ(queries_.Robot(RuriOf(0), {})->twin, nullptr);
   EXPECT_EQ(Robots({.parts = Cyberwave()}).robots.at(0).twin, nullptr);
 }
 
@@ -163,7 +163,7 @@ TEST_F(TwinQueriesTest, WhatStandsForNoRobotIsNone) {
   fleet_.FindOrAdmit({nobody, "default"}).IgnoreError();
   EXPECT_THAT(Robots({}).robots, IsEmpty());
   EXPECT_EQ(Robots({}).total, 0);
-  EXPECT_EQ(queries_.Robot(nobody).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(queries_.Robot(nobody, {}).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(queries_.Status().robots.unknown, 0);
 }
 
