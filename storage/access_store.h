@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "storage/audit.h"
+
+namespace uplink::storage {
+
+/// Certificates and keys that are revoked at a time.
+inline constexpr std::size_t kRevocationsMax = 100'000;
+/// Rows that one answer of the readers below names.
+inline constexpr std::size_t kAccessPageMax = 10'000;
+/// Labels of one robot, and bytes of each name and value.
+inline constexpr std::size_t kLabelsMax = 16;
+inline constexpr std::size_t kLabelBytesMax = 64;
+inline constexpr std::size_t kNoteBytesMax = 1'024;
+
+/// Counts the changes of what AccessStore keeps, over all of it. 0: nothing was ever changed.
+using AccessVersion = std::uint64_t;
+
+/// What a revocation names. Closed; stored by number.
+enum class RevokedBy : std::uint8_t {
+  /// Issuer and serial: `SERIAL ISSUER`, the serial in upper-case hexadecimal, the issuer as RFC
+  /// 2253.
+  kIssuerSerial = 0,
+  /// SHA-256 of the certificate (DER), 64 lower-case hexadecimal digits.
+  kCertificate = 1,
+  /// SHA-256 of its public key (SPKI, DER, the point uncompressed), the same.
+  kKey = 2,
+};
+
+/// A certificate or key that may not come in, or that may again. A value.
+struct Revocation {
+  RevokedBy by = RevokedBy::kCertificate;
+  std::string value;
+  /// False: it was taken back.
+  bool revoked = true;
+  SystemTime at;
+  std::string who;
+  std::string reason;
+  /// Of the change that made it so.
+  AccessVersion version = 0;
+
+  friend bool operator==(const Revocation&, const Revocation&) = default;
+};
+
+/// What operators set of one robot, known or not. A value; one with nothing set is a robot of which
+/// everything was taken back.
+struct RobotSetting {
+  std::string ruri;
+  bool blocked = false;
+  std::string blocked_why;
+  std::string blocked_by;
+  std::optional<SystemTime> blocked_at;
+  /// An operator added it: it may come in where registration is closed.
+  bool registered = false;
+  std::map<std::string, std::string> labels;
+  std::string note;
+  /// An operator asked at this time that its streams end; they may come again.
+  std::optional<SystemTime> disconnect_at;
+  AccessVersion version = 0;
+
+  friend bool operator==(const RobotSetting&, const RobotSetting&) = default;
+};
+
+/// A change of one robot's setting: what is set here is changed, the rest stays.
+struct SettingChange {
+  std::string ruri;
+  std::optional<bool> blocked{};
+  std::string blocked_why{};
+  std::optional<bool> registered{};
+  /// Labels by name; an empty value removes the label.
+  std::map<std::string, std::string> labels{};
+  std::optional<std::string> note{};
+  bool disconnect = false;
+};
+
+/// An active fault that an operator has seen.
+struct Acknowledgement {
+  std::string ruri;
+  std::string fault_id;
+  std::string note;
+};
+
+/// What operators decide about who may come in, and what they note: the same for all servers that
+/// share the store. Each change and its audit row are one transaction; `audit.at` is its time and
+/// `audit.who` who made it. A change that changes nothing still leaves its audit row.
+///
+/// Errors: as in Store: a status means that nothing of the call is known. Calling again is right.
+///         kResourceExhausted: a bound is reached. kNotFound: no such active fault.
+/// Thread: confined to one thread at a time, together with what shares its connection.
+class AccessStore {
+ public:
+  virtual ~AccessStore() = default;
+
+  // --- Servers ---
+
+  /// Cheap: asked each second. A version is seen only once all earlier ones are.
+  [[nodiscard]] virtual absl::StatusOr<AccessVersion> Version() = 0;
+  /// Those whose version is above `after`, ascending, at most kAccessPageMax; fewer: there are no
+  /// more.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<Revocation>> RevocationsAfter(
+      AccessVersion after) = 0;
+  [[nodiscard]] virtual absl::StatusOr<std::vector<RobotSetting>> SettingsAfter(
+      AccessVersion after) = 0;
+
+  // --- Operators ---
+
+  /// Sets or takes back (`revocation.revoked`); its `at`, `who` and `version` are not read. Returns
+  /// whether it was not so before.
+  [[nodiscard]] virtual absl::StatusOr<bool> Revoke(const Revocation& revocation,
+                                                    const AuditRow& audit) = 0;
+  /// The setting after it.
+  [[nodiscard]] virtual absl::StatusOr<RobotSetting> Change(const SettingChange& change,
+                                                            const AuditRow& audit) = 0;
+  /// The next raise of the fault clears it.
+  [[nodiscard]] virtual absl::Status Acknowledge(const Acknowledgement& fault,
+                                                 const AuditRow& audit) = 0;
+  /// Of what happened elsewhere.
+  [[nodiscard]] virtual absl::Status Append(const AuditRow& audit) = 0;
+};
+
+}  // namespace uplink::storage
