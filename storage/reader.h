@@ -143,6 +143,15 @@ struct ScopeUpdatesQuery {
   std::string id{};
 };
 
+/// Which rows of the audit. Empty texts match everything; `rows.ruris` has no meaning.
+struct AuditQuery {
+  HistoryQuery rows;
+  /// As in AuditRow, all of it.
+  std::string who{};
+  std::string action{};
+  std::string target{};
+};
+
 // Which rows, of any query.
 [[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
 template <typename Query>
