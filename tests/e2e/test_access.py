@@ -80,12 +80,13 @@ class Access(EndToEnd):
         server.uplinkctl("pki", "operator", "--dir", server.pki, "--name", name, "--role", role, "--fleet", fleet)
         return server.pki / f"{name}.crt", server.pki / f"{name}.key"
 
-    def served(self, http, settings, host=ELSEWHERE, metrics=False):
-        """A server with these keys of [http]; its port."""
+    def served(self, http, settings, metrics=False, environment=None):
+        """A server with these keys of [http]."""
         server = self.server(f"[http]\n{settings}\n")
         server.http = http
+        server.environment = dict(environment or {})
         if metrics:
-            server.environment = {"UPLINKD_LISTEN_METRICS": f"{ELSEWHERE}:0"}
+            server.environment["UPLINKD_LISTEN_METRICS"] = f"{ELSEWHERE}:0"
         return server.start()
 
     def with_tls(self, settings="", **others):
@@ -209,6 +210,20 @@ class Tokens(Access):
         self.assertEqual(ask(self.plain(server), "/api/v1/robots", token).status, 200)
         self.assertIn(b"tokens_unread", ask(self.plain(server), "/readyz").body)
 
+    def test_a_flaw_in_the_file_of_metrics_keeps_no_revoked_token_alive(self):
+        token = self.token("viewer")
+        secret = pathlib.Path(self.folder) / "metrics-token"
+        secret.write_text("a-token-of-metrics\n")
+        secret.chmod(0o600)
+        server = self.served("127.0.0.1:0", f'tokens_file = "{self.tokens}"\nmetrics_token_file = "{secret}"', metrics=True)
+        self.assertEqual(ask(self.plain(server), "/api/v1/robots", token).status, 200)
+        secret.write_text("short\n")
+        server.wait_for_line("tokens_unreadable")
+        (line,) = self.tokens.read_text().splitlines()
+        run(BIN / "uplinkctl", "tokens", "revoke", "--tokens-file", self.tokens, json.loads(line)["id"])
+        wait_until(server.process, lambda: ask(self.plain(server), "/api/v1/robots", token).status in (401, 429),
+                   WAIT_SECONDS, "the token is revoked")  # fmt: skip
+
     def test_a_broken_file_refuses_the_start(self):
         self.tokens.write_text("no token\n")
         server = self.server(f'[http]\ntokens_file = "{self.tokens}"\n')
@@ -232,6 +247,8 @@ class Tokens(Access):
             self.assertEqual(there(path, "a-token-of-metrics").status, 200)
         self.assertEqual(there("/readyz").status, 200)
         self.assertEqual(there("/api/v1/robots", "a-token-of-metrics").status, 404)
+        page = http.client.HTTPConnection(ELSEWHERE, port, timeout=WAIT_SECONDS)
+        self.assertEqual(ask(page, "/metrics/robots", "a-token-of-metrics").status, 200)
         self.assertEqual(ask(self.plain(server), "/api/v1/status").status, 200)
 
 
@@ -276,6 +293,40 @@ class Tls(Access):
         answer = ask(self.https(server, robot), "/api/v1/robots")
         self.assertEqual(answer.status, 403)
         self.assertIn("has the role robot", answer.error()["message"])
+
+    def wait_for_authorities(self, server, count):
+        line = re.compile(rf" http_certificate_served .* authorities={count} ")
+        wait_until(server.process, lambda: line.search(server.text()), WAIT_SECONDS, f"{count} authorities")
+
+    def test_an_authority_that_is_taken_away_vouches_for_no_further_request(self):
+        pki = self.server().pki
+        other = pathlib.Path(self.folder) / "operators"
+        run(BIN / "uplinkctl", "pki", "init", "--dir", other)
+        run(BIN / "uplinkctl", "pki", "operator", "--dir", other, "--name", "ann", "--role", "admin", "--fleet", "*")
+        trusted = pathlib.Path(self.folder) / "operators.crt"
+
+        def trust(*files):
+            fresh = trusted.with_suffix(".new")
+            fresh.write_text("".join(file.read_text() for file in files))
+            fresh.rename(trusted)
+
+        trust(other / "ca.crt", pki / "ca.crt")
+        server = self.with_tls(environment={"UPLINKD_TLS_OPERATOR_CA_FILE": str(trusted)})
+        self.wait_for_authorities(server, 2)
+        held = self.https(server, (other / "ann.crt", other / "ann.key"))
+        stays = self.https(server, self.certificate(server, "viewer"))
+        with contextlib.closing(held), contextlib.closing(stays):
+
+            def status(connection):
+                connection.request("GET", "/api/v1/status")
+                answer = connection.getresponse()
+                answer.read()
+                return answer.status
+
+            self.assertEqual((status(held), status(stays)), (200, 200))
+            trust(pki / "ca.crt")
+            self.wait_for_authorities(server, 1)
+            self.assertEqual((status(held), status(stays)), (401, 200))
 
     def test_strangers_handshakes_that_never_end_keep_others_neither_out_nor_waiting(self):
         server = self.with_tls()
@@ -333,6 +384,13 @@ class Addresses(Access):
         self.assertNotEqual(done.returncode, 0)
         self.assertTrue(os.path.exists(path))
         return done.stderr
+
+    def test_a_proxy_elsewhere_does_not_take_the_health_check_its_way(self):
+        server = self.server(f'[http]\ntokens_file = "{self.tokens}"\nplain_from = ["192.0.2.9"]\n')
+        server.http = "0.0.0.0:0"
+        server.start()
+        port = server.http.rsplit(":", 1)[1]
+        self.assertEqual(ask(http.client.HTTPConnection("127.0.0.1", int(port), timeout=WAIT_SECONDS), "/livez").status, 200)
 
     def test_a_socket_asks_for_a_token_where_one_is_set(self):
         token = self.token("viewer")
