@@ -71,10 +71,11 @@ absl::StatusOr<Context> ReadContext(const std::string& name, const toml::node& n
   if (table == nullptr) return Wrong(path, key + ": it must be a table");
   Context context;
   for (const auto& [member, value] : *table) {
+    const std::string_view called = member.str();
     const auto* const file =
-        std::ranges::find_if(kFiles, [&](const auto& each) { return each.first == member.str(); });
-    if (member.str() != "server" && file == std::end(kFiles)) {
-      return WrongKey(path, key + "." + std::string(member.str()), kKnownKeys);
+        std::ranges::find_if(kFiles, [called](const auto& each) { return each.first == called; });
+    if (called != "server" && file == std::end(kFiles)) {
+      return WrongKey(path, fmt::format("{}.{}", key, called), kKnownKeys);
     }
     std::string& into = file == std::end(kFiles) ? context.server : context.files.*(file->second);
     into = value.value_or(std::string());

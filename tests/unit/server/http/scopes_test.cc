@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -131,10 +132,10 @@ std::map<std::string_view, std::vector<std::string>> Questions() {
     }
     if (path == "/api/v1/scope-updates") continue;
     for (const std::string& ruri : {kNorth, kSouth, kNobody}) {
-      asked.push_back(path + "?ruri=" + ruri);
-      asked.push_back(path + "?fleet=north&ruri=" + ruri);
+      asked.push_back(fmt::format("{}?ruri={}", path, ruri));
+      asked.push_back(fmt::format("{}?fleet=north&ruri={}", path, ruri));
     }
-    asked.push_back(path + "?ruri=" + kSouth + "&ruri=" + kNorth + "&ruri=" + kNobody);
+    asked.push_back(fmt::format("{}?ruri={}&ruri={}&ruri={}", path, kSouth, kNorth, kNobody));
   }
   questions["faults"].emplace_back("/api/v1/faults?active=true");
   questions["missions"].emplace_back("/api/v1/missions?open=true");
@@ -216,7 +217,7 @@ TEST(Scopes, AFleetOutOfScopeIsAnsweredAsAnUnknownOne) {
     if (name == "robot") continue;
     SCOPED_TRACE(target);
     const auto body = [&](const std::string& fleet, const identity::Scope& scope) {
-      const Response answer = all.Get(target + "?fleet=" + fleet, scope);
+      const Response answer = all.Get(fmt::format("{}?fleet={}", target, fleet), scope);
       EXPECT_EQ(answer.status, 200) << answer.body;
       return answer.body;
     };

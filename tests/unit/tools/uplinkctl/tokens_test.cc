@@ -82,8 +82,8 @@ TEST_F(TokensTest, NamesTheFlagThatIsWrong) {
   EXPECT_THAT(FlawOf({.fleets = {"a", "*"}}), StartsWith("--fleet * means all"));
   EXPECT_THAT(FlawOf({.fleets = {""}}), StartsWith("--fleet \"\" is empty"));
   EXPECT_THAT(FlawOf({.fleets = {"a\xff"}}), HasSubstr("is no text in UTF-8"));
-  std::vector<std::string> many;
-  for (int i = 0; i < 33; ++i) many.push_back(fmt::format("f{}", i));
+  std::vector<std::string> many(33);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = fmt::format("f{}", i);
   EXPECT_THAT(FlawOf({.fleets = many}), StartsWith("--fleet is given 33 times"));
   many.pop_back();
   EXPECT_EQ(FlawOf({.fleets = many}), "");
