@@ -19,7 +19,7 @@ namespace uplink::storage {
 
 /// Certificates and keys that are revoked at a time.
 inline constexpr std::size_t kRevocationsMax = 100'000;
-/// Robots of which operators set anything at a time.
+/// Robots for which operators have set something, at a time.
 inline constexpr std::size_t kSettingsMax = 100'000;
 /// Rows that one answer of the readers below names.
 inline constexpr std::size_t kAccessPageMax = 10'000;
