@@ -334,6 +334,11 @@ TEST_P(AccessContract, TheAuditIsFoundByWhoWhatOnWhatAndFleet) {
   EXPECT_THAT(Audit(of_fleet), ElementsAre(Did("robot_block")));
   of_fleet.rows.fleets = {"f1", "f2"};
   EXPECT_THAT(Audit(of_fleet), SizeIs(2)) << "what is no fleet's is not shown";
+  of_fleet.rows.robots_alone = true;
+  EXPECT_THAT(Audit(of_fleet), SizeIs(2));
+  of_fleet.rows.ruris = {other.target, "rcan://robots/c"};
+  EXPECT_THAT(Audit(of_fleet), ElementsAre(other)) << "targets";
+  of_fleet.rows.ruris.clear();
   of_fleet.action = "robot_block";
   EXPECT_THAT(Audit(of_fleet), SizeIs(2));
 }
