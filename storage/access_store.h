@@ -68,15 +68,15 @@ struct Revocation {
 struct RobotSetting {
   std::string ruri;
   bool blocked = false;
-  std::string blocked_why;
-  std::string blocked_by;
-  std::optional<SystemTime> blocked_at;
+  std::string blocked_why{};
+  std::string blocked_by{};
+  std::optional<SystemTime> blocked_at{};
   /// An operator added it: it may come in where registration is closed.
   bool registered = false;
-  std::map<std::string, std::string> labels;
-  std::string note;
+  std::map<std::string, std::string> labels{};
+  std::string note{};
   /// An operator asked at this time that its streams end; they may come again.
-  std::optional<SystemTime> disconnect_at;
+  std::optional<SystemTime> disconnect_at{};
   AccessVersion version = 0;
 
   friend bool operator==(const RobotSetting&, const RobotSetting&) = default;

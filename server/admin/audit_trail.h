@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+
+#include "server/admin/shared_store.h"
+#include "server/log/logger.h"
+#include "storage/audit.h"
+
+namespace uplink::admin {
+
+/// Rows that wait for the store at most; the oldest go first, and a line tells how many.
+inline constexpr std::size_t kAuditWaitingMax = 1'000;
+
+/// What happened in this server that the audit tells: each is a log line `audit` at once, and a row
+/// once the store takes it. Commands write the rows of what they change themselves, in the
+/// transaction of the change.
+///
+/// Thread: thread-safe; Flush on one thread at a time.
+class AuditTrail final {
+ public:
+  explicit AuditTrail(const log::Logger& logger) : logger_(logger) {}
+  AuditTrail(const AuditTrail&) = delete;
+  AuditTrail& operator=(const AuditTrail&) = delete;
+
+  /// The line alone, of a row that the store has.
+  void Tell(const storage::AuditRow& row) const;
+  /// The line, and the row with the next Flush. Never waits.
+  void Note(storage::AuditRow row);
+  /// Writes what waits, until the store refuses one; that one stays. Waits for the store.
+  void Flush(SharedStore& store);
+  /// Rows that wait.
+  [[nodiscard]] std::size_t waiting() const;
+
+ private:
+  const log::Logger& logger_;
+  mutable std::mutex mutex_;
+  std::deque<storage::AuditRow> waiting_;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace uplink::admin

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "schema/base/clock.h"
+#include "server/admin/asker.h"
+#include "server/admin/audit_trail.h"
+#include "server/admin/shared_store.h"
+#include "storage/reader.h"
+#include "uplink/v1/admin.pb.h"
+
+namespace uplink::admin {
+
+/// The service FleetAdmin, once for every transport: what operators decide, and the audit. Whoever
+/// calls has judged the caller's role by the table of rights; the commands judge its scope. A robot
+/// that is out of scope is unknown, and a caller without all fleets decides only about robots that
+/// are known.
+///
+/// Each command leaves an audit row and a line `audit`, also where it is refused.
+///
+/// Errors: kInvalidArgument, whose message begins with the field's JSON name; kNotFound for what is
+///         unknown; kResourceExhausted at a bound; those of the store, kUnavailable above all: then
+///         it is unknown whether it was done, and asking again is right.
+/// Thread: thread-safe. All wait for the store, so never on a thread that serves others.
+class Commands final {
+ public:
+  /// The references outlive it.
+  struct Context {
+    const Clock& clock;
+    SharedStore& store;
+    AuditTrail& audit;
+    /// storage::Reader::Audit.
+    std::function<absl::StatusOr<storage::Page<storage::AuditRow>>(const storage::AuditQuery&)>
+        rows_of_audit{};
+    /// The fleet of a robot that is known; nothing: it is not. Any thread. Empty: every robot is
+    /// unknown.
+    std::function<std::optional<std::string>(std::string_view ruri)> fleet_of{};
+    /// The store has something new, which servers read each second anyway. Any thread; may be
+    /// empty.
+    std::function<void()> changed{};
+    /// Reads the configuration again, and waits for the outcome. kUnavailable: the server starts or
+    /// stops. Empty: there is no server.
+    std::function<absl::StatusOr<v1::ReloadResponse>()> reload{};
+  };
+  explicit Commands(Context context);
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  // About one robot.
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> BlockRobot(const Asker& asker,
+                                                            const v1::BlockRobotRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> UnblockRobot(
+      const Asker& asker, const v1::UnblockRobotRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> DisconnectRobot(
+      const Asker& asker, const v1::DisconnectRobotRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> NoteRobot(const Asker& asker,
+                                                           const v1::NoteRobotRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> AddRobot(const Asker& asker,
+                                                          const v1::AddRobotRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::FaultAcknowledgement> AcknowledgeFault(
+      const Asker& asker, const v1::AcknowledgeFaultRequest& request);
+
+  // About certificates and keys, of all robots.
+  [[nodiscard]] absl::StatusOr<v1::Revocation> RevokeCertificate(
+      const Asker& asker, const v1::RevokeCertificateRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::Revocation> UnrevokeCertificate(
+      const Asker& asker, const v1::UnrevokeCertificateRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::ListRevocationsResponse> ListRevocations(
+      const v1::ListRevocationsRequest& request);
+
+  // About the whole server.
+  [[nodiscard]] absl::StatusOr<v1::ListAuditResponse> ListAudit(
+      const v1::ListAuditRequest& request);
+  [[nodiscard]] absl::StatusOr<v1::ReloadResponse> Reload(const Asker& asker,
+                                                          const v1::ReloadRequest& request);
+
+  /// Something that its role or scope forbids was asked: `action` is that of the command, `target`
+  /// what it was about, as far as that was read. Never waits.
+  void NoteForbidden(const Asker& asker, std::string_view action, std::string_view target);
+
+ private:
+  struct Deed;
+  /// What the caller may decide about, if its RURI is one; sets the deed's fleet.
+  [[nodiscard]] absl::Status Judge(const Asker& asker, Deed& deed) const;
+  [[nodiscard]] storage::AuditRow RowOf(const Asker& asker, const Deed& deed,
+                                        const absl::Status& outcome) const;
+  /// Writes by `write`, unless `verdict` forbids it; tells and notes what came of it.
+  template <typename Answer, typename Write>
+  [[nodiscard]] absl::StatusOr<Answer> Do(const Asker& asker, const Deed& deed,
+                                          absl::Status verdict, const Write& write);
+  [[nodiscard]] absl::StatusOr<v1::RobotSetting> Change(const Asker& asker, Deed deed,
+                                                        const storage::SettingChange& change,
+                                                        absl::Status verdict);
+
+  const Context context_;
+};
+
+}  // namespace uplink::admin
