@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 
 #include <boost/json.hpp>
@@ -104,6 +105,14 @@ TEST(TextTest, AnArrayKeepsEachTextAsItIs) {
   const std::vector<std::string> texts = {"", "a\"b\\c\n", "\u00e4"};
   EXPECT_EQ(ArrayText(texts), "[\"\",\"a\\\"b\\\\c\\n\",\"\u00e4\"]");
   EXPECT_EQ(ArrayText({}), "[]");
+}
+
+TEST(JsonText, TextsByNameComeBackAsTheyWere) {
+  const std::map<std::string, std::string> texts = {{"", "a\"b\\c\n"}, {"\u00e4", ""}};
+  EXPECT_EQ(TextsIn(TextsText(texts)), texts);
+  EXPECT_EQ(TextsText({}), "{}");
+  EXPECT_EQ(TextsIn(R"({"a": "1", "b": 2})"), (std::map<std::string, std::string>{{"a", "1"}}));
+  for (const char* const other : {"", "[]", "{", "null"}) EXPECT_TRUE(TextsIn(other).empty());
 }
 
 }  // namespace
