@@ -34,7 +34,9 @@ std::vector<Candidate> Candidates::All() const {
   const std::lock_guard lock(mutex_);
   std::vector<Candidate> all;
   all.reserve(by_ruri_.size());
-  for (const auto& [ruri, entry] : by_ruri_) all.push_back(entry.candidate);
+  for (auto note = by_note_.rbegin(); note != by_note_.rend(); ++note) {
+    all.push_back(by_ruri_.find(note->second)->second.candidate);
+  }
   return all;
 }
 

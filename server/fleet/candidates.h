@@ -37,7 +37,7 @@ class Candidates final {
   void Note(const Claim& claim, SystemTime now);
   /// It was added, or came in.
   void Remove(std::string_view ruri);
-  /// By RURI.
+  /// The one that was refused last comes first.
   [[nodiscard]] std::vector<Candidate> All() const;
 
  private:

@@ -19,13 +19,13 @@ TEST(Candidates, CountsHowOftenOneWasRefusedAndShowsHowItCameLast) {
   candidates.Note(Of("rcan://f/b", "CN=hall"), FromUnixMs(3));
   const auto all = candidates.All();
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0].robot.ruri, "rcan://f/a");
-  EXPECT_EQ(all[1].robot.ruri, "rcan://f/b");
-  EXPECT_EQ(all[1].robot.fleet, "f");
-  EXPECT_EQ(all[1].gateway, "CN=hall");
-  EXPECT_EQ(all[1].first_at, FromUnixMs(1));
-  EXPECT_EQ(all[1].last_at, FromUnixMs(3));
-  EXPECT_EQ(all[1].refused, 2U);
+  EXPECT_EQ(all[0].robot.ruri, "rcan://f/b") << "it was refused last";
+  EXPECT_EQ(all[0].robot.fleet, "f");
+  EXPECT_EQ(all[0].gateway, "CN=hall");
+  EXPECT_EQ(all[0].first_at, FromUnixMs(1));
+  EXPECT_EQ(all[0].last_at, FromUnixMs(3));
+  EXPECT_EQ(all[0].refused, 2U);
+  EXPECT_EQ(all[1].robot.ruri, "rcan://f/a");
 }
 
 TEST(Candidates, OneThatWasAddedIsNone) {
@@ -46,7 +46,8 @@ TEST(Candidates, AtTheBoundTheOneThatWasRefusedLongestAgoIsForgotten) {
   candidates.Note(Of("rcan://f/new"), FromUnixMs(3));
   const auto all = candidates.All();
   EXPECT_EQ(all.size(), kCandidatesMax);
-  EXPECT_EQ(all.front().robot.ruri, "rcan://f/0") << "it was refused again";
+  EXPECT_EQ(all.front().robot.ruri, "rcan://f/new");
+  EXPECT_EQ(all[1].robot.ruri, "rcan://f/0") << "it was refused again";
   for (const Candidate& each : all) EXPECT_NE(each.robot.ruri, "rcan://f/1");
 }
 
