@@ -70,8 +70,11 @@ absl::StatusOr<fleet::RobotPtr> Drones::Admit(const fleet::Claim& claim) {
 
 absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
   const DronePtr known = Find(claim.robot.ruri);
-  if (known != nullptr && known->robot()->blocked()) {
-    return Refused(fleet::Refusal::kBlocked, claim, context_.fleet);
+  if (known != nullptr) {
+    const storage::RobotRef id = known->robot()->id();
+    const auto refusal = context_.fleet.entry().Judge(
+        claim, {.fleet = &id->fleet, .store_read = true}, context_.clock.System());
+    if (refusal != fleet::Refusal::kNone) return Refused(refusal, claim, context_.fleet);
   }
   if (known == nullptr || known->robot()->id()->fleet != claim.robot.fleet) {
     if (const auto refusal = JudgeFleet(context_.fleet, claim); refusal != fleet::Refusal::kNone) {

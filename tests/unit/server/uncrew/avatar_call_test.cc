@@ -412,6 +412,20 @@ TEST_F(AvatarCallTest, ABlockedDroneIsRefusedAlsoWhereItsSampleWaits) {
   EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
 }
 
+TEST_F(AvatarCallTest, AGatewayWithoutNamesIsRefusedAlsoForADroneThatCalls) {
+  const fleet::RobotSettings settings(1);
+  bench_.fleet().entry().Set({.only_named = true}, settings);
+  Begin();
+  const identity::PeerIdentity hall{
+      .role = identity::Role::kGateway, .fleet = "f", .gateway = {.subject = "CN=hall"}};
+  FakeCall& call =
+      bench_.CallBytes(hall, SampleType::kHeading,
+                       test::RequestOf(SampleType::kHeading,
+                                       "metadata { uav_id: \"1\" } heading { heading_deg: 1 }"));
+  EXPECT_EQ(call.End(), "PERMISSION_DENIED");
+  EXPECT_THAT(std::string(call.status().message()), HasSubstr("names no robots"));
+}
+
 TEST_F(AvatarCallTest, AnIdleDroneIsLetGoOf) {
   Begin();
   bench_.drones().Round();
