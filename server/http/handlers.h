@@ -68,6 +68,7 @@ struct RoutedRequest {
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFleets(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetTop(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetCandidates(const Sources& sources, const RoutedRequest& request);
 /// By the path, or by the parameter `ruri`: proxies may decode a slash in a path.
 [[nodiscard]] Response GetRobot(const Sources& sources, const RoutedRequest& request);
 

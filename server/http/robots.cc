@@ -147,6 +147,15 @@ Response GetTop(const Sources& sources, const RoutedRequest& request) {
   return JsonResponse(view::ToJson(sources.queries.Top(*order, count, fleets), by));
 }
 
+Response GetCandidates(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  const std::vector<std::string> fleets = request.caller.scope.Restrict(parameters.Text("fleet"));
+  const std::uint32_t count =
+      parameters.Number("pageSize", storage::kPageSizeDefault, storage::kPageSizeMax);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return JsonResponse(view::ToJson(sources.queries.Candidates(count, fleets)));
+}
+
 Response GetRobot(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   const std::string ruri = request.segment.empty() ? parameters.Text("ruri") : request.segment;

@@ -31,6 +31,7 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/robot/story", "robot_story", Lane::kRead, kReadFleets, GetStory},
     {"/api/v1/fleets", "fleets", Lane::kMemory, kReadFleets, GetFleets},
     {"/api/v1/top", "top", Lane::kMemory, kReadFleets, GetTop},
+    {"/api/v1/candidates", "candidates", Lane::kMemory, kReadFleets, GetCandidates},
     {"/api/v1/events", "events", Lane::kRead, kReadFleets, GetEvents},
     {"/api/v1/messages", "messages", Lane::kRead, kReadFleets, GetMessages},
     {"/api/v1/connections", "connections", Lane::kRead, kReadFleets, GetConnections},

@@ -59,7 +59,8 @@ store::Writers::Context StoreSide::WritersContext() {
             if (!verdict) return std::nullopt;
             return verdict->over != store::Over::kNo;
           },
-          .logger = &context_.logger};
+          .logger = &context_.logger,
+          .moved = context_.moved};
 }
 
 void StoreSide::ReadRobots() {

@@ -10,6 +10,7 @@
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
 #include "server/journal/connection_notes.h"
+#include "server/journal/events.h"
 #include "server/journal/limits.h"
 #include "server/journal/probe.h"
 #include "server/journal/shards.h"
@@ -55,6 +56,8 @@ class StoreSide final {
     std::function<void()> reconnected;
     /// A step of the schema shuts this program out. Any thread.
     std::function<void()> shut_out;
+    /// A robot moved to another fleet. On a writer's thread: short.
+    std::function<void(const journal::Moved&)> moved = [](const journal::Moved& /*moved*/) {};
   };
   StoreSide(const Context& context, store::Stores stores);
 

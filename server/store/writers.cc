@@ -43,11 +43,14 @@ std::vector<std::unique_ptr<journal::Journal>> MakeJournals(
           told();
         });
     if (shard == 0 && context.is_over) journals.back()->EndConnections(context.is_over);
+    journals.back()->OnMoved([moves, told = context.moved](const auto& moved) {
+      if (moves != nullptr) TellMove(*moves, moved);
+      told(moved);
+    });
     if (context.logger == nullptr) continue;
     journals.back()->OnSlowCommit([logger = context.logger, shard](const auto& commit) {
       TellSlowCommit(*logger, shard, commit);
     });
-    journals.back()->OnMoved([moves](const auto& moved) { TellMove(*moves, moved); });
     journals.back()->OnConnectionDropped([drops](const model::RobotId& robot) {
       drops->Write(log::Level::kWarn, "connection_dropped", {{"robot", robot.ruri}});
     });

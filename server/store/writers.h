@@ -11,6 +11,7 @@
 #include "schema/base/clock.h"
 #include "server/fleet/checkpoint.h"
 #include "server/fleet/fleet.h"
+#include "server/journal/events.h"
 #include "server/journal/shards.h"
 #include "server/journal/writer.h"
 #include "server/log/logger.h"
@@ -51,6 +52,8 @@ class Writers final {
     /// Writes `robot_moved` and `connection_dropped`, and `commit_slow` at level debug. Null: no
     /// such lines.
     const log::Logger* logger = nullptr;
+    /// Called for each robot that moved to another fleet, on a writer's thread: short.
+    std::function<void(const journal::Moved&)> moved = [](const journal::Moved& /*moved*/) {};
   };
   /// At least one store; they outlive it.
   Writers(std::span<const std::unique_ptr<storage::Store>> stores, Context context);

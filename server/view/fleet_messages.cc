@@ -1,8 +1,10 @@
+#include <cstdint>
 #include <tuple>
 
 #include "server/view/messages.h"
+#include "server/view/timestamps.h"
 
-// Fleets in figures, and the robots that send most.
+// Fleets in figures, the robots that send most, and those that were refused.
 namespace uplink::view {
 
 v1::Fleet ToMessage(const FleetView& fleet) {
@@ -35,6 +37,17 @@ v1::TopRobot ToMessage(const fleet::TopSenders::Sender& sender) {
   message.set_ruri(sender.ruri);
   message.set_fleet(sender.fleet);
   message.set_per_second(sender.per_second);
+  return message;
+}
+
+v1::Candidate ToMessage(const fleet::Candidate& candidate) {
+  v1::Candidate message;
+  message.set_ruri(candidate.robot.ruri);
+  message.set_fleet(candidate.robot.fleet);
+  message.set_gateway(candidate.gateway);
+  SetTime(message, &v1::Candidate::mutable_first_refused_at, candidate.first_at);
+  SetTime(message, &v1::Candidate::mutable_last_refused_at, candidate.last_at);
+  message.set_refused(static_cast<std::int64_t>(candidate.refused));
   return message;
 }
 

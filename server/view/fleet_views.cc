@@ -86,4 +86,14 @@ std::vector<fleet::TopSenders::Sender> Queries::Top(fleet::TopBy by, std::size_t
   return sources_.top->Most(by, count, fleets);
 }
 
+std::vector<fleet::Candidate> Queries::Candidates(std::size_t count,
+                                                  const std::vector<std::string>& fleets) const {
+  std::vector<fleet::Candidate> all = sources_.fleet.entry().candidates().All();
+  std::erase_if(all, [&fleets](const fleet::Candidate& candidate) {
+    return !fleets.empty() && std::ranges::find(fleets, candidate.robot.fleet) == fleets.end();
+  });
+  all.resize(std::min(all.size(), count));
+  return all;
+}
+
 }  // namespace uplink::view

@@ -72,6 +72,15 @@ absl::StatusOr<std::string> ToJson(const std::vector<fleet::TopSenders::Sender>&
   return list.TakeIn(response);
 }
 
+absl::StatusOr<std::string> ToJson(const std::vector<fleet::Candidate>& candidates) {
+  v1::ListCandidatesResponse response;
+  ListText list;
+  for (const fleet::Candidate& candidate : candidates) {
+    if (absl::Status added = list.Add(ToMessage(candidate), {}); !added.ok()) return added;
+  }
+  return list.TakeIn(response);
+}
+
 absl::StatusOr<std::string> ToJson(const StatusView& status,
                                    const std::vector<std::string>& degraded) {
   return MessagePrinter().Print(ToMessage(status, degraded));

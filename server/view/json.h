@@ -24,6 +24,7 @@ namespace uplink::view {
 /// `by` is a word of fleet::kTopByNames.
 [[nodiscard]] absl::StatusOr<std::string> ToJson(
     const std::vector<fleet::TopSenders::Sender>& senders, std::string_view by);
+[[nodiscard]] absl::StatusOr<std::string> ToJson(const std::vector<fleet::Candidate>& candidates);
 [[nodiscard]] absl::StatusOr<std::string> ToJson(const StatusView& status,
                                                  const std::vector<std::string>& degraded);
 

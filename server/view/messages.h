@@ -20,6 +20,7 @@ namespace uplink::view {
 
 [[nodiscard]] v1::Fleet ToMessage(const FleetView& fleet);
 [[nodiscard]] v1::TopRobot ToMessage(const fleet::TopSenders::Sender& sender);
+[[nodiscard]] v1::Candidate ToMessage(const fleet::Candidate& candidate);
 
 // Rows of lists.
 [[nodiscard]] v1::Fault ToMessage(const storage::FaultRow& row);

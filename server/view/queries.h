@@ -189,6 +189,10 @@ class Queries final {
   /// The robots that send most to this process. Never waits.
   [[nodiscard]] std::vector<fleet::TopSenders::Sender> Top(
       fleet::TopBy by, std::size_t count, const std::vector<std::string>& fleets) const;
+  /// The robots that were refused because no operator added them, the last one first, at most
+  /// `count`. Never waits.
+  [[nodiscard]] std::vector<fleet::Candidate> Candidates(
+      std::size_t count, const std::vector<std::string>& fleets) const;
   /// With all parts.
   [[nodiscard]] absl::StatusOr<RobotView> Robot(const std::string& ruri,
                                                 const std::vector<std::string>& fleets);

@@ -96,6 +96,8 @@ ACTS = {
     "stream": stream,
     "resume": resume,
     "wrong_hello": lambda channel: refused(channel, [hello(session_id=b"short")]),
+    "refused": lambda channel: refused(channel, [hello()]),
+    "for_robot": lambda channel: refused(channel, [hello(robot_ruri="rcan://example.org/acme/rover/g1")]),
     "other_robot": lambda channel: refused(channel, [hello(robot_ruri="rcan://example.org/ä/100%")]),
     "large_frame": lambda channel: refused(channel, [hello(), batch(1, 1, b"x" * (2 << 20))]),
     "other_method": lambda channel: refused(channel, [], path="/uplink.v1.UplinkRelay/Other"),

@@ -17,6 +17,7 @@ ANSWERS = SOURCE / "tests/fixtures/api"
 RPCS = {
     "status": "GetStatus", "robots": "ListRobots", "robot": "GetRobot", "robot_by_ruri": "GetRobot",
     "robot_story": "GetRobotStory", "connections": "ListConnections", "fleets": "ListFleets", "top": "ListTop",
+    "candidates": "ListCandidates",
     "events": "ListEvents", "messages": "ListMessages", "presence": "ListPresenceChanges",
     "quarantine": "ListQuarantine", "gaps": "ListGaps", "scope_updates": "ListScopeUpdates", "faults": "ListFaults",
     "missions": "ListMissions", "mission_reports": "ListMissionReports", "operator_requests": "ListOperatorRequests",

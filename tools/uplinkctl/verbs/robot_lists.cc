@@ -101,6 +101,23 @@ List Top() {
       .limit_max = kTopMax};
 }
 
+List Candidates() {
+  return {.noun = "robots",
+          .verb = "candidates",
+          .about = "List new robots that were refused because no operator added them",
+          .path = "/api/v1/candidates",
+          .member = "candidates",
+          .columns = {{"ROBOT", "ruri", Kind::kRobot},
+                      {"FLEET", "fleet", Kind::kText, Fit::kShrink},
+                      {"GATEWAY", "gateway", Kind::kText, Fit::kDrop},
+                      {"LAST", "lastRefusedAt", Kind::kAge},
+                      {"FIRST", "firstRefusedAt", Kind::kAge, Fit::kDrop},
+                      {"REFUSED", "refused", Kind::kNumber}},
+          .examples = {"uplinkctl robots candidates --fleet north"},
+          .of_robots = false,
+          .in_time = false};
+}
+
 List Fleets() {
   return {.noun = "fleets",
           .about = "List fleets, with presence, faults and versions",
@@ -162,6 +179,8 @@ List Objects() {
 
 }  // namespace
 
-std::vector<List> RobotLists() { return {Fleets(), Robots(), Story(), Top(), Shapes(), Objects()}; }
+std::vector<List> RobotLists() {
+  return {Fleets(), Robots(), Story(), Top(), Candidates(), Shapes(), Objects()};
+}
 
 }  // namespace uplink::ctl

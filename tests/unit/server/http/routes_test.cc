@@ -21,9 +21,9 @@ TEST(Routes, HaveTheLabelsOfTheMetrics) {
   EXPECT_THAT(names,
               ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
                           "config", "robots", "robot", "robot_by_ruri", "robot_story", "fleets",
-                          "top", "events", "messages", "connections", "presence", "quarantine",
-                          "gaps", "scope_updates", "faults", "missions", "mission_reports",
-                          "operator_requests", "shapes", "objects", "other"));
+                          "top", "candidates", "events", "messages", "connections", "presence",
+                          "quarantine", "gaps", "scope_updates", "faults", "missions",
+                          "mission_reports", "operator_requests", "shapes", "objects", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

@@ -102,6 +102,8 @@ class World {
     connection.address = ruri;
     world_.CommitConnection(std::move(connection));
     Ask(robot.id());
+    world_.fleet.entry().candidates().Note({.robot = {.ruri = ruri + "/new", .fleet = fleet}},
+                                           world_.clock.System());
   }
   /// A drone's request to its operator.
   void Ask(const storage::RobotRef& robot) {
@@ -152,6 +154,8 @@ std::map<std::string_view, std::vector<std::string>> Questions() {
   questions["fleets"] = {"/api/v1/fleets", "/api/v1/fleets?pageSize=1",
                          "/api/v1/fleets?fleet=south"};
   questions["top"] = {"/api/v1/top", "/api/v1/top?fleet=south", "/api/v1/top?pageSize=1"};
+  questions["candidates"] = {"/api/v1/candidates", "/api/v1/candidates?fleet=south",
+                             "/api/v1/candidates?pageSize=1"};
   questions["robot_by_ruri"] = {"/api/v1/robot?ruri=" + kSouth, "/api/v1/robot?ruri=" + kNorth,
                                 "/api/v1/robot?ruri=" + kNobody};
   questions["robot"] = {"/api/v1/robots/rcan%3A%2F%2Fb", "/api/v1/robots/rcan%3A%2F%2Fa"};

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,12 +76,17 @@ TEST_F(WritersTest, EachJournalIsWrittenOnceTheyRun) {
 
 TEST_F(WritersTest, ARobotThatMovesToAnotherFleetIsALineOfTheLog) {
   const log::testing::RecordedLog log(clock_, log::Format::kText, log::Level::kInfo);
+  std::vector<std::string> told;
   Writers writers(stores_, {.clock = clock_,
                             .ledgers = ledgers_,
                             .probe = probe_,
                             .fleet = fleet_,
                             .random = [] { return std::uint64_t{0}; },
-                            .logger = &log.logger});
+                            .logger = &log.logger,
+                            .moved =
+                                [&told](const journal::Moved& moved) {
+                                  told.push_back(moved.ruri + " to " + moved.to);
+                                }});
   const auto come = [&](const std::string& fleet, std::string gateway) {
     robot::Robot& robot = **fleet_.FindOrAdmit({"rcan://bench/1", fleet});
     journal::Journal& journal = writers.journals().Of(robot.ruri());
@@ -96,6 +102,7 @@ TEST_F(WritersTest, ARobotThatMovesToAnotherFleetIsALineOfTheLog) {
       log.lines,
       ElementsAre(EndsWith(
           " info robot_moved robot=rcan://bench/1 from=north to=south gateway=\"CN=hall\"")));
+  EXPECT_THAT(told, ElementsAre("rcan://bench/1 to south"));
 }
 
 TEST_F(WritersTest, AConnectionThatIsNotKeptIsALineOfTheLog) {

@@ -33,6 +33,22 @@ class FleetsTest : public ::testing::Test {
   testing::ServerWorld world_{100};
 };
 
+TEST_F(FleetsTest, CandidatesAreThoseThatWereRefusedLastOfTheseFleets) {
+  fleet::Candidates& candidates = world_.fleet.entry().candidates();
+  candidates.Note({.robot = {.ruri = "rcan://n/1", .fleet = "north"}}, FromUnixMs(1'000));
+  candidates.Note({.robot = {.ruri = "rcan://s/1", .fleet = "south"}}, FromUnixMs(2'000));
+  candidates.Note({.robot = {.ruri = "rcan://n/2", .fleet = "north"}, .gateway = "CN=hall"},
+                  FromUnixMs(3'000));
+  EXPECT_EQ(world_.queries.Candidates(10, {}).size(), 3U);
+  EXPECT_EQ(world_.queries.Candidates(10, {"north"}).size(), 2U);
+  const auto json = ToJson(world_.queries.Candidates(1, {"north"}));
+  ASSERT_TRUE(json.ok()) << json.status();
+  EXPECT_EQ(*json,
+            R"({"candidates":[{"ruri":"rcan://n/2","fleet":"north","gateway":"CN=hall",)"
+            R"("firstRefusedAt":"1970-01-01T00:00:03Z","lastRefusedAt":"1970-01-01T00:00:03Z",)"
+            R"("refused":"1"}]})");
+}
+
 TEST_F(FleetsTest, CountsTheRobotsOfEach) {
   robot::Robot& stopped = world_.AddRobot("rcan://a", "north");
   model::StatusTelemetry status;

@@ -1,0 +1,137 @@
+"""Who may come in: the keys of [identity], and what operators set of robots, against the real server and an agent of
+another gRPC library."""
+
+import json
+import os
+import subprocess
+
+from ending_agents import AGENT, PYTHON, RURI, SECONDS, EndingAgents
+from harness import uplinkctl, wait_until
+
+CLIENT = AGENT.with_name("relay_client.py")
+CLOSED = '[identity]\nregistration = "closed"\n'
+STAYS = '[identity]\nfleet_moves = "refuse"\n'
+NAMED = '[identity]\ngateways = "named"\n'
+# An operator's word reaches a stream.
+LIVE_SECONDS = 15
+
+
+class Registration(EndingAgents):
+    def robot(self, name, fleet="acme", ruri=None):
+        """The files of a robot's certificate."""
+        uplinkctl("pki", "robot", "--dir", self.running.pki, "--ruri", ruri or RURI + name, "--fleet", fleet,
+                  "--name", name)  # fmt: skip
+        return name
+
+    def come(self, name, act="stream"):
+        """What an agent of these files is told."""
+        files = [str(file) for file in (self.key("ca", "crt"), self.key(name, "crt"), self.key(name, "key"))]
+        said = subprocess.run(
+            [PYTHON, str(CLIENT), act, self.running.relay, *files], text=True, capture_output=True, timeout=SECONDS,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(self.modules), str(CLIENT.parent)])}, check=False,
+        )  # fmt: skip
+        self.assertEqual(said.returncode, 0, said.stderr)
+        return json.loads(said.stdout)
+
+    def refused(self, name):
+        return self.come(name, "refused")
+
+    def ctl(self, *arguments, code=0):
+        env = {name: value for name, value in os.environ.items() if not name.startswith(("UPLINKCTL", "XDG"))}
+        at = ("--server", f"http://{self.running.http}")
+        return uplinkctl(*arguments, *at, code=code, env={**env, "HOME": str(self.folder)}).stdout
+
+    def test_where_registration_is_closed_a_new_robot_is_a_candidate_and_a_known_one_comes_in(self):
+        self.serve(self.server())
+        self.agent("known").kill()
+        wait_until(self.running.process, lambda: self.running.get("/api/v1/robots")["robots"], SECONDS, "it is known")
+        self.running.terminate(SECONDS)
+        self.running.settings = CLOSED
+        self.running.start()
+        self.agent("known")
+        end = self.refused(self.robot("new"))
+        self.assertEqual(end["code"], "PERMISSION_DENIED")
+        self.assertIn(f"{RURI}new is not registered", end["details"])
+        [candidate] = self.running.get("/api/v1/candidates")["candidates"]
+        self.assertEqual((candidate["ruri"], candidate["fleet"], candidate["refused"]), (RURI + "new", "acme", "1"))
+        self.assertEqual(self.running.get("/api/v1/candidates?fleet=other")["candidates"], [])
+        self.assertIn(RURI + "new", self.ctl("robots", "candidates", "-o", "csv"))
+        self.assertEqual(self.running.metric('uplinkd_streams_refused_total{cause="operator"}'), 1)
+
+    def test_a_candidate_that_an_operator_adds_comes_in(self):
+        self.serve(self.server(CLOSED))
+        self.assertEqual(self.refused(self.robot("new"))["code"], "PERMISSION_DENIED")
+        self.ctl("robots", "add", RURI + "new")
+        wait_until(self.running.process, lambda: self.refused("new")["code"] == "OK", LIVE_SECONDS, "it comes in")
+        self.assertEqual(self.running.get("/api/v1/candidates")["candidates"], [])
+
+    def test_where_fleets_stay_a_certificate_of_another_fleet_is_refused(self):
+        self.serve(self.server(STAYS))
+        self.agent("r1").kill()
+        self.robot("moved", fleet="other", ruri=RURI + "r1")
+        end = self.refused("moved")
+        self.assertEqual(end["code"], "PERMISSION_DENIED")
+        self.assertIn("is of another fleet than the certificate, other", end["details"])
+
+    def test_a_new_robot_needs_a_canonical_ruri(self):
+        self.serve(self.server())
+        self.robot("capital", ruri="rcan://Example.org/acme/rover/capital")
+        end = self.refused("capital")
+        self.assertEqual(end["code"], "PERMISSION_DENIED")
+        self.assertIn("has a host with capital letters", end["details"])
+
+    def test_a_block_ends_the_stream_and_an_unblock_lets_it_in(self):
+        self.serve(self.server())
+        self.agent("stolen")
+        other = self.agent("other")
+        self.ctl("robots", "block", RURI + "stolen", "--reason", "stolen")
+        line = f"robot_disconnected robot={RURI}stolen "
+        wait_until(self.running.process, lambda: line in self.running.text(), LIVE_SECONDS, "its stream ends")
+        [told] = [each for each in self.running.text().splitlines() if line in each]
+        self.assertIn("why=refused", told)
+        self.assertIn("PERMISSION_DENIED", told)
+        self.assertEqual(self.refused("stolen"), {"code": "PERMISSION_DENIED", "details": "blocked"})
+        self.assertIsNone(other.poll(), "another robot notices nothing")
+        self.ctl("robots", "unblock", RURI + "stolen")
+        wait_until(self.running.process, lambda: self.refused("stolen")["code"] == "OK", LIVE_SECONDS, "it comes in")
+
+    def test_a_disconnect_ends_the_stream_and_the_robot_comes_again(self):
+        self.serve(self.server())
+        self.agent("r1")
+        self.ctl("robots", "disconnect", RURI + "r1")
+        line = "disconnected by an operator"
+        wait_until(self.running.process, lambda: line in self.running.text(), LIVE_SECONDS, "its stream ends")
+        self.agent("r1")
+
+    def test_a_block_outlives_a_restart(self):
+        self.serve(self.server())
+        self.agent("stolen").kill()
+        self.ctl("robots", "block", RURI + "stolen")
+        self.running.terminate(SECONDS)
+        self.running.start()
+        self.assertEqual(self.refused("stolen"), {"code": "PERMISSION_DENIED", "details": "blocked"})
+
+
+class UnnamedGateways(EndingAgents):
+    """A gateway whose certificate names no robots."""
+
+    def gateway(self, settings=""):
+        self.serve(self.server(settings))
+        uplinkctl("pki", "gateway", "--dir", self.running.pki, "--fleet", "acme", "--name", "hall")
+        files = [str(file) for file in (self.key("ca", "crt"), self.key("hall", "crt"), self.key("hall", "key"))]
+        said = subprocess.run(
+            [PYTHON, str(CLIENT), "for_robot", self.running.relay, *files], text=True, capture_output=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(self.modules), str(CLIENT.parent)])},
+            timeout=SECONDS, check=True,
+        )  # fmt: skip
+        return json.loads(said.stdout)
+
+    def test_the_first_is_warned_of(self):
+        self.assertEqual(self.gateway()["code"], "OK")
+        self.running.wait_for_line("gateway_unnamed gateway=")
+
+    def test_it_is_refused_where_gateways_must_name_their_robots(self):
+        end = self.gateway(NAMED)
+        self.assertEqual(end["code"], "PERMISSION_DENIED")
+        self.assertIn("names no robots", end["details"])
+        self.assertNotIn("gateway_unnamed", self.running.text())
