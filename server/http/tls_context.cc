@@ -72,7 +72,8 @@ std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection) {
   auto shown = std::make_shared<PeerCertificate>(
       PeerCertificate{.identity = identity::IdentityOf(*certificate),
                       .subject = identity::SubjectOf(*certificate),
-                      .expiry = identity::NotAfterOf(*certificate)});
+                      .expiry = identity::NotAfterOf(*certificate),
+                      .chain = identity::ShownChainOf(connection)});
   const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));

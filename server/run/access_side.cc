@@ -27,7 +27,8 @@ AccessSide::AccessSide(const Context& context)
               context.logger),
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
-              .tokens = [this] { return tokens_.tokens(); }}) {
+              .tokens = [this] { return tokens_.tokens(); },
+              .denied = &denied_}) {
   if (config::SpeaksTls(context.http)) tls_.emplace(FilesOf(context), RulesOf(context.tls));
 }
 

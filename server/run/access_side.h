@@ -11,6 +11,7 @@
 #include "server/http/probe.h"
 #include "server/http/tls_context.h"
 #include "server/http/token_files.h"
+#include "server/identity/deny_list.h"
 #include "server/log/logger.h"
 
 namespace uplink::run {
@@ -42,6 +43,8 @@ class AccessSide final {
   /// Whether a file of tokens on disk is not what is used.
   [[nodiscard]] bool tokens_unread() const { return tokens_.unread(); }
   [[nodiscard]] http::Guard& guard() { return guard_; }
+  /// Certificates and keys that may not come in, by HTTP or elsewhere.
+  [[nodiscard]] identity::DenyList& denied() { return denied_; }
   /// Null: listen.http speaks no TLS.
   [[nodiscard]] const http::ServedTls* tls() const { return tls_ ? &*tls_ : nullptr; }
 
@@ -55,6 +58,7 @@ class AccessSide final {
   std::string certificate_sha256_;
   /// Why the files of TLS did not fit at the last look.
   std::string tls_why_;
+  identity::DenyList denied_;
   http::Guard guard_;
 };
 

@@ -44,7 +44,7 @@ class App::Impl {
                  options_.random(), reports_}),
         relay_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                 ledgers_, allowances_, store_.stores(), options_.version, early.OnReadsAhead(),
-                options_.random(), reports_, uncrew_.Methods()}),
+                options_.random(), reports_, early.access().denied(), uncrew_.Methods()}),
         broker_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                  ledgers_, store_.journal_limits(), *store_.stores().reader, store_.leases(),
                  options_.process, options_.random, allowances_, reports_},

@@ -21,6 +21,7 @@ TEST(EndCause, EachHasItsReason) {
       {EndCause::kBound, "refused"},       {EndCause::kUnconfirmed, "refused"},
       {EndCause::kNotAllowed, "refused"},  {EndCause::kForgotten, "refused"},
       {EndCause::kStoreLost, "refused"},   {EndCause::kServerStops, "server_ended"},
+      {EndCause::kRevoked, "refused"},
   };
   ASSERT_EQ(expected.size(), kAllEndCauses.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
