@@ -62,6 +62,8 @@ struct TlsConfig {
 
 struct IdentityConfig {
   Registration registration = Registration::kOpen;
+  /// Empty: SavedListPath.
+  std::string saved_list;
 };
 
 struct StoreConfig {
@@ -275,6 +277,9 @@ struct Config {
 
 /// The authorities that operators' certificates are verified by.
 [[nodiscard]] const std::string& OperatorCaFile(const TlsConfig& tls);
+/// The copy of who may not come in; empty: none is kept, because the store is a file of this
+/// machine.
+[[nodiscard]] std::string SavedListPath(const Config& config);
 /// The file that `store.url` names; empty if it is not `sqlite:///absolute/path`.
 [[nodiscard]] std::string SqlitePath(const StoreConfig& store);
 /// True if `store.url` names a PostgreSQL server, rightly or not.

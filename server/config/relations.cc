@@ -1,6 +1,7 @@
 #include "server/config/relations.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,6 +20,9 @@
 
 namespace uplink::config {
 namespace {
+
+/// The StateDirectory of the unit that we ship.
+constexpr std::string_view kStateFolder = "/var/lib/uplinkd";
 
 constexpr std::string_view kSqliteScheme = "sqlite://";
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
@@ -147,6 +151,17 @@ const std::string& OperatorCaFile(const TlsConfig& tls) {
 }
 
 bool IsPostgres(const StoreConfig& store) { return storage::postgres::IsPostgresUrl(store.url); }
+
+std::string SavedListPath(const Config& config) {
+  if (!config.identity.saved_list.empty()) return config.identity.saved_list;
+  if (!IsPostgres(config.store)) return {};
+  // systemd names the folders of StateDirectory=, with colons in between.
+  const char* const folders =
+      std::getenv("STATE_DIRECTORY");  // NOLINT(concurrency-mt-unsafe): nothing sets it
+  std::string folder(folders == nullptr ? "" : folders);
+  folder.erase(std::min(folder.find(':'), folder.size()));
+  return (folder.empty() ? std::string(kStateFolder) : folder) + "/access.list";
+}
 
 std::string SqlitePath(const StoreConfig& store) {
   const std::string_view url = store.url;

@@ -191,6 +191,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .allowed = "\"open\", the only value that this version serves",
      .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed.",
      UPLINK_BIND(identity, IdentityConfig, registration)},
+    {.section = "identity",
+     .key = "saved_list",
+     .kind = Kind::kFile,
+     .text = "A copy of who may not come in (revoked certificates and keys, blocked robots), which "
+             "counts at a start while the database cannot be read; empty: access.list in the "
+             "folder of the service's state ($STATE_DIRECTORY, else /var/lib/uplinkd) with "
+             "PostgreSQL, none with SQLite.",
+     UPLINK_BIND(identity, IdentityConfig, saved_list)},
 
     {.section = "store",
      .key = "url",

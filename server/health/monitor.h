@@ -42,6 +42,7 @@ class Monitor final {
     std::function<BrokerFacts()> broker = [] { return BrokerFacts(); };
     std::function<bool()> series_left_out = [] { return false; };
     std::function<bool()> tokens_unread = [] { return false; };
+    std::function<bool()> identity_unread = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

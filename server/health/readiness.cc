@@ -44,6 +44,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"certificate_expiring", Expires},
     {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
     {"tokens_unread", [](const Facts& facts) { return facts.tokens_unread; }},
+    {"identity", [](const Facts& facts) { return facts.identity_unread; }},
     {"descriptors",
      [](const Facts& facts) { return facts.descriptors.above(kDescriptorsPercent); }},
 });

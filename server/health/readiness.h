@@ -59,6 +59,8 @@ struct ReadinessFacts {
   bool certificate_fits = true;
   /// A file of tokens cannot be read; those that were good last count.
   bool tokens_unread = false;
+  /// Neither the store nor a saved copy has told yet who may not come in.
+  bool identity_unread = false;
   Fill robots;
   bool store_failing = false;
   /// Acked records may be lost in a power failure, which the operator accepted.

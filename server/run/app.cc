@@ -5,6 +5,7 @@
 #include "metrics/ledger.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
@@ -34,6 +35,7 @@ class App::Impl {
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
+        settings_(fleet::RobotSettingsMax(options_.config.limits.robots_max)),
         store_(ContextOfStore(), std::move(stores)),
         reports_({.clock = options_.clock,
                   .logger = options_.logger,
@@ -98,7 +100,10 @@ class App::Impl {
             .kernel_clock_synchronised = options_.kernel_clock_synchronised,
             .spatial_committed = [this] { relay_.OnSpatialCommitted(); },
             .reconnected = [this] { broker_.Reread(); },
-            .shut_out = [this] { early_.EndAsFailed(); }};
+            .shut_out = [this] { early_.EndAsFailed(); },
+            .denied = early_.access().denied(),
+            .settings = settings_,
+            .denied_changed = [this] { relay_.LookAtDenied(); }};
   }
 
   Drain::Context ContextOfDrain() {
@@ -178,6 +183,7 @@ class App::Impl {
   ingest::Allowances allowances_{AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
+  fleet::RobotSettings settings_;
   StoreSide store_;
   robot::ConnectionReports reports_;
   UncrewSide uncrew_;

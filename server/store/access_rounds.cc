@@ -108,6 +108,7 @@ absl::Status AccessRounds::ReadAll(AccessVersion version) {
   seen_ = version;
   unread_.store(false);
   unsaved_ = true;
+  if (revocations_.empty() && context_.settings.size() == 0) return absl::OkStatus();
   context_.logger.Info("access_read", {{"version", version},
                                        {"revocations", revocations_.size()},
                                        {"settings", context_.settings.size()}});
@@ -195,8 +196,7 @@ void AccessRounds::Save() {
   for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
     if (each->blocked || each->registered) copy.settings.push_back(*each);
   }
-  const absl::Status saved =
-      SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
+  const absl::Status saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
   unsaved_ = !saved.ok();
   const std::string before = std::exchange(save_error_, std::string(saved.message()));
   if (!saved.ok() && before != save_error_) {

@@ -13,12 +13,12 @@
 
 #include <absl/status/status.h>
 
-#include "metrics/cells.h"
 #include "schema/base/clock.h"
 #include "server/fleet/robot_settings.h"
 #include "server/identity/deny_list.h"
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
+#include "server/store/access_probe.h"
 #include "storage/access_store.h"
 #include "storage/change_signal.h"
 
@@ -34,13 +34,6 @@ inline constexpr milliseconds kLookAtAccessApart{10};
 /// How often the files of authorities are looked at, and a copy that could not be saved is tried
 /// again.
 inline constexpr std::chrono::seconds kLookAtAccessFilesEvery{5};
-
-/// For metrics. Any thread.
-struct AccessProbe {
-  /// Revocations that count: those of the store, and those of authorities' files.
-  metrics::Cell of_store;
-  metrics::Cell of_files;
-};
 
 /// Follows what operators decide about who may come in: reads the store's changes, and the lists of
 /// the authorities' files; sets the deny list and the robots' settings by them, and saves a copy,
