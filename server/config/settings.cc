@@ -169,6 +169,13 @@ constexpr auto kSettings = std::to_array<Setting>({
              "tls.client_ca_file.",
      UPLINK_BIND(tls, TlsConfig, operator_ca_file)},
     {.section = "tls",
+     .key = "client_crl_file",
+     .kind = Kind::kFile,
+     .text = "Lists of revoked certificates (CRL) that authorities of tls.client_ca_file signed: "
+             "one or more in PEM, or one in DER; read again each 5 s. A list whose next update is "
+             "over counts all the same.",
+     UPLINK_BIND(tls, TlsConfig, client_crl_file)},
+    {.section = "tls",
      .key = "min_version",
      .kind = Kind::kChoice,
      .choices = kTlsVersions,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "server/identity/expiry.h"
 #include "server/transport/options.h"
@@ -19,12 +20,18 @@ transport::TlsRules RulesOf(const config::TlsConfig& tls) {
   return {.minimum = tls.min_version, .groups = config::ServedGroups(tls)};
 }
 
+std::vector<transport::CrlFile> ListsOf(const config::TlsConfig& tls) {
+  if (tls.client_crl_file.empty()) return {};
+  return {{.lists = tls.client_crl_file, .authorities = tls.client_ca_file}};
+}
+
 }  // namespace
 
 AccessSide::AccessSide(const Context& context)
     : context_(context),
       tokens_({.tokens = context.http.tokens_file, .scrape = context.http.metrics_token_file},
               context.logger),
+      lists_([this] { return ListsOf(context_.tls); }, context.clock, context.logger),
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
               .tokens = [this] { return tokens_.tokens(); },

@@ -13,6 +13,7 @@
 #include "server/http/token_files.h"
 #include "server/identity/deny_list.h"
 #include "server/log/logger.h"
+#include "server/transport/crl_files.h"
 
 namespace uplink::run {
 
@@ -43,6 +44,8 @@ class AccessSide final {
   /// Whether a file of tokens on disk is not what is used.
   [[nodiscard]] bool tokens_unread() const { return tokens_.unread(); }
   [[nodiscard]] http::Guard& guard() { return guard_; }
+  /// What the authorities' lists revoke. Look on one thread.
+  [[nodiscard]] transport::CrlFiles& lists() { return lists_; }
   /// Certificates and keys that may not come in, by HTTP or elsewhere.
   [[nodiscard]] identity::DenyList& denied() { return denied_; }
   /// Null: listen.http speaks no TLS.
@@ -58,6 +61,7 @@ class AccessSide final {
   std::string certificate_sha256_;
   /// Why the files of TLS did not fit at the last look.
   std::string tls_why_;
+  transport::CrlFiles lists_;
   identity::DenyList denied_;
   http::Guard guard_;
 };

@@ -103,7 +103,8 @@ class App::Impl {
             .shut_out = [this] { early_.EndAsFailed(); },
             .denied = early_.access().denied(),
             .settings = settings_,
-            .denied_changed = [this] { relay_.LookAtDenied(); }};
+            .denied_changed = [this] { relay_.LookAtDenied(); },
+            .file_lists = [this] { return early_.access().lists().Look(); }};
   }
 
   Drain::Context ContextOfDrain() {

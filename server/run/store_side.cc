@@ -51,6 +51,7 @@ StoreSide::StoreSide(const Context& context, store::Stores stores)
                                                .store_name = store::NameOf(context.config.store),
                                                .saved_path = config::SavedListPath(context.config),
                                                .denied_changed = context.denied_changed,
+                                               .file_lists = context.file_lists,
                                                .signal = stores_.access_signal.get()});
 }
 

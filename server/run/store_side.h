@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
@@ -65,6 +67,8 @@ class StoreSide final {
     fleet::RobotSettings& settings;
     /// The deny list changed. On a thread of this side: short.
     std::function<void()> denied_changed;
+    /// As store::AccessRounds::Context has it.
+    std::function<std::optional<std::vector<std::string>>()> file_lists;
   };
   StoreSide(const Context& context, store::Stores stores);
 
