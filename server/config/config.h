@@ -64,6 +64,8 @@ struct TlsConfig {
 
 struct IdentityConfig {
   Registration registration = Registration::kOpen;
+  /// A folder of authorities with what they may vouch for (authority_folder.h); empty: none.
+  std::string authorities;
   /// Empty: SavedListPath.
   std::string saved_list;
 };

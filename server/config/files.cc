@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "schema/base/file_text.h"
+#include "server/config/authority_folder.h"
 #include "server/config/file_modes.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
@@ -80,6 +81,26 @@ void CheckLists(const TlsConfig& tls, std::vector<Problem>& problems) {
   if (!good.ok()) problems.push_back({path, "tls.client_crl_file", WithoutPath(path, good)});
 }
 
+void CheckAuthorityFolder(const IdentityConfig& identity, std::vector<Problem>& problems) {
+  const std::string& path = identity.authorities;
+  if (path.empty()) return;
+  const auto folder = ReadAuthorityFolder(path);
+  if (!folder.ok()) {
+    return problems.push_back({path, "identity.authorities", WithoutPath(path, folder.status())});
+  }
+  for (const AuthorityLists& each : folder->lists) {
+    const auto authority = identity::ReadPem(each.authority);
+    const auto file = identity::ReadPem(each.lists);
+    absl::Status good = file.status();
+    if (file.ok() && authority.ok()) {
+      good = identity::ReadRevocationLists(*file, *authority).status();
+    }
+    if (!good.ok()) {
+      problems.push_back({each.lists, "identity.authorities", WithoutPath(each.lists, good)});
+    }
+  }
+}
+
 void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) {
   const std::filesystem::path path(SqlitePath(store));
   if (path.empty()) {
@@ -148,6 +169,7 @@ std::vector<Problem> ValidateFiles(const Config& config) {
   CheckAuthorities("tls.client_ca_file", tls.client_ca_file, problems);
   CheckAuthorities("tls.operator_ca_file", tls.operator_ca_file, problems);
   CheckLists(tls, problems);
+  CheckAuthorityFolder(config.identity, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
   CheckBrokerFiles(config.mqtt, problems);

@@ -55,7 +55,7 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
   collides("metrics", listen.metrics, "http", listen.http);
 }
 
-void CheckTls(const TlsConfig& tls, Breaches& breaches) {
+void CheckTls(const TlsConfig& tls, const IdentityConfig& identity, Breaches& breaches) {
   constexpr std::string_view kWhy =
       "it is required, since the relay serves mutual TLS only; "
       "name a PEM file (uplinkctl pki makes them)";
@@ -65,7 +65,7 @@ void CheckTls(const TlsConfig& tls, Breaches& breaches) {
   if (tls.key_file.empty()) {
     breaches.Add("tls", "key_file", std::string(kWhy));
   }
-  if (tls.client_ca_file.empty()) {
+  if (tls.client_ca_file.empty() && identity.authorities.empty()) {
     breaches.Add("tls", "client_ca_file", std::string(kWhy));
   }
   if (auto flaw = FlawOfGroups(tls.groups)) breaches.Add("tls", "groups", *std::move(flaw));
@@ -176,7 +176,7 @@ std::string SqlitePath(const StoreConfig& store) {
 std::vector<Breach> CheckRelations(const Config& config) {
   Breaches breaches;
   CheckListen(config.listen, breaches);
-  CheckTls(config.tls, breaches);
+  CheckTls(config.tls, config.identity, breaches);
   if (config.identity.registration == Registration::kClosed) {
     breaches.Add("identity", "registration",
                  "this version does not serve \"closed\"; it must be \"open\"");

@@ -199,6 +199,13 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed.",
      UPLINK_BIND(identity, IdentityConfig, registration)},
     {.section = "identity",
+     .key = "authorities",
+     .kind = Kind::kFile,
+     .text = "A folder of authorities beside tls.client_ca_file, which is not required with it: of "
+             "each NAME.pem, and NAME.toml with what it may vouch for: roles = [\"robot\"], fleets "
+             "= [\"north\"] (one that is missing: all), and crl_file.",
+     UPLINK_BIND(identity, IdentityConfig, authorities)},
+    {.section = "identity",
      .key = "saved_list",
      .kind = Kind::kFile,
      .text = "A copy of who may not come in (revoked certificates and keys, blocked robots), which "

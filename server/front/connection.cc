@@ -59,6 +59,7 @@ void Connection::Handshake() {
 void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
   TlsPeer peer = tls_->Peer();
+  if (peer.outside_authority) CountDenied(transport::Denied::kAuthority);
   if (IsDenied(peer)) {
     peer.identity = transport::CertificateRevoked();
     CountDenied(transport::Denied::kRevoked);

@@ -41,6 +41,23 @@ absl::Status FlawOf(int verify_error, int depth) {
                   X509_verify_cert_error_string(verify_error)));
 }
 
+void FreeRules(void* /*context*/, void* rules, CRYPTO_EX_DATA* /*data*/, int /*index*/,
+               long /*number*/, void* /*pointer*/) {  // NOLINT(google-runtime-int): the library's
+  delete static_cast<const identity::AuthorityRules*>(rules);
+}
+
+/// Where a context keeps what its authorities may vouch for, which ends with it.
+int RulesIndex() {
+  static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, FreeRules);
+  return index;
+}
+
+absl::Status JudgeAuthority(const identity::PeerIdentity& peer, const SSL* connection) {
+  const auto* const rules = static_cast<const identity::AuthorityRules*>(
+      SSL_CTX_get_ex_data(SSL_get_SSL_CTX(connection), RulesIndex()));
+  return rules == nullptr ? absl::OkStatus() : rules->Judge(peer, connection);
+}
+
 }  // namespace
 
 void SslContextFree::operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
@@ -63,6 +80,7 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeTlsContext(const transport::PemText
     return absl::FailedPreconditionError("OpenSSL does not take certificate, key or authority");
   }
   ERR_clear_error();
+  SSL_CTX_set_ex_data(context.get(), RulesIndex(), new identity::AuthorityRules(texts.rules));
   return context;
 }
 
@@ -79,6 +97,11 @@ std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection) {
     shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
   }
   const auto error = static_cast<int>(SSL_get_verify_result(connection));
+  if (shown->identity.ok()) {
+    if (absl::Status may = JudgeAuthority(*shown->identity, connection); !may.ok()) {
+      shown->identity = std::move(may);
+    }
+  }
   if (error != X509_V_OK) shown->identity = FlawOf(error, 0);
   ERR_clear_error();
   return shown;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -29,6 +30,7 @@ class AccessSide final {
     const log::Logger& logger;
     const config::HttpConfig& http;
     const config::TlsConfig& tls;
+    const config::IdentityConfig& identity;
     http::HttpProbe& probe;
   };
   explicit AccessSide(const Context& context);
@@ -54,6 +56,8 @@ class AccessSide final {
  private:
   [[nodiscard]] absl::Status LookAtTokens();
   void LookAtTls();
+  /// The files of lists as the configuration and the folder of authorities name them now.
+  [[nodiscard]] std::vector<transport::CrlFile> ListsNow();
 
   const Context context_;
   std::optional<http::ServedTls> tls_;
@@ -61,6 +65,8 @@ class AccessSide final {
   std::string certificate_sha256_;
   /// Why the files of TLS did not fit at the last look.
   std::string tls_why_;
+  /// What ListsNow found last. Of the thread that looks at them.
+  std::vector<transport::CrlFile> lists_last_;
   transport::CrlFiles lists_;
   identity::DenyList denied_;
   http::Guard guard_;

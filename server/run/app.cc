@@ -206,7 +206,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   if (!expiry.ok()) return expiry.status();
   auto early = std::make_unique<EarlyServices>(
       EarlyServices::Context{options.clock, options.logger, config.listen, config.http, config.tls,
-                             config.store.readers, options.greeting});
+                             config.identity, config.store.readers, options.greeting});
   if (absl::Status began = early->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
   auto stores = store::OpenStores(config, options.process, options.clock.machine(), options.logger);

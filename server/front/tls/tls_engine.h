@@ -107,7 +107,9 @@ class TlsEngine final {
   /// What is wrong with its certificates; with Failure::kCertificate.
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// The peer; after the handshake.
-  [[nodiscard]] TlsPeer Peer() const { return PeerOf(ssl_, verify_error_); }
+  [[nodiscard]] TlsPeer Peer() const {
+    return PeerOf(ssl_, verify_error_, context_->authorities());
+  }
   /// Whether the list names what the peer has shown; after the handshake.
   [[nodiscard]] bool IsDenied(const identity::DeniedCertificates& list, const TlsPeer& peer) const {
     return identity::Denies(list, ssl_, peer.certificate);
