@@ -159,6 +159,7 @@ enum class MetricId : std::uint8_t {
   kHttpReadsRefused,
   kHttpDenied,
   kHttpTokens,
+  kHttpCertificateExpiry,
   kRcanSeries,
   kRcanSeriesLimit,
   kRcanRobotsLeftOut,

@@ -73,17 +73,8 @@ bool DeniedCertificates::NamesIssued(std::string_view serial, std::string_view i
   return by_issuer_serial_.contains(text);
 }
 
-std::vector<NamedCertificate> ShownChainOf(const SSL* connection) {
-  std::vector<NamedCertificate> chain;
-  const auto add = [&chain](const X509& certificate) {
-    chain.push_back({ShownBy(certificate), IssuerOf(certificate)});
-  };
-  const X509* const own = SSL_get0_peer_certificate(connection);
-  if (own == nullptr) return chain;
-  add(*own);
-  const STACK_OF(X509)* const verified = SSL_get0_verified_chain(connection);
-  for (int i = 1; i + 1 < sk_X509_num(verified); ++i) add(*sk_X509_value(verified, i));
-  return chain;
+NamedCertificate NamedBy(const X509& certificate) {
+  return {ShownBy(certificate), IssuerOf(certificate)};
 }
 
 bool Denies(const DeniedCertificates& list, const std::vector<NamedCertificate>& chain) {

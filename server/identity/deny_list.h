@@ -76,9 +76,7 @@ struct NamedCertificate {
   std::string issuer;
 };
 
-/// The certificate of a connection's peer, and those that signed it, without the authority that we
-/// trust; empty: it has shown none.
-[[nodiscard]] std::vector<NamedCertificate> ShownChainOf(const SSL* connection);
+[[nodiscard]] NamedCertificate NamedBy(const X509& certificate);
 /// Whether the list names one of them. Pure.
 [[nodiscard]] bool Denies(const DeniedCertificates& list,
                           const std::vector<NamedCertificate>& chain);
