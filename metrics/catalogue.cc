@@ -199,6 +199,14 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      "TLS handshakes of the relay that failed: no or a wrong certificate, another protocol."},
     {kConnectionsTurnedAway, "uplinkd_connections_turned_away_total", kCounter, "connections",
      "Connections that ended before they had a stream, or for what their peer did.", kByCause},
+    {kCertificatesDenied, "uplinkd_certificates_denied_total", kCounter, "connections",
+     "Connections whose certificate may not come in: revoked when a new connection showed it, "
+     "ended "
+     "when it was revoked meanwhile, or outside of what its authority may vouch for.",
+     kByWhy, "0.2.0"},
+    {kRevocations, "uplinkd_revocations", kGauge, "certificates and keys",
+     "Revocations that count here, of the store and of the files of authorities.", kBySource,
+     "0.2.0"},
     {kConnections, "uplinkd_connections", kGauge, "connections",
      "Connections of the relay that have shown a trusted certificate."},
     {kConnectionsLimit, "uplinkd_connections_limit", kGauge, "connections",

@@ -97,6 +97,8 @@ enum class MetricId : std::uint8_t {
   kGatewayStreams,
   kHandshakesFailed,
   kConnectionsTurnedAway,
+  kCertificatesDenied,
+  kRevocations,
   kConnections,
   kConnectionsLimit,
   kHandshakesUnderWay,

@@ -21,6 +21,7 @@ inline constexpr std::array<std::string_view, 1> kByListener{"listener"};
 inline constexpr std::array<std::string_view, 1> kByCause{"cause"};
 inline constexpr std::array<std::string_view, 1> kByShard{"shard"};
 inline constexpr std::array<std::string_view, 1> kByVersion{"version"};
+inline constexpr std::array<std::string_view, 1> kBySource{"source"};
 inline constexpr std::array<std::string_view, 1> kByWhy{"why"};
 inline constexpr std::array<std::string_view, 1> kByTopic{"topic"};
 inline constexpr std::array<std::string_view, 2> kByTypeOutcome{"type", "outcome"};

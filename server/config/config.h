@@ -60,6 +60,8 @@ struct TlsConfig {
   std::string client_ca_file;
   /// Empty: client_ca_file. OperatorCaFile says which counts.
   std::string operator_ca_file;
+  /// Lists of revoked certificates by the authorities of client_ca_file; empty: none.
+  std::string client_crl_file;
   TlsVersion min_version = TlsVersion::k13;
   /// Groups for agreeing on keys, the best first; with TLS 1.2 ServedGroups has more.
   std::vector<std::string> groups{"X25519", "P-256"};
@@ -69,6 +71,10 @@ struct IdentityConfig {
   Registration registration = Registration::kOpen;
   Gateways gateways = Gateways::kAny;
   FleetMoves fleet_moves = FleetMoves::kFollow;
+  /// A folder of authorities with what they may vouch for (authority_folder.h); empty: none.
+  std::string authorities;
+  /// Empty: SavedListPath.
+  std::string saved_list;
 };
 
 struct StoreConfig {
@@ -283,6 +289,9 @@ struct Config {
 
 /// The authorities that operators' certificates are verified by.
 [[nodiscard]] const std::string& OperatorCaFile(const TlsConfig& tls);
+/// The copy of who may not come in; empty: none is kept, because the store is a file of this
+/// machine.
+[[nodiscard]] std::string SavedListPath(const Config& config);
 /// The file that `store.url` names; empty if it is not `sqlite:///absolute/path`.
 [[nodiscard]] std::string SqlitePath(const StoreConfig& store);
 /// True if `store.url` names a PostgreSQL server, rightly or not.

@@ -67,6 +67,7 @@ FileModes CheckFileModes(const Config& config) {
   CheckSecret("tls.key_file", tls.key_file, modes);
   CheckTrusted("tls.client_ca_file", tls.client_ca_file, modes);
   CheckTrusted("tls.operator_ca_file", tls.operator_ca_file, modes);
+  CheckTrusted("tls.client_crl_file", tls.client_crl_file, modes);
   const HttpConfig& http = config.http;
   CheckTrusted("http.tls.certificate_file", http.tls_certificate_file, modes);
   CheckSecret("http.tls.key_file", http.tls_key_file, modes);

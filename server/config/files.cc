@@ -9,11 +9,13 @@
 #include <fmt/core.h>
 
 #include "schema/base/file_text.h"
+#include "server/config/authority_folder.h"
 #include "server/config/file_modes.h"
 #include "server/config/load.h"
 #include "server/identity/authorities.h"
 #include "server/identity/expiry.h"
 #include "server/identity/pem_file.h"
+#include "server/identity/revocation_list.h"
 #include "server/identity/server_pair.h"
 #include "server/identity/token_file.h"
 
@@ -66,6 +68,37 @@ void CheckPair(const Pair& pair, std::vector<Problem>& problems) {
 void CheckAuthorities(const std::string& key, const std::string& path,
                       std::vector<Problem>& problems) {
   static_cast<void>(ReadGood(key, path, identity::CheckAuthorities, problems));
+}
+
+void CheckLists(const TlsConfig& tls, std::vector<Problem>& problems) {
+  const std::string& path = tls.client_crl_file;
+  if (path.empty()) return;
+  const auto authorities = identity::ReadPem(tls.client_ca_file);
+  if (!authorities.ok()) return;  // said of its own key
+  const auto file = identity::ReadPem(path);
+  const absl::Status good =
+      file.ok() ? identity::ReadRevocationLists(*file, *authorities).status() : file.status();
+  if (!good.ok()) problems.push_back({path, "tls.client_crl_file", WithoutPath(path, good)});
+}
+
+void CheckAuthorityFolder(const IdentityConfig& identity, std::vector<Problem>& problems) {
+  const std::string& path = identity.authorities;
+  if (path.empty()) return;
+  const auto folder = ReadAuthorityFolder(path);
+  if (!folder.ok()) {
+    return problems.push_back({path, "identity.authorities", WithoutPath(path, folder.status())});
+  }
+  for (const AuthorityLists& each : folder->lists) {
+    const auto authority = identity::ReadPem(each.authority);
+    const auto file = identity::ReadPem(each.lists);
+    absl::Status good = file.status();
+    if (file.ok() && authority.ok()) {
+      good = identity::ReadRevocationLists(*file, *authority).status();
+    }
+    if (!good.ok()) {
+      problems.push_back({each.lists, "identity.authorities", WithoutPath(each.lists, good)});
+    }
+  }
 }
 
 void CheckStoreFolder(const StoreConfig& store, std::vector<Problem>& problems) {
@@ -135,6 +168,8 @@ std::vector<Problem> ValidateFiles(const Config& config) {
             problems);
   CheckAuthorities("tls.client_ca_file", tls.client_ca_file, problems);
   CheckAuthorities("tls.operator_ca_file", tls.operator_ca_file, problems);
+  CheckLists(tls, problems);
+  CheckAuthorityFolder(config.identity, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);
   CheckBrokerFiles(config.mqtt, problems);

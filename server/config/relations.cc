@@ -1,6 +1,7 @@
 #include "server/config/relations.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
@@ -19,6 +20,9 @@
 
 namespace uplink::config {
 namespace {
+
+/// The StateDirectory of the unit that we ship.
+constexpr std::string_view kStateFolder = "/var/lib/uplinkd";
 
 constexpr std::string_view kSqliteScheme = "sqlite://";
 /// A series name begins rcan_<subsystem>_; a longer word would only bloat each line of a scrape.
@@ -51,7 +55,7 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
   collides("metrics", listen.metrics, "http", listen.http);
 }
 
-void CheckTls(const TlsConfig& tls, Breaches& breaches) {
+void CheckTls(const TlsConfig& tls, const IdentityConfig& identity, Breaches& breaches) {
   constexpr std::string_view kWhy =
       "it is required, since the relay serves mutual TLS only; "
       "name a PEM file (uplinkctl pki makes them)";
@@ -61,7 +65,7 @@ void CheckTls(const TlsConfig& tls, Breaches& breaches) {
   if (tls.key_file.empty()) {
     breaches.Add("tls", "key_file", std::string(kWhy));
   }
-  if (tls.client_ca_file.empty()) {
+  if (tls.client_ca_file.empty() && identity.authorities.empty()) {
     breaches.Add("tls", "client_ca_file", std::string(kWhy));
   }
   if (auto flaw = FlawOfGroups(tls.groups)) breaches.Add("tls", "groups", *std::move(flaw));
@@ -148,6 +152,17 @@ const std::string& OperatorCaFile(const TlsConfig& tls) {
 
 bool IsPostgres(const StoreConfig& store) { return storage::postgres::IsPostgresUrl(store.url); }
 
+std::string SavedListPath(const Config& config) {
+  if (!config.identity.saved_list.empty()) return config.identity.saved_list;
+  if (!IsPostgres(config.store)) return {};
+  // systemd names the folders of StateDirectory=, with colons in between.
+  const char* const folders =
+      std::getenv("STATE_DIRECTORY");  // NOLINT(concurrency-mt-unsafe): nothing sets it
+  std::string folder(folders == nullptr ? "" : folders);
+  folder.erase(std::min(folder.find(':'), folder.size()));
+  return (folder.empty() ? std::string(kStateFolder) : folder) + "/access.list";
+}
+
 std::string SqlitePath(const StoreConfig& store) {
   const std::string_view url = store.url;
   if (!url.starts_with(kSqliteScheme)) {
@@ -161,7 +176,7 @@ std::string SqlitePath(const StoreConfig& store) {
 std::vector<Breach> CheckRelations(const Config& config) {
   Breaches breaches;
   CheckListen(config.listen, breaches);
-  CheckTls(config.tls, breaches);
+  CheckTls(config.tls, config.identity, breaches);
   CheckStore(config.store, breaches);
   CheckJournal(config.journal, breaches);
   CheckLimits(config.limits, breaches);

@@ -171,6 +171,13 @@ constexpr auto kSettings = std::to_array<Setting>({
              "tls.client_ca_file.",
      UPLINK_BIND(tls, TlsConfig, operator_ca_file)},
     {.section = "tls",
+     .key = "client_crl_file",
+     .kind = Kind::kFile,
+     .text = "Lists of revoked certificates (CRL) that authorities of tls.client_ca_file signed: "
+             "one or more in PEM, or one in DER; read again each 5 s. A list whose next update is "
+             "over counts all the same.",
+     UPLINK_BIND(tls, TlsConfig, client_crl_file)},
+    {.section = "tls",
      .key = "min_version",
      .kind = Kind::kChoice,
      .choices = kTlsVersions,
@@ -210,6 +217,20 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "What a certificate does that names a known robot and another fleet. \"follow\": it "
              "moves the robot. \"refuse\": it is refused.",
      UPLINK_BIND(identity, IdentityConfig, fleet_moves)},
+     .key = "authorities",
+     .kind = Kind::kFile,
+     .text = "A folder of authorities beside tls.client_ca_file, which is not required with it: of "
+             "each NAME.pem, and NAME.toml with what it may vouch for: roles = [\"robot\"], fleets "
+             "= [\"north\"] (one that is missing: all), and crl_file.",
+     UPLINK_BIND(identity, IdentityConfig, authorities)},
+    {.section = "identity",
+     .key = "saved_list",
+     .kind = Kind::kFile,
+     .text = "A copy of who may not come in (revoked certificates and keys, blocked robots), which "
+             "counts at a start while the database cannot be read; empty: access.list in the "
+             "folder of the service's state ($STATE_DIRECTORY, else /var/lib/uplinkd) with "
+             "PostgreSQL, none with SQLite.",
+     UPLINK_BIND(identity, IdentityConfig, saved_list)},
 
     {.section = "store",
      .key = "url",

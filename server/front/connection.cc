@@ -59,6 +59,11 @@ void Connection::Handshake() {
 void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
   TlsPeer peer = tls_->Peer();
+  if (peer.outside_authority) CountDenied(transport::Denied::kAuthority);
+  if (IsDenied(peer)) {
+    peer.identity = transport::CertificateRevoked();
+    CountDenied(transport::Denied::kRevoked);
+  }
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();
@@ -204,6 +209,14 @@ void Connection::Evict() {
   }
   // A connection that already lingered, or does not read, has had its place for long enough.
   Close();
+}
+
+void Connection::LookAtDenied() {
+  if (phase_ != Phase::kOpen || !grpc_->tls_peer().identity.ok() || grpc_->banned()) return;
+  if (!IsDenied(grpc_->tls_peer())) return;
+  CountDenied(transport::Denied::kEnded);
+  grpc_->Ban(transport::CertificateRevoked(), EndCause::kRevoked);
+  Settle();
 }
 
 void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,

@@ -64,6 +64,8 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   }
   /// Its certificate has too many connections.
   void Evict();
+  /// Ends its calls if its certificate is on the list now.
+  void LookAtDenied();
   /// The server drains: tells its calls one after the other, the first as number `first` of
   /// `spread`. They have until `end`.
   void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
@@ -134,6 +136,13 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
                                          thread_.relay.clock_trust.vouched());
   }
   void FailHandshake(transport::TurnedAway cause);
+  [[nodiscard]] bool IsDenied(const TlsPeer& peer) const {
+    const identity::DenyList* const denied = thread_.relay.denied;
+    return denied != nullptr && tls_->IsDenied(*denied->Get(), peer);
+  }
+  void CountDenied(transport::Denied why) {
+    thread_.relay.probe.denied_total[static_cast<std::size_t>(why)].Add();
+  }
 
   Thread& thread_;
   ConnectionOwner& owner_;

@@ -241,6 +241,10 @@ transport::FilesLook FrontServer::RefreshFiles() {
   return {std::move(status), impl_->files->served()};
 }
 
+void FrontServer::LookAtDenied() {
+  for (const auto& worker : impl_->workers) worker->LookAtDenied();
+}
+
 void FrontServer::Drain(milliseconds grace) {
   if (impl_->gate.closed()) return;
   impl_->gate.Close();

@@ -46,6 +46,10 @@ class FrontServer final {
   /// together, otherwise the last good ones. Without files, the result is that nothing is known.
   transport::FilesLook RefreshFiles();
 
+  /// The deny list changed: ends the calls of connections whose certificates it names. Any thread;
+  /// nothing once it is shut down.
+  void LookAtDenied();
+
   /// Admits no more streams, and tells the open ones to drain, spread over a part of `grace`.
   void Drain(milliseconds grace);
   /// Waits until every stream has ended, for `wait` at most; true if they have.

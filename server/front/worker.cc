@@ -93,6 +93,13 @@ void Worker::Evict(std::uint64_t id) {
   });
 }
 
+void Worker::LookAtDenied() {
+  // A connection that is not here yet looks at its handshake's end, with the list as it is then.
+  Post([this] {
+    for (const auto& [id, connection] : connections_) connection->LookAtDenied();
+  });
+}
+
 // --- Wakes ---
 
 void Worker::Wake(std::uint64_t call) {

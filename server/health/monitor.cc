@@ -20,6 +20,7 @@ Readiness Monitor::readiness() const {
       .certificate_expiry = certificate_expiry(),
       .certificate_fits = certificate_fits_.load(),
       .http = sources_.http(),
+      .identity_unread = sources_.identity_unread(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing =
           sources_.journal_probe.store_failing.value() != 0 || sources_.robots_unread(),

@@ -43,6 +43,7 @@ class Monitor final {
     std::function<BrokerFacts()> broker = [] { return BrokerFacts(); };
     std::function<bool()> series_left_out = [] { return false; };
     std::function<HttpFacts()> http = [] { return HttpFacts(); };
+    std::function<bool()> identity_unread = [] { return false; };
   };
   explicit Monitor(const Sources& sources);
 

@@ -69,6 +69,8 @@ struct ReadinessFacts {
   /// The PEM files on disk are the ones served.
   bool certificate_fits = true;
   HttpFacts http;
+  /// Neither the store nor a saved copy has told yet who may not come in.
+  bool identity_unread = false;
   Fill robots;
   bool store_failing = false;
   /// Acked records may be lost in a power failure, which the operator accepted.

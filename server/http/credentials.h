@@ -3,10 +3,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "server/identity/deny_list.h"
 #include "server/identity/peer_identity.h"
 
 namespace uplink::http {
@@ -18,6 +20,8 @@ struct PeerCertificate {
   std::string subject;
   /// When the first certificate of its chain expires.
   SystemTime expiry{};
+  /// What a revocation may name.
+  std::vector<identity::NamedCertificate> chain{};
 };
 
 /// The token of an Authorization header's value; nothing for another scheme, which shows us

@@ -116,6 +116,9 @@ Guard::Answer Guard::ByCertificate(const PeerCertificate& certificate, const Req
                 Unauthenticated("client certificate: it, or one that signed it, has expired"),
                 request, route);
   }
+  if (options_.denied != nullptr && identity::Denies(*options_.denied->Get(), certificate.chain)) {
+    return Fail(Denied::kBadCertificate, Unauthenticated("certificate revoked"), request, route);
+  }
   const identity::PeerIdentity& peer = *certificate.identity;
   if (!MayAsk(peer)) {
     const std::string why =

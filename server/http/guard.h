@@ -17,6 +17,7 @@
 #include "server/http/routes.h"
 #include "server/http/token_files.h"
 #include "server/identity/caller.h"
+#include "server/identity/deny_list.h"
 #include "server/limits/policies.h"
 #include "server/limits/recent_keys.h"
 #include "server/limits/recent_times.h"
@@ -44,6 +45,9 @@ class Guard final {
     /// As they are now, never null; empty: there are none. Where there is one for scrapes,
     /// listen.metrics asks for it, whatever `asks` says, and it opens nothing else.
     std::function<std::shared_ptr<const Tokens>()> tokens{};
+    /// Certificates and keys that open nothing, asked at each request. It outlives the guard; null:
+    /// none.
+    const identity::DenyList* denied = nullptr;
   };
   /// The references outlive it.
   struct Context {

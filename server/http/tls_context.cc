@@ -43,14 +43,40 @@ absl::Status FlawOf(int verify_error, int depth) {
                   X509_verify_cert_error_string(verify_error)));
 }
 
+void FreeRules(void* /*context*/, void* rules, CRYPTO_EX_DATA* /*data*/, int /*index*/,
+               long /*number*/, void* /*pointer*/) {  // NOLINT(google-runtime-int): the library's
+  delete static_cast<const identity::AuthorityRules*>(rules);
+}
+
+/// Where a context keeps what its authorities may vouch for, which ends with it.
+int RulesIndex() {
+  static const int index = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, FreeRules);
+  return index;
+}
+
+/// Null: they may vouch for all.
+const identity::AuthorityRules* RulesOf(const SSL_CTX* context) {
+  return static_cast<const identity::AuthorityRules*>(SSL_CTX_get_ex_data(context, RulesIndex()));
+}
+
 std::shared_ptr<const PeerCertificate> Shown(X509& certificate, const STACK_OF(X509) * chain,
-                                             int verify_error) {
+                                             int verify_error, const SSL_CTX* context) {
   auto shown = std::make_shared<PeerCertificate>(
       PeerCertificate{.identity = identity::IdentityOf(certificate),
                       .subject = identity::SubjectOf(certificate),
-                      .expiry = identity::NotAfterOf(certificate)});
+                      .expiry = identity::NotAfterOf(certificate),
+                      .chain = {identity::NamedBy(certificate)}});
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
+  }
+  const int size = sk_X509_num(chain);
+  for (int i = 1; i + 1 < size; ++i) {
+    shown->chain.push_back(identity::NamedBy(*sk_X509_value(chain, i)));
+  }
+  const identity::AuthorityRules* const rules = RulesOf(context);
+  if (rules != nullptr && shown->identity.ok() && size > 0) {
+    absl::Status may = rules->Judge(*shown->identity, *sk_X509_value(chain, size - 1));
+    if (!may.ok()) shown->identity = std::move(may);
   }
   if (verify_error != X509_V_OK) shown->identity = FlawOf(verify_error, 0);
   ERR_clear_error();
@@ -83,6 +109,7 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeTlsContext(const transport::PemText
     return absl::FailedPreconditionError("OpenSSL does not take certificate, key or authority");
   }
   ERR_clear_error();
+  SSL_CTX_set_ex_data(context.get(), RulesIndex(), new identity::AuthorityRules(texts.rules));
   return context;
 }
 
@@ -90,7 +117,7 @@ std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection) {
   X509* const certificate = SSL_get0_peer_certificate(connection);
   if (certificate == nullptr) return nullptr;
   return Shown(*certificate, SSL_get0_verified_chain(connection),
-               static_cast<int>(SSL_get_verify_result(connection)));
+               static_cast<int>(SSL_get_verify_result(connection)), SSL_get_SSL_CTX(connection));
 }
 
 std::shared_ptr<const PeerCertificate> JudgeAgain(const SSL* connection, SSL_CTX* context) {
@@ -110,7 +137,7 @@ std::shared_ptr<const PeerCertificate> JudgeAgain(const SSL* connection, SSL_CTX
                                    SSL_CTX_get_security_level(context));
   X509_verify_cert(store.get());
   return Shown(*certificate, X509_STORE_CTX_get0_chain(store.get()),
-               X509_STORE_CTX_get_error(store.get()));
+               X509_STORE_CTX_get_error(store.get()), context);
 }
 
 absl::Status ServedTls::Serve() {

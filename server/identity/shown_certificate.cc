@@ -3,12 +3,18 @@
 #include <ctime>
 #include <memory>
 #include <string_view>
+#include <utility>
 
+#include <openssl/bio.h>
 #include <openssl/bn.h>
+#include <openssl/core_names.h>
 #include <openssl/crypto.h>
+#include <openssl/ec.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
 #include <openssl/x509.h>
+
+#include "server/identity/pem.h"
 
 namespace uplink::identity {
 namespace {
@@ -20,13 +26,58 @@ struct TextFree {
   void operator()(char* text) const { OPENSSL_free(text); }
 };
 
-std::string SerialOf(const X509& certificate) {
-  const std::unique_ptr<BIGNUM, NumberFree> number(
-      ASN1_INTEGER_to_BN(X509_get0_serialNumber(&certificate), nullptr));
-  if (number == nullptr) return {};
-  const std::unique_ptr<char, TextFree> text(BN_bn2hex(number.get()));
-  if (text == nullptr) return {};
-  return std::string(std::string_view(text.get()).substr(0, kSerialTextBytesMax));
+/// A key that a certificate may write in more than one form: a compressed point, or RSA without its
+/// parameters.
+bool HasOddForm(const X509_PUBKEY* key) {
+  const unsigned char* bytes = nullptr;
+  int size = 0;
+  X509_ALGOR* algorithm = nullptr;
+  ASN1_OBJECT* oid = nullptr;
+  if (X509_PUBKEY_get0_param(&oid, &bytes, &size, &algorithm, key) != 1) return false;
+  switch (OBJ_obj2nid(oid)) {
+    case NID_X9_62_id_ecPublicKey:
+      return size > 0 && bytes[0] != POINT_CONVERSION_UNCOMPRESSED;
+    case NID_rsaEncryption: {
+      int type = V_ASN1_UNDEF;
+      X509_ALGOR_get0(nullptr, &type, nullptr, algorithm);
+      return type != V_ASN1_NULL;
+    }
+    default:  // the others have one form
+      return false;
+  }
+}
+
+/// The usual form of such a key; empty if the library cannot read it.
+std::string UsualForm(const std::string& der) {
+  const auto* from = reinterpret_cast<const unsigned char*>(der.data());
+  // Its own: another point form is set in the key.
+  const Key key(d2i_PUBKEY(nullptr, &from, static_cast<long>(der.size())));
+  if (key == nullptr) return {};
+  if (EVP_PKEY_is_a(key.get(), "EC") == 1) {
+    EVP_PKEY_set_utf8_string_param(key.get(), OSSL_PKEY_PARAM_EC_POINT_CONVERSION_FORMAT,
+                                   OSSL_PKEY_EC_POINT_CONVERSION_FORMAT_UNCOMPRESSED);
+  }
+  unsigned char* bytes = nullptr;
+  const int size = i2d_PUBKEY(key.get(), &bytes);
+  if (size <= 0) return {};
+  std::string usual(bytes, bytes + size);
+  OPENSSL_free(bytes);
+  return usual;
+}
+
+ShownCertificate::Sha256 KeyDigestOf(const X509& certificate) {
+  const X509_PUBKEY* const key = X509_get_X509_PUBKEY(&certificate);
+  unsigned char* bytes = nullptr;
+  const int size = i2d_X509_PUBKEY(key, &bytes);
+  if (size <= 0) return {};
+  std::string der(bytes, bytes + size);
+  OPENSSL_free(bytes);
+  if (HasOddForm(key)) {
+    if (std::string usual = UsualForm(der); !usual.empty()) der = std::move(usual);
+  }
+  ShownCertificate::Sha256 digest{};
+  EVP_Digest(der.data(), der.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
+  return digest;
 }
 
 std::string HexOf(const ShownCertificate::Sha256& digest) {
@@ -42,6 +93,29 @@ std::string HexOf(const ShownCertificate::Sha256& digest) {
 
 }  // namespace
 
+std::string SerialText(const ASN1_INTEGER& serial) {
+  const std::unique_ptr<BIGNUM, NumberFree> number(ASN1_INTEGER_to_BN(&serial, nullptr));
+  if (number == nullptr) return {};
+  const std::unique_ptr<char, TextFree> text(BN_bn2hex(number.get()));
+  if (text == nullptr) return {};
+  return std::string(std::string_view(text.get()).substr(0, kSerialTextBytesMax));
+}
+
+std::string NameOf(const X509_NAME& name) {
+  const Bio bio(BIO_new(BIO_s_mem()));
+  if (bio == nullptr || X509_NAME_print_ex(bio.get(), &name, 0, XN_FLAG_RFC2253) < 0) {
+    ERR_clear_error();
+    return {};
+  }
+  char* text = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &text);
+  return {text, static_cast<std::size_t>(size)};
+}
+
+std::string IssuerOf(const X509& certificate) {
+  return NameOf(*X509_get_issuer_name(&certificate));
+}
+
 SystemTime NotAfterOf(const X509& certificate) {
   std::tm utc{};
   if (ASN1_TIME_to_tm(X509_get0_notAfter(&certificate), &utc) != 1) return SystemTime{};
@@ -50,11 +124,11 @@ SystemTime NotAfterOf(const X509& certificate) {
 
 ShownCertificate ShownBy(const X509& certificate) {
   ShownCertificate shown;
-  shown.serial = SerialOf(certificate);
+  shown.serial = SerialText(*X509_get0_serialNumber(&certificate));
   shown.not_after = NotAfterOf(certificate);
   unsigned int size = 0;
   X509_digest(&certificate, EVP_sha256(), shown.sha256.data(), &size);
-  X509_pubkey_digest(&certificate, EVP_sha256(), shown.key_sha256.data(), &size);
+  shown.key_sha256 = KeyDigestOf(certificate);
   ERR_clear_error();
   return shown;
 }

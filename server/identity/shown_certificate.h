@@ -18,7 +18,8 @@ struct ShownCertificate {
 
   /// Hexadecimal, in upper case; empty: no certificate.
   std::string serial = {};
-  /// Of the certificate (DER) and of its public key (SPKI, DER).
+  /// Of the certificate (DER), and of its public key: SPKI in DER as OpenSSL writes it, so that a
+  /// key has one digest however a certificate writes it.
   Sha256 sha256{};
   Sha256 key_sha256{};
   SystemTime not_after{};
@@ -30,6 +31,12 @@ inline constexpr std::size_t kSerialTextBytesMax = 80;
 
 /// The facts of a certificate. Computes two digests, some microseconds.
 [[nodiscard]] ShownCertificate ShownBy(const X509& certificate);
+/// The issuer as `openssl x509 -issuer -nameopt RFC2253` writes it; empty if it cannot be written.
+[[nodiscard]] std::string IssuerOf(const X509& certificate);
+/// A name in the same form.
+[[nodiscard]] std::string NameOf(const X509_NAME& name);
+/// As CRLs and certificates have it, in the form of ShownCertificate::serial.
+[[nodiscard]] std::string SerialText(const ASN1_INTEGER& serial);
 /// As texts, as lists of connections have them.
 [[nodiscard]] storage::CertificateFacts FactsOf(const ShownCertificate& certificate);
 

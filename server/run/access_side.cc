@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <utility>
+#include <vector>
 
+#include "server/config/authority_folder.h"
 #include "server/identity/expiry.h"
 #include "server/transport/options.h"
 
@@ -12,7 +14,9 @@ namespace {
 transport::PemFiles FilesOf(const AccessSide::Context& context) {
   return {.certificate = context.http.tls_certificate_file,
           .key = context.http.tls_key_file,
-          .client_ca = config::OperatorCaFile(context.tls)};
+          .client_ca = config::OperatorCaFile(context.tls),
+          // Operators' own authorities stand alone.
+          .authorities = context.tls.operator_ca_file.empty() ? context.identity.authorities : ""};
 }
 
 transport::TlsRules RulesOf(const config::TlsConfig& tls) {
@@ -25,10 +29,28 @@ AccessSide::AccessSide(const Context& context)
     : context_(context),
       tokens_({.tokens = context.http.tokens_file, .scrape = context.http.metrics_token_file},
               context.logger),
+      lists_([this] { return ListsNow(); }, context.clock, context.logger),
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
-              .tokens = [this] { return tokens_.tokens(); }}) {
+              .tokens = [this] { return tokens_.tokens(); },
+              .denied = &denied_}) {
   if (config::SpeaksTls(context.http)) tls_.emplace(FilesOf(context), RulesOf(context.tls));
+}
+
+std::vector<transport::CrlFile> AccessSide::ListsNow() {
+  std::vector<transport::CrlFile> lists;
+  if (!context_.tls.client_crl_file.empty()) {
+    lists.push_back({context_.tls.client_crl_file, context_.tls.client_ca_file});
+  }
+  if (context_.identity.authorities.empty()) return lists;
+  const auto folder = config::ReadAuthorityFolder(context_.identity.authorities);
+  // The listeners say what is wrong with it; what was good last counts, as there.
+  if (!folder.ok()) return lists_last_;
+  for (const config::AuthorityLists& each : folder->lists) {
+    lists.push_back({each.lists, each.authority});
+  }
+  lists_last_ = lists;
+  return lists;
 }
 
 absl::Status AccessSide::Open() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -14,8 +15,10 @@
 #include "server/http/probe.h"
 #include "server/http/tls_context.h"
 #include "server/http/token_files.h"
+#include "server/identity/deny_list.h"
 #include "server/identity/served_pems.h"
 #include "server/log/logger.h"
+#include "server/transport/crl_files.h"
 
 namespace uplink::run {
 
@@ -31,6 +34,7 @@ class AccessSide final {
     const log::Logger& logger;
     const config::HttpConfig& http;
     const config::TlsConfig& tls;
+    const config::IdentityConfig& identity;
     http::HttpProbe& probe;
   };
   explicit AccessSide(const Context& context);
@@ -46,12 +50,18 @@ class AccessSide final {
   /// Never waits.
   [[nodiscard]] health::HttpFacts facts() const;
   [[nodiscard]] http::Guard& guard() { return guard_; }
+  /// What the authorities' lists revoke. Look on one thread.
+  [[nodiscard]] transport::CrlFiles& lists() { return lists_; }
+  /// Certificates and keys that may not come in, by HTTP or elsewhere.
+  [[nodiscard]] identity::DenyList& denied() { return denied_; }
   /// Null: listen.http speaks no TLS.
   [[nodiscard]] const http::ServedTls* tls() const { return tls_ ? &*tls_ : nullptr; }
 
  private:
   [[nodiscard]] absl::Status LookAtTokens();
   void LookAtTls();
+  /// The files of lists as the configuration and the folder of authorities name them now.
+  [[nodiscard]] std::vector<transport::CrlFile> ListsNow();
 
   const Context context_;
   std::optional<http::ServedTls> tls_;
@@ -62,6 +72,10 @@ class AccessSide final {
   /// Why the files of TLS did not fit at the last look.
   std::string tls_why_;
   std::atomic<bool> tls_fits_{true};
+  /// What ListsNow found last. Of the thread that looks at them.
+  std::vector<transport::CrlFile> lists_last_;
+  transport::CrlFiles lists_;
+  identity::DenyList denied_;
   http::Guard guard_;
 };
 

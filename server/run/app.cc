@@ -47,7 +47,7 @@ class App::Impl {
                  options_.random(), reports_}),
         relay_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                 ledgers_, allowances_, store_.stores(), options_.version, early.OnReadsAhead(),
-                options_.random(), reports_, uncrew_.Methods()}),
+                options_.random(), reports_, early.access().denied(), uncrew_.Methods()}),
         broker_({options_.clock, options_.logger, options_.config, fleet_, store_.journals(),
                  ledgers_, store_.journal_limits(), *store_.stores().reader, store_.leases(),
                  options_.process, options_.random, allowances_, reports_},
@@ -105,7 +105,11 @@ class App::Impl {
             .kernel_clock_synchronised = options_.kernel_clock_synchronised,
             .spatial_committed = [this] { relay_.OnSpatialCommitted(); },
             .reconnected = [this] { broker_.Reread(); },
-            .shut_out = [this] { early_.EndAsFailed(); }};
+            .shut_out = [this] { early_.EndAsFailed(); },
+            .denied = early_.access().denied(),
+            .settings = settings_,
+            .denied_changed = [this] { relay_.LookAtDenied(); },
+            .file_lists = [this] { return early_.access().lists().Look(); }};
   }
 
   Drain::Context ContextOfDrain() {
@@ -220,7 +224,7 @@ absl::StatusOr<std::unique_ptr<App>> App::Start(Options options) {
   if (!expiry.ok()) return expiry.status();
   auto early = std::make_unique<EarlyServices>(
       EarlyServices::Context{options.clock, options.logger, config.listen, config.http, config.tls,
-                             config.store.readers, options.greeting});
+                             config.identity, config.store.readers, options.greeting});
   if (absl::Status began = early->Begin(); !began.ok()) return began;
   options.logger.Info("store_opening", {{"store", store::NameOf(config.store)}});
   auto stores = store::OpenStores(config, options.process, options.clock.machine(), options.logger);

@@ -32,7 +32,8 @@ http::ListenerLimits HttpLimitsOf(const config::ListenAddress& address,
 
 EarlyServices::EarlyServices(Context context)
     : context_(std::move(context)),
-      access_({context_.clock, context_.logger, context_.http, context_.tls, http_probe_}),
+      access_({context_.clock, context_.logger, context_.http, context_.tls, context_.identity,
+               http_probe_}),
       entrance_(http::KnownHosts(context_.http.hosts),
                 context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
                                                   : http::Entrance::Covered::kData,

@@ -41,6 +41,7 @@ class EarlyServices final {
     config::ListenConfig listen;
     config::HttpConfig http;
     config::TlsConfig tls;
+    config::IdentityConfig identity;
     /// store.readers: questions that wait for the store side by side.
     std::size_t readers;
     Greeting& greeting;

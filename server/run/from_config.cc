@@ -142,7 +142,8 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.address = config.listen.relay;
   options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
                                              .key = config.tls.key_file,
-                                             .client_ca = config.tls.client_ca_file};
+                                             .client_ca = config.tls.client_ca_file,
+                                             .authorities = config.identity.authorities};
   options.tls = {.minimum = config.tls.min_version, .groups = config::ServedGroups(config.tls)};
   options.queues = config.listen.relay_threads;
   options.proxy_protocol_from = config.listen.proxy_protocol_from;

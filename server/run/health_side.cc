@@ -30,7 +30,8 @@ health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
       .live_state_over = [&live_budget] { return live_budget.over(); },
       .broker = [&broker = context.broker] { return broker.facts(); },
       .series_left_out = context.series_left_out,
-      .http = context.http};
+      .http = context.http,
+      .identity_unread = [&store] { return store.access_unread(); }};
 }
 
 }  // namespace

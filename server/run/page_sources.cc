@@ -32,6 +32,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { store::AddSamples(parts.space.view(), page); },
       [parts](auto& page) { store::AddSamples(*parts.stores.clock, page); },
       [parts](auto& page) { store::AddSamples(parts.leases, page); },
+      [parts](auto& page) { store::AddSamples(parts.access, page); },
       [parts](auto& page) { parts.forwarding.AddSamples(page); },
       [parts](auto& page) { http::AddSamples(parts.http, parts.http_connections_max, page); },
       [parts](auto& page) { rcan::AddSamples(parts.rcan, parts.rcan_series_max, page); },

@@ -19,6 +19,7 @@
 #include "server/log/logger.h"
 #include "server/rcan/probe.h"
 #include "server/session/probe.h"
+#include "server/store/access_probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/open.h"
 #include "server/store/space_rounds.h"
@@ -44,6 +45,7 @@ struct PageParts {
   const store::Stores& stores;
   const store::SpaceRounds& space;
   const store::LeaseProbe& leases;
+  const store::AccessProbe& access;
   const forward::Forwarding& forwarding;
   const http::HttpProbe& http;
   http::ConnectionsMax http_connections_max{};

@@ -20,10 +20,12 @@ absl::Status RelaySide::Listen() {
       RelayOptionsOf(context_.config, health::MemoryMax()),
       {context_.clock, context_.fleet, context_.journals, session_probe_, probe_, context_.ledgers,
        session_limits_, JudgeLimitsOf(context_.config.limits), context_.allowances, rejects_,
-       *context_.stores.clock, &forwarding_.source(), &context_.logger, &context_.reports},
+       *context_.stores.clock, &forwarding_.source(), &context_.logger, &context_.reports,
+       &context_.denied},
       context_.others);
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
+  listening_.store(server_.get());
   return absl::OkStatus();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -14,6 +15,7 @@
 #include "server/fleet/fleet.h"
 #include "server/forward/forwarding.h"
 #include "server/front/server.h"
+#include "server/identity/deny_list.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
@@ -52,6 +54,7 @@ class RelaySide final {
     /// For the numbers of forwarded commands.
     std::uint64_t seed = 0;
     robot::ConnectionReports& reports;
+    const identity::DenyList& denied;
     /// What is served beside the relay.
     transport::MethodsMaker others = {};
   };
@@ -67,6 +70,11 @@ class RelaySide final {
   }
   /// A commit held shapes or objects. Any thread.
   void OnSpatialCommitted() { forwarding_.Wake(); }
+
+  /// The deny list changed. Any thread.
+  void LookAtDenied() {
+    if (front::FrontServer* const server = listening_.load()) server->LookAtDenied();
+  }
 
   // --- After Listen ---
 
@@ -88,6 +96,8 @@ class RelaySide final {
   forward::Forwarding forwarding_;
   store::RejectReads rejects_;
   std::unique_ptr<front::FrontServer> server_;
+  /// The same for other threads, once it listens.
+  std::atomic<front::FrontServer*> listening_{nullptr};
 };
 
 }  // namespace uplink::run

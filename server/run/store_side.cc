@@ -41,6 +41,18 @@ StoreSide::StoreSide(const Context& context, store::Stores stores)
                    .went_back = [this] { return journals_.TakeWentBack(); }},
                   context.logger) {
   leases_.SetPort(context.config.listen.relay.port);
+  if (stores_.access == nullptr) return;
+  access_.emplace(store::AccessRounds::Context{.store = *stores_.access,
+                                               .denied = context.denied,
+                                               .settings = context.settings,
+                                               .clock = context.clock,
+                                               .logger = context.logger,
+                                               .probe = access_probe_,
+                                               .store_name = store::NameOf(context.config.store),
+                                               .saved_path = config::SavedListPath(context.config),
+                                               .denied_changed = context.denied_changed,
+                                               .file_lists = context.file_lists,
+                                               .signal = stores_.access_signal.get()});
 }
 
 store::Writers::Context StoreSide::WritersContext() {
@@ -69,6 +81,7 @@ void StoreSide::ReadRobots() {
         journals_.NotePresence(robot, now.presence, now.since, why, now.parked_until);
       });
   health_log_.LookAtFacts();
+  if (access_) access_->Begin(stores_.away);
   if (stores_.away.ok()) clock_rounds_.Round();
   robot_load_rounds_.Begin(stores_.away);
   if (stores_.away.ok()) leases_.Round();
@@ -78,11 +91,13 @@ void StoreSide::StartRounds(std::uint16_t port) {
   leases_.SetPort(port);
   leases_.Start();
   forget_rounds_.Start();
+  if (access_) access_->Start();
 }
 
 void StoreSide::Stop() {
   leases_.Stop();
   forget_rounds_.Stop();
+  if (access_) access_->Stop();
   writers_.Stop();
 }
 

@@ -3,12 +3,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/forgetting.h"
+#include "server/fleet/robot_settings.h"
+#include "server/identity/deny_list.h"
 #include "server/journal/connection_notes.h"
 #include "server/journal/events.h"
 #include "server/journal/limits.h"
@@ -17,6 +22,8 @@
 #include "server/log/logger.h"
 #include "server/loop/one_at_a_time.h"
 #include "server/run/periodic.h"
+#include "server/store/access_probe.h"
+#include "server/store/access_rounds.h"
 #include "server/store/clock_rounds.h"
 #include "server/store/forget_rounds.h"
 #include "server/store/health_log.h"
@@ -58,6 +65,13 @@ class StoreSide final {
     std::function<void()> shut_out;
     /// A robot moved to another fleet. On a writer's thread: short.
     std::function<void(const journal::Moved&)> moved = [](const journal::Moved& /*moved*/) {};
+    /// Who may not come in, and what operators set of robots.
+    identity::DenyList& denied;
+    fleet::RobotSettings& settings;
+    /// The deny list changed. On a thread of this side: short.
+    std::function<void()> denied_changed;
+    /// As store::AccessRounds::Context has it.
+    std::function<std::optional<std::vector<std::string>>()> file_lists;
   };
   StoreSide(const Context& context, store::Stores stores);
 
@@ -83,6 +97,13 @@ class StoreSide final {
   [[nodiscard]] store::LeaseRounds& leases() { return leases_; }
   [[nodiscard]] const store::SpaceRounds& space() const { return space_rounds_; }
   [[nodiscard]] fleet::Forgetting& forgetting() { return forgetting_; }
+  [[nodiscard]] const store::AccessProbe& access_probe() const { return access_probe_; }
+  /// An operator decided something here: follows it at once. Any thread.
+  void WakeAccess() {
+    if (access_) access_->Wake();
+  }
+  /// Neither the store nor a copy has told who may not come in. Any thread.
+  [[nodiscard]] bool access_unread() const { return access_ && access_->unread(); }
   /// The robots that the store knows could not be read yet. Any thread.
   [[nodiscard]] bool robots_unread() const { return !robot_load_rounds_.done(); }
 
@@ -101,6 +122,8 @@ class StoreSide final {
   store::RobotLoadRounds robot_load_rounds_;
   store::LeaseRounds leases_;
   store::ForgetRounds forget_rounds_;
+  store::AccessProbe access_probe_;
+  std::optional<store::AccessRounds> access_;
   store::ClockRounds clock_rounds_;
   store::SpaceRounds space_rounds_;
   store::HealthLog health_log_;

@@ -39,6 +39,7 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
                         .stores = store.stores(),
                         .space = store.space(),
                         .leases = store.lease_probe(),
+                        .access = store.access_probe(),
                         .forwarding = context.relay.forwarding(),
                         .http = context.early.http_probe(),
                         .http_connections_max = HttpConnectionsMaxOf(context.config),

@@ -73,6 +73,9 @@ void AddSamples(const transport::RelayProbe& probe, const SessionProbe& sessions
     page.Add(kConnectionsTurnedAway, probe.turned_away_total[cause],
              {transport::kTurnedAwayTexts[cause]});
   }
+  for (std::size_t why = 0; why < transport::kDeniedTexts.size(); ++why) {
+    page.Add(kCertificatesDenied, probe.denied_total[why], {transport::kDeniedTexts[why]});
+  }
   page.Add(kConnections, probe.connections);
   page.Add(kConnectionsLimit, probe.connections_limit);
   page.Add(kHandshakesUnderWay, probe.handshakes_under_way);

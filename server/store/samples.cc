@@ -27,6 +27,11 @@ void AddSamples(const VouchedClock& clock, metrics::Exposition& page) {
   page.Add(kClockAhead, clock.ahead());
 }
 
+void AddSamples(const AccessProbe& probe, metrics::Exposition& page) {
+  page.Add(kRevocations, probe.of_store, {"store"});
+  page.Add(kRevocations, probe.of_files, {"files"});
+}
+
 void AddSamples(const LeaseProbe& probe, metrics::Exposition& page) {
   page.Add(kLeaseRenewals, probe.renewed);
   page.Add(kLeaseFailing, probe.failing.value());

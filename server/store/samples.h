@@ -1,6 +1,7 @@
 #pragma once
 
 #include "metrics/exposition.h"
+#include "server/store/access_probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
@@ -15,6 +16,8 @@ void AddSamples(const storage::StoreFacts& facts, metrics::Exposition& page);
 void AddSamples(const SpaceView& view, metrics::Exposition& page);
 /// Whether the civil clock is vouched for, and by how much it jumped. Any thread.
 void AddSamples(const VouchedClock& clock, metrics::Exposition& page);
+/// Revocations that count. Any thread.
+void AddSamples(const AccessProbe& probe, metrics::Exposition& page);
 /// What its leases told. Any thread.
 void AddSamples(const LeaseProbe& probe, metrics::Exposition& page);
 

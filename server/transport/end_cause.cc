@@ -30,6 +30,7 @@ model::ConnectionEnd WhyOf(EndCause cause) {
     case EndCause::kBlocked:
     case EndCause::kDisconnected:
     case EndCause::kStoreLost:
+    case EndCause::kRevoked:
       return ConnectionEnd::kRefused;
     case EndCause::kServerStops:
       return ConnectionEnd::kServerEnded;
@@ -75,8 +76,12 @@ std::string_view SentenceOf(EndCause cause) {
       return "the store lost what it had of the robot";
     case EndCause::kServerStops:
       return "the server stopped";
+    case EndCause::kRevoked:
+      return "certificate revoked";
   }
   return "";
 }
+
+absl::Status CertificateRevoked() { return absl::UnauthenticatedError("certificate revoked"); }
 
 }  // namespace uplink::transport

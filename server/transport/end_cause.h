@@ -49,6 +49,8 @@ enum class EndCause : std::uint8_t {
   kStoreLost,
   /// The server ended without a drain.
   kServerStops,
+  /// An operator, or an authority's list, took its certificate or key back.
+  kRevoked,
 };
 
 /// Every cause, in number order.
@@ -57,13 +59,16 @@ inline constexpr std::array kAllEndCauses = {
     EndCause::kSuperseded, EndCause::kDrain,       EndCause::kAge,     EndCause::kExpired,
     EndCause::kNotRead,    EndCause::kBrokeRules,  EndCause::kBound,   EndCause::kUnconfirmed,
     EndCause::kNotAllowed, EndCause::kForgotten,   EndCause::kBlocked, EndCause::kDisconnected,
-    EndCause::kStoreLost,  EndCause::kServerStops,
+    EndCause::kStoreLost,  EndCause::kServerStops, EndCause::kRevoked,
 };
 
 /// The reason that lists of connections show. Pure.
 [[nodiscard]] model::ConnectionEnd WhyOf(EndCause cause);
 /// A sentence for a person, where no status says more. Pure.
 [[nodiscard]] std::string_view SentenceOf(EndCause cause);
+
+/// The status for a peer whose certificate or key is revoked.
+[[nodiscard]] absl::Status CertificateRevoked();
 
 /// The end of a call or connection. A value; the text is valid during the call that passes it.
 struct Ending {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/config/authority_folder.h"
 #include "server/config/file_modes.h"
 #include "server/identity/authorities.h"
 #include "server/identity/pem_file.h"
@@ -18,6 +19,28 @@ absl::Status CheckNamed(const NamedPem& certificate, const NamedPem& key,
   return identity::CheckAuthorities(client_ca);
 }
 
+/// Whom we trust, and for what.
+struct Trusted {
+  NamedPem pem;
+  identity::AuthorityRules rules;
+};
+
+absl::StatusOr<Trusted> ReadTrusted(const PemFiles& files) {
+  Trusted trusted{.pem = {files.client_ca, {}}, .rules = {}};
+  if (!files.client_ca.empty() || files.authorities.empty()) {
+    auto pem = identity::ReadPem(files.client_ca);
+    if (!pem.ok()) return pem.status();
+    trusted.pem = *std::move(pem);
+  }
+  if (files.authorities.empty()) return trusted;
+  auto folder = config::ReadAuthorityFolder(files.authorities);
+  if (!folder.ok()) return folder.status();
+  if (trusted.pem.name.empty()) trusted.pem.name = files.authorities;
+  trusted.pem.text.append("\n").append(folder->pems);
+  trusted.rules = std::move(folder->rules);
+  return trusted;
+}
+
 }  // namespace
 
 absl::Status CheckTexts(const PemTexts& texts) {
@@ -30,22 +53,25 @@ absl::StatusOr<bool> KeyFiles::Refresh() {
   if (!certificate.ok()) return certificate.status();
   auto key = identity::ReadPem(files_.key);
   if (!key.ok()) return key.status();
-  auto client_ca = identity::ReadPem(files_.client_ca);
-  if (!client_ca.ok()) return client_ca.status();
+  auto trusted = ReadTrusted(files_);
+  if (!trusted.ok()) return trusted.status();
+  NamedPem* const client_ca = &trusted->pem;
   // A user who may write them chooses which robots are admitted. Checked after the files were read,
   // since they could change between an earlier check and the read.
   for (const std::string& path : {files_.certificate, files_.key, files_.client_ca}) {
+    if (path.empty()) continue;
     if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
   }
   if (certificate->text == texts_.certificate && key->text == texts_.key &&
-      client_ca->text == texts_.client_ca) {
+      client_ca->text == texts_.client_ca && trusted->rules == texts_.rules) {
     return false;
   }
   if (absl::Status good = CheckNamed(*certificate, *key, *client_ca); !good.ok()) return good;
   auto served = identity::ServedPemsOf(*certificate, *client_ca);
   if (!served.ok()) return served.status();
   served_ = *std::move(served);
-  texts_ = {std::move(certificate->text), std::move(key->text), std::move(client_ca->text)};
+  texts_ = {std::move(certificate->text), std::move(key->text), std::move(client_ca->text),
+            std::move(trusted->rules)};
   return true;
 }
 

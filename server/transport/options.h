@@ -11,6 +11,7 @@
 #include "server/config/address.h"
 #include "server/config/config.h"
 #include "server/config/tls_groups.h"
+#include "server/identity/authority_rules.h"
 
 namespace uplink::transport {
 
@@ -18,7 +19,10 @@ namespace uplink::transport {
 struct PemFiles {
   std::string certificate;
   std::string key;
+  /// Empty: the folder alone says whom we trust.
   std::string client_ca;
+  /// A folder of authorities (config::ReadAuthorityFolder); empty: none.
+  std::string authorities = {};
 };
 
 /// The same as text, for tests; never changes.
@@ -26,6 +30,8 @@ struct PemTexts {
   std::string certificate;
   std::string key;
   std::string client_ca;
+  /// What the authorities may vouch for.
+  identity::AuthorityRules rules = {};
 };
 
 /// The rules for what a handshake may agree on.

@@ -27,6 +27,8 @@ struct RelayProbe {
   metrics::Cell handshakes_failed_total;
   /// Connections that we ended before they had a stream, or for their behaviour, by TurnedAway.
   std::array<metrics::Cell, kTurnedAwayTexts.size()> turned_away_total;
+  /// Connections whose certificates may not come in, by Denied.
+  std::array<metrics::Cell, kDeniedTexts.size()> denied_total;
   /// Connections that have shown a trusted certificate, and how many may.
   metrics::Cell connections;
   metrics::Cell connections_limit;

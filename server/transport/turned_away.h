@@ -83,4 +83,17 @@ inline constexpr std::array<std::string_view, 27> kTurnedAwayTexts = {"full",
                                                                       "certificate"};
 static_assert(kTurnedAwayTexts.size() == static_cast<std::size_t>(TurnedAway::kCertificate) + 1);
 
+/// What became of a certificate that may not come in. Closed.
+enum class Denied : std::uint8_t {
+  /// A new connection showed one that is revoked.
+  kRevoked,
+  /// It was revoked, and its connection was ended.
+  kEnded,
+  /// It is not what its authority may vouch for.
+  kAuthority,
+};
+
+/// As metric labels.
+inline constexpr std::array<std::string_view, 3> kDeniedTexts = {"revoked", "ended", "authority"};
+
 }  // namespace uplink::transport

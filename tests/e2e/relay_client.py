@@ -7,6 +7,7 @@ and prints what it saw as JSON. PYTHONPATH holds what protoc made of relay.proto
 import json
 import pathlib
 import sys
+import threading
 
 import grpc
 from uplink.v1 import relay_pb2
@@ -83,6 +84,20 @@ def ended(call):
     return {"code": call.code().name, "details": call.details()}
 
 
+def held(channel):
+    """A stream that the robot keeps open until the server ends it."""
+    over = threading.Event()
+
+    def frames():
+        yield hello()
+        over.wait(PATIENCE_SECONDS)
+
+    try:
+        return refused(channel, frames())
+    finally:
+        over.set()
+
+
 def refused(channel, frames, **options):
     call = call_of(channel, frames, **options)
     try:
@@ -95,6 +110,7 @@ def refused(channel, frames, **options):
 ACTS = {
     "stream": stream,
     "resume": resume,
+    "held": held,
     "wrong_hello": lambda channel: refused(channel, [hello(session_id=b"short")]),
     "refused": lambda channel: refused(channel, [hello()]),
     "for_robot": lambda channel: refused(channel, [hello(robot_ruri="rcan://example.org/acme/rover/g1")]),

@@ -167,7 +167,8 @@ front::RelayContext FrontBench::Context() {
           .allowances = allowances_,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
-          .reports = &connections_.reports()};
+          .reports = &connections_.reports(),
+          .denied = &denied_};
 }
 
 FrontWire& FrontBench::Connect(std::uint8_t robot) {

@@ -129,6 +129,7 @@ class FrontBench final : public loop::WakeInbox {
   [[nodiscard]] const testing::KeptConnections& connections() const { return connections_; }
   [[nodiscard]] front::DoorBook& door_book() { return door_book_; }
   [[nodiscard]] front::Thread& thread() { return thread_; }
+  [[nodiscard]] identity::DenyList& denied() { return denied_; }
   [[nodiscard]] transport::RelayProbe& relay_probe() { return relay_probe_; }
   [[nodiscard]] testing::ManualClock& clock() { return clock_; }
   [[nodiscard]] testing::FakeTrust& clock_trust() { return clock_trust_; }
@@ -154,6 +155,7 @@ class FrontBench final : public loop::WakeInbox {
   metrics::LedgerBook book_;
   session::SessionProbe session_probe_;
   transport::RelayProbe relay_probe_;
+  identity::DenyList denied_;
   journal::JournalProbe journal_probe_;
   fleet::Fleet fleet_;
   journal::Journal journal_;

@@ -223,4 +223,31 @@ KeyPair TestAuthority::Issue(const CertificateSpec& spec) const {
   return {PemOf(certificate.get()), PemOf(key.get())};
 }
 
+std::string TestAuthority::Revoke(const std::vector<KeyPair>& revoked, long next_update_s) const {
+  const std::unique_ptr<X509_CRL, void (*)(X509_CRL*)> list(X509_CRL_new(), X509_CRL_free);
+  Require(X509_CRL_set_version(list.get(), X509_CRL_VERSION_2) == 1);
+  Require(X509_CRL_set_issuer_name(list.get(), X509_get_subject_name(impl_->certificate.get())) ==
+          1);
+  ASN1_TIME* time = X509_gmtime_adj(nullptr, -2 * 3600);
+  Require(X509_CRL_set1_lastUpdate(list.get(), time) == 1);
+  for (const KeyPair& each : revoked) {
+    const Bio bio(
+        BIO_new_mem_buf(each.certificate.data(), static_cast<int>(each.certificate.size())));
+    const Certificate certificate(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
+    Require(certificate != nullptr);
+    X509_REVOKED* entry = X509_REVOKED_new();
+    Require(X509_REVOKED_set_serialNumber(entry, X509_get_serialNumber(certificate.get())) == 1);
+    Require(X509_REVOKED_set_revocationDate(entry, time) == 1);
+    Require(X509_CRL_add0_revoked(list.get(), entry) == 1);
+  }
+  Require(X509_gmtime_adj(time, next_update_s) != nullptr);
+  Require(X509_CRL_set1_nextUpdate(list.get(), time) == 1);
+  ASN1_TIME_free(time);
+  Require(X509_CRL_sort(list.get()) == 1);
+  Require(X509_CRL_sign(list.get(), impl_->key.get(), EVP_sha256()) > 0);
+  const Bio bio(BIO_new(BIO_s_mem()));
+  Require(PEM_write_bio_X509_CRL(bio.get(), list.get()) == 1);
+  return TextOf(bio);
+}
+
 }  // namespace uplink::testing

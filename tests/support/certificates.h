@@ -60,6 +60,9 @@ class TestAuthority final {
   /// The authority's own certificate, PEM.
   [[nodiscard]] const std::string& certificate() const;
   [[nodiscard]] KeyPair Issue(const CertificateSpec& spec) const;
+  /// A list of these certificates (PEM) as revoked, PEM. `next_update_s`: in seconds from now.
+  [[nodiscard]] std::string Revoke(const std::vector<KeyPair>& revoked,
+                                   long next_update_s = 3600) const;
 
  private:
   struct Impl;

@@ -54,7 +54,8 @@ front::RelayContext ListenerWorld::Context() {
           .allowances = allowances,
           .rejects = rejects_,
           .clock_trust = clock_trust_,
-          .logger = options.logger};
+          .logger = options.logger,
+          .denied = &denied};
 }
 
 void ListenerWorld::StopServer() { server_->Shutdown(); }

@@ -72,6 +72,7 @@ class ListenerWorld {
   journal::JournalProbe journal_probe;
   session::SessionProbe session_probe;
   transport::RelayProbe relay_probe;
+  identity::DenyList denied;
   const Options options;
   fleet::Fleet fleet;
   journal::Journal journal;

@@ -75,6 +75,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { store::AddSamples(space_view, page); },
       [this](auto& page) { store::AddSamples(vouched_clock, page); },
       [this](auto& page) { store::AddSamples(lease_probe, page); },
+      [this](auto& page) { store::AddSamples(access_probe, page); },
       [this](auto& page) { forwarding.AddSamples(page); },
       [this](auto& page) { broker::AddSamples(broker, page); },
       [this](auto& page) { uncrew::AddSamples(drones, avatar_probe, clock.Steady(), page); },

@@ -18,6 +18,7 @@
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
 #include "server/session/probe.h"
+#include "server/store/access_probe.h"
 #include "server/store/lease_probe.h"
 #include "server/store/space_judge.h"
 #include "server/store/vouched_clock.h"
@@ -84,6 +85,7 @@ class ServerWorld {
   store::SpaceView space_view{
       .space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9, .wal_bytes = 1}};
   store::LeaseProbe lease_probe;
+  store::AccessProbe access_probe;
   FakeSharedItems shared_items{database};
   metrics::LatencyDistribution sweep_seconds{metrics::kLatencyBoundsSeconds};
   /// Enough that the text of few robots is more than a socket takes.

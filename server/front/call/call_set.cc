@@ -36,6 +36,13 @@ void CallSet::TellPeerAnswered() {
   for (const auto& [id, call] : calls_) call->OnPeerAnswered();
 }
 
+void CallSet::Fail(const absl::Status& status, transport::EndCause cause) {
+  for (const auto& [id, call] : calls_) {
+    call->Fail(status, cause);
+    Touch(*call);
+  }
+}
+
 void CallSet::Break() {
   for (const auto& [id, call] : calls_) call->Break();
 }

@@ -23,6 +23,8 @@ class CallSet final {
   void Settle(const std::function<void(const Call&)>& settled);
   /// Tells all that the peer answered.
   void TellPeerAnswered();
+  /// Ends all with a status of ours.
+  void Fail(const absl::Status& status, transport::EndCause cause);
   /// Tells all that the connection is gone.
   void Break();
   /// Tells all calls to drain, one after the other, the first as number `first` of `spread`; they

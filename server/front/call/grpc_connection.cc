@@ -81,6 +81,13 @@ void GrpcConnection::TurnAway(TurnedAway cause, std::string_view text) {
   if (cause != TurnedAway::kProtocol) http2_.End(NGHTTP2_ENHANCE_YOUR_CALM, text);
 }
 
+void GrpcConnection::Ban(const absl::Status& why, EndCause cause) {
+  connection_.NoteEnd(cause);
+  ban_ = why;
+  ending_ = true;
+  calls_.Fail(why, cause);
+}
+
 void GrpcConnection::SettleCalls() {
   const bool had_calls = calls_.size() > 0;
   calls_.Settle([this](const Call& call) {
@@ -107,6 +114,7 @@ void GrpcConnection::Drain(const transport::DrainSpread& spread, std::size_t fir
 void GrpcConnection::End() { http2_.End(NGHTTP2_NO_ERROR, ""); }
 
 std::optional<absl::Status> GrpcConnection::refusal() const {
+  if (ban_) return ban_;
   if (thread_.gate.closed()) {
     thread_.relay.probe.refused_draining_total.Add();
     return absl::UnavailableError("the server drains");

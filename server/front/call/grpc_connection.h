@@ -63,6 +63,9 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   [[nodiscard]] bool EndIfLast();
   /// Ends the connection for its peer's behaviour, with the reason in a GOAWAY.
   void TurnAway(transport::TurnedAway cause, std::string_view text);
+  /// Its peer may not come in any more: ends its calls, and each that it still opens, with `why`.
+  void Ban(const absl::Status& why, transport::EndCause cause);
+  [[nodiscard]] bool banned() const { return ban_.has_value(); }
   /// Serves no more calls.
   void StopServing() { ending_ = true; }
   /// Tells the peer, and each call (CallSet::Drain).
@@ -119,6 +122,8 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   bool served_ = false;
   bool answered_ = false;
   bool turned_away_ = false;
+  /// Why no call is served any more, if its peer is banned.
+  std::optional<absl::Status> ban_;
 };
 
 }  // namespace uplink::front

@@ -4,6 +4,7 @@
 #include "schema/base/clock.h"
 #include "schema/judge.h"
 #include "server/fleet/fleet.h"
+#include "server/identity/deny_list.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
@@ -38,6 +39,8 @@ struct RelayContext {
   const log::Logger* logger = nullptr;
   /// Where streams are reported when they begin and end; null: nowhere.
   robot::ConnectionReports* reports = nullptr;
+  /// Certificates and keys that are turned away; null: none.
+  const identity::DenyList* denied = nullptr;
 };
 
 }  // namespace uplink::front

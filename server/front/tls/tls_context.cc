@@ -39,7 +39,7 @@ absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(
   if (absl::Status good = transport::CheckTexts(texts); !good.ok()) return good;
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
-  std::shared_ptr<const TlsContext> made(new TlsContext(context, rules));
+  std::shared_ptr<const TlsContext> made(new TlsContext(context, rules, texts.rules));
   SetHandshake(context);
   if (!transport::SetProtocol(context, rules)) {
     ERR_clear_error();

@@ -28,13 +28,17 @@ class TlsContext final {
 
   [[nodiscard]] SSL_CTX* get() const { return context_; }
   [[nodiscard]] const transport::TlsRules& rules() const { return rules_; }
+  /// What its authorities may vouch for.
+  [[nodiscard]] const identity::AuthorityRules& authorities() const { return authorities_; }
 
  private:
-  TlsContext(SSL_CTX* context, const transport::TlsRules& rules)
-      : context_(context), rules_(rules) {}
+  TlsContext(SSL_CTX* context, const transport::TlsRules& rules,
+             const identity::AuthorityRules& authorities)
+      : context_(context), rules_(rules), authorities_(authorities) {}
 
   SSL_CTX* const context_;
   const transport::TlsRules rules_;
+  const identity::AuthorityRules authorities_;
 };
 
 /// The context that new connections begin with; replaced when the files change. Thread-safe.

@@ -17,6 +17,7 @@
 #include "server/front/tls/tls_peer.h"
 #include "server/identity/certificate_gate.h"
 #include "server/identity/certificate_messages.h"
+#include "server/identity/deny_list.h"
 #include "server/transport/turned_away.h"
 
 namespace uplink::front {
@@ -106,7 +107,13 @@ class TlsEngine final {
   /// What is wrong with its certificates; with Failure::kCertificate.
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// The peer; after the handshake.
-  [[nodiscard]] TlsPeer Peer() const { return PeerOf(ssl_, verify_error_); }
+  [[nodiscard]] TlsPeer Peer() const {
+    return PeerOf(ssl_, verify_error_, context_->authorities());
+  }
+  /// Whether the list names what the peer has shown; after the handshake.
+  [[nodiscard]] bool IsDenied(const identity::DeniedCertificates& list, const TlsPeer& peer) const {
+    return identity::Denies(list, ssl_, peer.certificate);
+  }
 
   /// The next piece of the peer's data. An empty piece stands for a TLS handshake message after the
   /// handshake, mostly new keys. Empty optional if more bytes are needed, or the peer ended.

@@ -1,6 +1,7 @@
 #include "server/front/tls/tls_peer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
@@ -13,7 +14,8 @@ milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
   return identity.ok() && vouched ? std::min<milliseconds>(expiry - now, kFarAway) : kFarAway;
 }
 
-TlsPeer PeerOf(const SSL* connection, int verify_error) {
+TlsPeer PeerOf(const SSL* connection, int verify_error,
+               const identity::AuthorityRules& authorities) {
   X509* certificate = SSL_get0_peer_certificate(connection);
   TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
                .ruri = {},
@@ -37,6 +39,12 @@ TlsPeer PeerOf(const SSL* connection, int verify_error) {
     }
   } else {
     peer.subject = identity::SubjectOf(*certificate);
+  }
+  if (peer.identity.ok()) {
+    if (absl::Status may = authorities.Judge(*peer.identity, connection); !may.ok()) {
+      peer.outside_authority = true;
+      peer.identity = std::move(may);
+    }
   }
   if (verify_error != X509_V_OK) peer.identity = transport::FlawOfTrusted(verify_error);
   ERR_clear_error();

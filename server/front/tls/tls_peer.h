@@ -9,6 +9,7 @@
 #include <openssl/types.h>
 
 #include "schema/base/clock.h"
+#include "server/identity/authority_rules.h"
 #include "server/identity/peer_identity.h"
 #include "server/identity/shown_certificate.h"
 
@@ -33,6 +34,8 @@ struct TlsPeer {
   SystemTime expiry;
   /// For lists of connections.
   identity::ShownCertificate certificate = {};
+  /// Its authority may not vouch for its role or fleet: the identity says so.
+  bool outside_authority = false;
 
   [[nodiscard]] bool IsGateway() const {
     return identity.ok() && identity->role == identity::Role::kGateway;
@@ -47,7 +50,8 @@ struct TlsPeer {
 };
 
 /// The peer of a finished handshake. `verify_error`: the flaw of its trusted chain, an
-/// X509_V_ERR_...; X509_V_OK for none.
-[[nodiscard]] TlsPeer PeerOf(const SSL* connection, int verify_error);
+/// X509_V_ERR_...; X509_V_OK for none. `authorities`: what its authority may vouch for.
+[[nodiscard]] TlsPeer PeerOf(const SSL* connection, int verify_error,
+                             const identity::AuthorityRules& authorities);
 
 }  // namespace uplink::front

@@ -114,6 +114,13 @@ void ConnectionBench::Do(const std::function<void()>& work) {
   done.get_future().wait();
 }
 
+void ConnectionBench::Deny(identity::DeniedCertificates denied) {
+  bench_.denied().Set(std::make_shared<const identity::DeniedCertificates>(std::move(denied)));
+  Do([this] {
+    for (const auto& [id, connection] : connections_) connection->LookAtDenied();
+  });
+}
+
 void ConnectionBench::Press() {
   Do([this] { bench_.door_book().SetPressed(true); });
 }

@@ -42,6 +42,8 @@ class ConnectionBench final : public front::ConnectionOwner {
   void Do(const std::function<void()>& work);
   /// Ends all connections, as a server that stops does.
   void ShutDown();
+  /// These may not come in from now on, and connections are looked at.
+  void Deny(identity::DeniedCertificates denied);
   /// Others wait for a place.
   void Press();
 

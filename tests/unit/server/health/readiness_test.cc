@@ -67,6 +67,13 @@ TEST(Readiness, ReportsTokensThatCannotBeRead) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("tokens_unread"));
 }
 
+TEST(Readiness, ReportsThatItDoesNotKnowWhoMayNotComeIn) {
+  ReadinessFacts facts = Good();
+  facts.identity_unread = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("identity"));
+}
+
 TEST(Readiness, ReportsAClockThatNobodyVouchesFor) {
   ReadinessFacts facts = Good();
   facts.clock_not_vouched = true;

@@ -209,6 +209,30 @@ TEST_F(GuardTest, ABadOrExpiredCertificateSaysWhy) {
   EXPECT_EQ(Count(Denied::kBadCertificate), 2);
 }
 
+TEST_F(GuardTest, ARevokedCertificateOpensNothingFromTheNextRequestOn) {
+  identity::DenyList denied;
+  Guard::Options options = Options();
+  options.denied = &denied;
+  guard_ = std::make_unique<Guard>(context(), options);
+  identity::NamedCertificate own{.shown = {.serial = "0A"}, .issuer = "CN=operators"};
+  PeerCertificate shown =
+      *ByCertificate(identity::PeerIdentity{.role = Role::kViewer, .fleet = "north"}).certificate;
+  shown.chain = {own};
+  Request request;
+  request.certificate = std::make_shared<const PeerCertificate>(shown);
+  EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 200);
+  const auto deny = [&denied](const char* value) {
+    auto list = std::make_shared<identity::DeniedCertificates>();
+    EXPECT_TRUE(list->Add(storage::RevokedBy::kIssuerSerial, value));
+    denied.Set(list);
+  };
+  deny("0A CN=others");
+  EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 200);
+  deny("0A CN=operators");
+  EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 401);
+  EXPECT_EQ(Count(Denied::kBadCertificate), 1);
+}
+
 TEST_F(GuardTest, TheTokenOfMetricsOpensScrapesOnTheirListenerAlone) {
   for (const bool asks : {false, true}) {
     guard_ = std::make_unique<Guard>(context(), Options(asks));

@@ -48,8 +48,14 @@ TEST_F(ShownCertificateTest, TheDigestsAreThoseOfItsDer) {
   const int size = i2d_X509(certificate_.get(), &der);
   EXPECT_EQ(facts.sha256, Digest(der, size));
   OPENSSL_free(der);
-  const ASN1_BIT_STRING* key = X509_get0_pubkey_bitstr(certificate_.get());
-  EXPECT_EQ(facts.key_sha256, Digest(ASN1_STRING_get0_data(key), ASN1_STRING_length(key)));
+  der = nullptr;
+  const int key_size = i2d_PUBKEY(X509_get0_pubkey(certificate_.get()), &der);
+  EXPECT_EQ(facts.key_sha256, Digest(der, key_size));
+  OPENSSL_free(der);
+}
+
+TEST_F(ShownCertificateTest, TheIssuerIsWrittenAsOpensslWritesIt) {
+  EXPECT_EQ(IssuerOf(*certificate_), "CN=test authority");
 }
 
 TEST_F(ShownCertificateTest, TheSerialIsWrittenAsOpensslWritesIt) {

@@ -22,6 +22,7 @@ TEST(EndCause, EachHasItsReason) {
       {EndCause::kNotAllowed, "refused"},  {EndCause::kForgotten, "refused"},
       {EndCause::kBlocked, "refused"},     {EndCause::kDisconnected, "refused"},
       {EndCause::kStoreLost, "refused"},   {EndCause::kServerStops, "server_ended"},
+      {EndCause::kRevoked, "refused"},
   };
   ASSERT_EQ(expected.size(), kAllEndCauses.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {

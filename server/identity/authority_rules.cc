@@ -1,0 +1,78 @@
+#include "server/identity/authority_rules.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include "server/identity/pem.h"
+
+namespace uplink::identity {
+namespace {
+
+constexpr std::array kRoles = {Role::kRobot,    Role::kGateway, Role::kViewer,
+                               Role::kOperator, Role::kAdmin,   Role::kMetrics};
+
+ShownCertificate::Sha256 DigestOf(const X509& certificate) {
+  ShownCertificate::Sha256 digest{};
+  unsigned int size = 0;
+  X509_digest(&certificate, EVP_sha256(), digest.data(), &size);
+  return digest;
+}
+
+absl::Status Outside(const AuthorityRule& rule, std::string_view what) {
+  return absl::UnauthenticatedError(
+      fmt::format("client certificate: its authority {} may not vouch for {}", rule.name, what));
+}
+
+/// Of all fleets only an authority that may vouch for every fleet.
+bool HasFleet(const AuthorityRule& rule, const std::string& fleet) {
+  return rule.fleets.all() || rule.fleets.Has(fleet);
+}
+
+}  // namespace
+
+std::optional<Role> RoleOf(std::string_view text) {
+  const auto* const found =
+      std::ranges::find_if(kRoles, [text](Role role) { return ToText(role) == text; });
+  return found == kRoles.end() ? std::nullopt : std::optional(*found);
+}
+
+absl::Status AuthorityRules::Add(const NamedPem& authorities, const AuthorityRule& rule) {
+  const auto certificates = ReadCertificates(authorities);
+  if (!certificates.ok()) return certificates.status();
+  for (const Certificate& each : *certificates) {
+    const auto [at, is_new] = rules_.emplace(DigestOf(*each), rule);
+    if (!is_new && at->second.name != rule.name) {
+      return absl::FailedPreconditionError(
+          fmt::format("{}: its certificate is also in {}; keep one of them", authorities.name,
+                      at->second.name));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const X509& authority) const {
+  const auto found = rules_.find(DigestOf(authority));
+  if (found == rules_.end()) return absl::OkStatus();
+  const AuthorityRule& rule = found->second;
+  if (!rule.roles.empty() && std::ranges::find(rule.roles, peer.role) == rule.roles.end()) {
+    return Outside(rule, fmt::format("the role {}", ToText(peer.role)));
+  }
+  if (!HasFleet(rule, peer.fleet)) return Outside(rule, fmt::format("the fleet {}", peer.fleet));
+  return absl::OkStatus();
+}
+
+absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const SSL* connection) const {
+  if (rules_.empty()) return absl::OkStatus();
+  const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
+  const int size = sk_X509_num(chain);
+  // The last is the one that we trust, and so the one that counts.
+  if (size < 1) return absl::UnauthenticatedError("client certificate: no authority is known");
+  return Judge(peer, *sk_X509_value(chain, size - 1));
+}
+
+}  // namespace uplink::identity

@@ -1,0 +1,226 @@
+#include "server/store/access_rounds.h"
+
+#include <memory>
+#include <utility>
+
+#include <absl/status/statusor.h>
+
+#include "server/store/saved_access.h"
+
+namespace uplink::store {
+namespace {
+
+using storage::AccessVersion;
+
+/// All rows that are newer than a version, page by page.
+template <typename Row, typename Read>
+absl::StatusOr<std::vector<Row>> RowsAfter(AccessVersion after, const Read& read) {
+  std::vector<Row> rows;
+  while (true) {
+    absl::StatusOr<std::vector<Row>> page = read(after);
+    if (!page.ok()) return page.status();
+    const bool is_last = page->size() < storage::kAccessPageMax;
+    if (!page->empty()) after = page->back().version;
+    rows.insert(rows.end(), std::make_move_iterator(page->begin()),
+                std::make_move_iterator(page->end()));
+    if (is_last) return rows;
+  }
+}
+
+struct Changes {
+  std::vector<storage::Revocation> revocations;
+  std::vector<storage::RobotSetting> settings;
+};
+
+absl::StatusOr<Changes> ChangesAfter(storage::AccessStore& store, AccessVersion after) {
+  auto revocations = RowsAfter<storage::Revocation>(
+      after, [&store](AccessVersion from) { return store.RevocationsAfter(from); });
+  if (!revocations.ok()) return revocations.status();
+  auto settings = RowsAfter<storage::RobotSetting>(
+      after, [&store](AccessVersion from) { return store.SettingsAfter(from); });
+  if (!settings.ok()) return settings.status();
+  return Changes{*std::move(revocations), *std::move(settings)};
+}
+
+}  // namespace
+
+AccessRounds::AccessRounds(Context context)
+    : context_(std::move(context)),
+      rounds_("access",
+              [this](const std::stop_token& /*stop*/) {
+                return loop::Next{.within = Round(), .not_before = kLookAtAccessApart};
+              }),
+      listener_("access_listen", [this](const std::stop_token& stop) { return Listen(stop); }) {}
+
+void AccessRounds::Begin(const absl::Status& away) {
+  LookAtFiles();
+  const absl::Status read = away.ok() ? Look() : away;
+  if (read.ok()) return Save();
+  NoteOutcome(read);
+  UseSaved(read);
+}
+
+void AccessRounds::Start() {
+  rounds_.Start();
+  if (context_.signal != nullptr) listener_.Start();
+}
+
+void AccessRounds::Stop() {
+  listener_.Stop();
+  rounds_.Stop();
+}
+
+void AccessRounds::Wake() {
+  rounds_.Wake();
+  if (context_.signal != nullptr) context_.signal->Tell();
+}
+
+milliseconds AccessRounds::Round() {
+  const SteadyTime now = context_.clock.Steady();
+  const absl::Status looked = Look();
+  NoteOutcome(looked);
+  if (!looked_at_files_ || now - *looked_at_files_ >= kLookAtAccessFilesEvery) {
+    LookAtFiles();
+    Save();
+  }
+  return looked.ok() ? kLookAtAccessEvery : kLookAtAccessAgainEvery;
+}
+
+absl::Status AccessRounds::Look() {
+  const absl::StatusOr<AccessVersion> version = context_.store.Version();
+  if (!version.ok()) return version.status();
+  if (seen_ == *version) return absl::OkStatus();
+  // A store that was put back to an earlier state has counted less.
+  if (!seen_ || *version < *seen_) return ReadAll(*version);
+  return ReadNewer(*version);
+}
+
+absl::Status AccessRounds::ReadAll(AccessVersion version) {
+  absl::StatusOr<Changes> all = ChangesAfter(context_.store, 0);
+  if (!all.ok()) return all.status();
+  if (seen_) {
+    context_.logger.Warn("access_went_back", {{"version", version}, {"seen", *seen_}});
+  }
+  revocations_.clear();
+  context_.settings.Replace(std::move(all->settings));
+  Take(std::move(all->revocations));
+  SetDenied();
+  seen_ = version;
+  unread_.store(false);
+  unsaved_ = true;
+  if (revocations_.empty() && context_.settings.size() == 0) return absl::OkStatus();
+  context_.logger.Info("access_read", {{"version", version},
+                                       {"revocations", revocations_.size()},
+                                       {"settings", context_.settings.size()}});
+  return absl::OkStatus();
+}
+
+absl::Status AccessRounds::ReadNewer(AccessVersion version) {
+  absl::StatusOr<Changes> newer = ChangesAfter(context_.store, *seen_);
+  if (!newer.ok()) return newer.status();
+  const bool revokes = !newer->revocations.empty();
+  Take(std::move(newer->revocations));
+  if (revokes) SetDenied();
+  context_.settings.Apply(std::move(newer->settings));
+  // What came meanwhile is read once more.
+  seen_ = version;
+  unsaved_ = true;
+  Save();
+  return absl::OkStatus();
+}
+
+void AccessRounds::Take(std::vector<storage::Revocation> revocations) {
+  for (storage::Revocation& each : revocations) {
+    Name name{each.by, each.value};
+    if (each.revoked) {
+      revocations_[std::move(name)] = std::move(each);
+    } else {
+      revocations_.erase(name);
+    }
+  }
+}
+
+void AccessRounds::LookAtFiles() {
+  looked_at_files_ = context_.clock.Steady();
+  std::optional<std::vector<std::string>> lists = context_.file_lists();
+  if (!lists) return;
+  of_files_ = *std::move(lists);
+  SetDenied();
+}
+
+void AccessRounds::SetDenied() {
+  auto denied = std::make_shared<identity::DeniedCertificates>();
+  for (const auto& [name, revocation] : revocations_) {
+    if (denied->Add(name.first, name.second)) continue;
+    context_.logger.Warn("revocation_unreadable", {{"value", name.second}});
+  }
+  for (const std::string& each : of_files_) {
+    static_cast<void>(denied->Add(storage::RevokedBy::kIssuerSerial, each));
+  }
+  context_.probe.of_store.Set(static_cast<std::int64_t>(revocations_.size()));
+  context_.probe.of_files.Set(static_cast<std::int64_t>(of_files_.size()));
+  context_.denied.Set(std::move(denied));
+  context_.denied_changed();
+}
+
+// --- The copy ---
+
+void AccessRounds::UseSaved(const absl::Status& why) {
+  if (context_.saved_path.empty()) {
+    context_.logger.Warn("access_unread", {{"why", std::string(why.message())}});
+    return;
+  }
+  const absl::StatusOr<std::string> text = ReadSavedAccess(context_.saved_path);
+  absl::StatusOr<AccessCopy> copy =
+      text.ok() ? ParseAccess(*text, context_.store_name) : text.status();
+  if (!copy.ok()) {
+    context_.logger.Warn("access_unread", {{"why", std::string(why.message())},
+                                           {"saved_list", context_.saved_path},
+                                           {"saved_why", std::string(copy.status().message())}});
+    return;
+  }
+  Take(std::move(copy->revocations));
+  context_.settings.Replace(std::move(copy->settings));
+  SetDenied();
+  unread_.store(false);
+  context_.logger.Warn("access_saved_list_used", {{"why", std::string(why.message())},
+                                                  {"saved_list", context_.saved_path},
+                                                  {"revocations", revocations_.size()},
+                                                  {"settings", context_.settings.size()}});
+}
+
+void AccessRounds::Save() {
+  if (!unsaved_ || context_.saved_path.empty()) return;
+  AccessCopy copy;
+  for (const auto& [name, revocation] : revocations_) copy.revocations.push_back(revocation);
+  for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
+    if (each->blocked || each->registered) copy.settings.push_back(*each);
+  }
+  const absl::Status saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
+  unsaved_ = !saved.ok();
+  const std::string before = std::exchange(save_error_, std::string(saved.message()));
+  if (!saved.ok() && before != save_error_) {
+    context_.logger.Warn("access_not_saved", {{"why", save_error_}});
+  }
+}
+
+void AccessRounds::NoteOutcome(const absl::Status& status) {
+  const bool fails = !status.ok();
+  if (std::exchange(failing_, fails) == fails) return;
+  if (fails) {
+    context_.logger.Warn("access_fails", {{"why", std::string(status.message())}});
+  } else {
+    context_.logger.Info("access_works_again", {});
+  }
+}
+
+loop::Next AccessRounds::Listen(const std::stop_token& stop) {
+  const std::stop_callback end(stop, [this] { context_.signal->End(); });
+  // Rounds come all the same, so a wait that fails costs half a second at most.
+  const absl::StatusOr<bool> heard = context_.signal->Wait(kLookAtAccessAgainEvery);
+  if (!heard.ok()) return {.within = kLookAtAccessAgainEvery};
+  if (*heard) rounds_.Wake();
+  return {};
+}
+
+}  // namespace uplink::store

@@ -1,0 +1,101 @@
+#include "server/identity/deny_list.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <openssl/x509.h>
+
+#include "server/identity/pem.h"
+#include "tests/support/certificates.h"
+
+namespace uplink::identity {
+namespace {
+
+using storage::RevokedBy;
+
+Certificate CertificateOf(const testing::KeyPair& keys) {
+  auto read = ReadCertificates({"a.crt", keys.certificate});
+  EXPECT_TRUE(read.ok()) << read.status();
+  return read.ok() ? std::move(read->front()) : nullptr;
+}
+
+TEST(DenyList, NothingIsDeniedAtFirst) {
+  const DenyList list;
+  ASSERT_NE(list.Get(), nullptr);
+  EXPECT_EQ(list.Get()->size(), 0U);
+}
+
+TEST(DenyList, TheListThatWasTakenStays) {
+  DenyList list;
+  const DeniedPtr before = list.Get();
+  auto denied = std::make_shared<DeniedCertificates>();
+  ASSERT_TRUE(denied->Add(RevokedBy::kIssuerSerial, "0A CN=a"));
+  list.Set(denied);
+  EXPECT_EQ(before->size(), 0U);
+  EXPECT_EQ(list.Get()->size(), 1U);
+}
+
+TEST(DeniedCertificates, AreNamedByEitherDigest) {
+  const testing::TestAuthority authority;
+  const Certificate certificate = CertificateOf(authority.Issue(testing::RobotSpec("rcan://a/1")));
+  const ShownCertificate shown = ShownBy(*certificate);
+  const storage::CertificateFacts facts = FactsOf(shown);
+  DeniedCertificates by_key;
+  ASSERT_TRUE(by_key.Add(RevokedBy::kKey, facts.key_sha256));
+  EXPECT_TRUE(by_key.NamesDigest(shown));
+  DeniedCertificates by_certificate;
+  ASSERT_TRUE(by_certificate.Add(RevokedBy::kCertificate, facts.sha256));
+  EXPECT_TRUE(by_certificate.NamesDigest(shown));
+  DeniedCertificates others;
+  ASSERT_TRUE(others.Add(RevokedBy::kKey, facts.sha256));
+  ASSERT_TRUE(others.Add(RevokedBy::kCertificate, facts.key_sha256));
+  EXPECT_FALSE(others.NamesDigest(shown));
+}
+
+TEST(DeniedCertificates, NoCertificateIsNamedByNothing) {
+  DeniedCertificates denied;
+  ASSERT_TRUE(denied.Add(RevokedBy::kKey, std::string(64, '0')));
+  EXPECT_FALSE(denied.NamesDigest({}));
+}
+
+TEST(DeniedCertificates, ASerialIsOfItsIssuer) {
+  DeniedCertificates denied;
+  ASSERT_TRUE(denied.Add(RevokedBy::kIssuerSerial, "0A CN=north,O=a b"));
+  EXPECT_TRUE(denied.NamesSerial("0A"));
+  EXPECT_FALSE(denied.NamesSerial("A"));
+  EXPECT_TRUE(denied.NamesIssued("0A", "CN=north,O=a b"));
+  EXPECT_FALSE(denied.NamesIssued("0A", "CN=south"));
+}
+
+TEST(DeniedCertificates, WhatIsNoneOfItsKindNamesNothing) {
+  DeniedCertificates denied;
+  EXPECT_FALSE(denied.Add(RevokedBy::kIssuerSerial, "0A"));
+  EXPECT_FALSE(denied.Add(RevokedBy::kIssuerSerial, " CN=a"));
+  EXPECT_FALSE(denied.Add(RevokedBy::kKey, std::string(63, 'a')));
+  EXPECT_FALSE(denied.Add(RevokedBy::kKey, std::string(64, 'A')));
+  EXPECT_FALSE(denied.Add(RevokedBy::kCertificate, std::string(64, 'g')));
+  EXPECT_EQ(denied.size(), 0U);
+}
+
+/// A renewed certificate must be no way back for a key that is revoked.
+TEST(DeniedCertificates, AKeyHasOneDigestInEveryForm) {
+  const testing::TestAuthority authority;
+  for (const char* const kind : {"P-256", "P-384", "P-521"}) {
+    testing::CertificateSpec spec = testing::RobotSpec("rcan://a/1");
+    spec.key = kind;
+    spec.compressed = true;
+    const Certificate compressed = CertificateOf(authority.Issue(spec));
+    // The same key as OpenSSL writes it by default.
+    const Key key(X509_get_pubkey(compressed.get()));
+    ASSERT_EQ(EVP_PKEY_set_utf8_string_param(key.get(), "point-format", "uncompressed"), 1);
+    const Certificate usual(X509_dup(compressed.get()));
+    ASSERT_EQ(X509_set_pubkey(usual.get(), key.get()), 1);
+    const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(usual.get()), nullptr);
+    ASSERT_GT(size, i2d_X509_PUBKEY(X509_get_X509_PUBKEY(compressed.get()), nullptr));
+    EXPECT_EQ(ShownBy(*compressed).key_sha256, ShownBy(*usual).key_sha256) << kind;
+    EXPECT_NE(ShownBy(*compressed).sha256, ShownCertificate::Sha256()) << kind;
+  }
+}
+
+}  // namespace
+}  // namespace uplink::identity
