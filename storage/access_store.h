@@ -54,20 +54,20 @@ struct Revocation {
   friend bool operator==(const Revocation&, const Revocation&) = default;
 };
 
-/// What operators set of one robot, known or not. A value; one with nothing set is a robot of which
-/// everything was taken back.
+/// What operators set of one robot, known or not. A value. With nothing set, everything was taken
+/// back.
 struct RobotSetting {
   std::string ruri;
   bool blocked = false;
-  std::string blocked_why;
-  std::string blocked_by;
-  std::optional<SystemTime> blocked_at;
+  std::string blocked_why{};
+  std::string blocked_by{};
+  std::optional<SystemTime> blocked_at{};
   /// An operator added it: it may come in where registration is closed.
   bool registered = false;
-  std::map<std::string, std::string> labels;
-  std::string note;
+  std::map<std::string, std::string> labels{};
+  std::string note{};
   /// An operator asked at this time that its streams end; they may come again.
-  std::optional<SystemTime> disconnect_at;
+  std::optional<SystemTime> disconnect_at{};
   AccessVersion version = 0;
 
   friend bool operator==(const RobotSetting&, const RobotSetting&) = default;
