@@ -14,7 +14,8 @@ namespace {
 
 Response AnswerOfStart(const Request& request, RouteId route) {
   if (route.index >= Routes().size()) return Starting();
-  if (request.method == Method::kOther) return MethodNotAllowed();
+  const Route& asked = Routes()[route.index];
+  if (!Takes(asked, request.method)) return MethodNotAllowed(!asked.action.empty());
   const Target target = SplitTarget(request.target);
   const std::string query(target.query);
   if (target.path == "/livez") return StartingLivez(query);
@@ -60,12 +61,15 @@ Resolved Entrance::Resolve(Request request) const {
   if (std::optional<Response> refusal = Refusal(request, route)) {
     return AtOnce(route, *std::move(refusal));
   }
+  const Site* const site = site_.load();
   if (guard_ != nullptr) {
     Guard::Answer answer = guard_->Ask(request, route);
-    if (answer.refusal) return AtOnce(route, *std::move(answer.refusal));
     request.caller = std::move(answer.caller);
+    if (answer.refusal) {
+      if (site != nullptr && answer.known) site->NoteForbidden(request, route);
+      return AtOnce(route, *std::move(answer.refusal));
+    }
   }
-  const Site* site = site_.load();
   if (site == nullptr) return AtOnce(route, AnswerOfStart(request, route));
   return site->Resolve(request);
 }

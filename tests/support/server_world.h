@@ -5,6 +5,7 @@
 
 #include "metrics/exposition.h"
 #include "metrics/ledger.h"
+#include "server/admin/commands.h"
 #include "server/broker/broker.h"
 #include "server/config/effective.h"
 #include "server/cyberwave/twins.h"
@@ -28,6 +29,7 @@
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/memory_access_store.h"
 #include "tests/support/switched_reader.h"
 
 namespace uplink::testing {
@@ -108,6 +110,10 @@ class ServerWorld {
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;
+  MemoryAccessStore access_store;
+  admin::SharedStore shared_access{access_store};
+  admin::AuditTrail audit{logger};
+  admin::Commands commands;
   config::InEffect in_effect{"/etc/uplinkd/uplinkd.toml", {}, {{"log.level", "uplinkd.toml:7"}}};
   http::Site site;
 

@@ -9,7 +9,7 @@
 
 #include "server/admin/actions.h"
 #include "server/admin/audit_rows.h"
-#include "tests/support/fake_access_store.h"
+#include "tests/support/memory_access_store.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
@@ -33,7 +33,7 @@ class AuditTrailTest : public ::testing::Test {
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
-  testing::FakeAccessStore store_;
+  testing::MemoryAccessStore store_;
   SharedStore shared_{store_};
   AuditTrail trail_{logger_};
 };

@@ -11,7 +11,7 @@
 namespace uplink::testing {
 
 /// What operators decide, in memory, with the rows of its audit in the open. For one thread.
-class FakeAccessStore final : public storage::AccessStore {
+class MemoryAccessStore final : public storage::AccessStore {
  public:
   absl::StatusOr<storage::AccessVersion> Version() override {
     if (!status.ok()) return status;
