@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kDigestDigits = 64;
 /// 20 bytes (RFC 5280), and as many again of certificates that do not keep to that.
 constexpr std::size_t kSerialDigitsMax = 80;
+/// Beside a serial and a space.
+constexpr std::size_t kIssuerBytesMax = storage::kRevokedValueBytesMax - kSerialDigitsMax - 1;
 
 absl::Status Wrong(std::string_view field, std::string_view what) {
   return absl::InvalidArgumentError(fmt::format("{} {}", field, what));
@@ -67,9 +69,9 @@ absl::StatusOr<std::string> DigestOf(std::string_view field, std::string_view te
 
 }  // namespace
 
-absl::Status CheckText(std::string_view field, std::string_view text) {
-  if (text.size() > storage::kNoteBytesMax) {
-    return Wrong(field, fmt::format("must have at most {} bytes", storage::kNoteBytesMax));
+absl::Status CheckText(std::string_view field, std::string_view text, std::size_t bytes_max) {
+  if (text.size() > bytes_max) {
+    return Wrong(field, fmt::format("must have at most {} bytes", bytes_max));
   }
   if (!IsCleanUtf8(text)) return Wrong(field, "must be text in UTF-8");
   return absl::OkStatus();
@@ -129,7 +131,8 @@ absl::StatusOr<storage::Revocation> RevocationOf(const Request& request) {
   const std::optional<std::string> serial = SerialOf(request.serial());
   if (!serial) return Wrong("serial", "must be hexadecimal");
   if (request.issuer().empty()) return Wrong("issuer", "is missing: serials differ within one");
-  if (absl::Status checked = CheckText("issuer", request.issuer()); !checked.ok()) return checked;
+  if (absl::Status checked = CheckText("issuer", request.issuer(), kIssuerBytesMax); !checked.ok())
+    return checked;
   revocation.by = storage::RevokedBy::kIssuerSerial;
   revocation.value = fmt::format("{} {}", *serial, request.issuer());
   return revocation;

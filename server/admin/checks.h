@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -12,8 +15,9 @@
 // field's JSON name. Pure; any thread.
 namespace uplink::admin {
 
-/// A text of a person: well-formed UTF-8 of at most kNoteBytesMax bytes, which may be empty.
-[[nodiscard]] absl::Status CheckText(std::string_view field, std::string_view text);
+/// A text of a person: well-formed UTF-8 of at most `bytes_max` bytes, which may be empty.
+[[nodiscard]] absl::Status CheckText(std::string_view field, std::string_view text,
+                                     std::size_t bytes_max);
 [[nodiscard]] absl::Status CheckRuri(std::string_view ruri);
 /// Names are of letters, digits and `._/-`, so that `label=NAME=VALUE` reads one way.
 [[nodiscard]] absl::Status CheckLabels(

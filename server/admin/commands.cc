@@ -105,7 +105,7 @@ absl::StatusOr<v1::RobotSetting> Commands::BlockRobot(const Asker& asker,
   change.blocked = true;
   change.blocked_why = request.reason();
   return Change(asker, {kRobotBlock, request.ruri(), {}, request.reason()}, std::move(change),
-                CheckText("reason", request.reason()));
+                CheckText("reason", request.reason(), storage::kReasonBytesMax));
 }
 
 absl::StatusOr<v1::RobotSetting> Commands::UnblockRobot(const Asker& asker,
@@ -127,7 +127,7 @@ absl::StatusOr<v1::RobotSetting> Commands::NoteRobot(const Asker& asker,
   storage::SettingChange change;
   change.labels = {request.labels().begin(), request.labels().end()};
   if (request.has_note()) change.note = request.note();
-  absl::Status verdict = CheckText("note", request.note());
+  absl::Status verdict = CheckText("note", request.note(), storage::kNoteBytesMax);
   if (absl::Status labels = CheckLabels(request.labels()); !labels.ok()) verdict = labels;
   if (request.labels().empty() && !request.has_note()) {
     verdict = absl::InvalidArgumentError("labels or note must be given");
@@ -151,7 +151,7 @@ absl::StatusOr<v1::FaultAcknowledgement> Commands::AcknowledgeFault(
             {},
             request.note().empty() ? request.fault_id()
                                    : fmt::format("{}: {}", request.fault_id(), request.note())};
-  absl::Status verdict = CheckText("note", request.note());
+  absl::Status verdict = CheckText("note", request.note(), storage::kNoteBytesMax);
   if (request.fault_id().empty()) {
     verdict = absl::InvalidArgumentError("faultId is missing: name the fault");
   }
@@ -190,7 +190,7 @@ absl::StatusOr<v1::Revocation> Commands::Revoke(const Asker& asker, Deed deed,
 absl::StatusOr<v1::Revocation> Commands::RevokeCertificate(
     const Asker& asker, const v1::RevokeCertificateRequest& request) {
   absl::StatusOr<storage::Revocation> revocation = RevocationOf(request);
-  if (absl::Status checked = CheckText("reason", request.reason());
+  if (absl::Status checked = CheckText("reason", request.reason(), storage::kReasonBytesMax);
       revocation.ok() && !checked.ok()) {
     revocation = checked;
   }

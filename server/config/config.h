@@ -88,6 +88,7 @@ struct StoreConfig {
   milliseconds retain_history = storage::StoreRules().retain_history;
   milliseconds retain_quarantine = storage::StoreRules().retain_quarantine;
   milliseconds retain_connections = storage::StoreRules().retain_connections;
+  milliseconds retain_audit = storage::StoreRules().retain_audit;
 };
 
 struct JournalConfig {

@@ -289,6 +289,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "How long a robot's connections are kept after their end; at most the last 64 of a "
              "robot.",
      UPLINK_BIND(store, StoreConfig, retain_connections)},
+    {.section = "store",
+     .key = "retention.audit",
+     .kind = Kind::kDuration,
+     .min = kDay,
+     .max = 10'000 * kDay,
+     .zero = "for ever",
+     .text = "How long is kept what operators and servers changed.",
+     UPLINK_BIND(store, StoreConfig, retain_audit)},
 
     {.section = "journal",
      .key = "bytes_max",
