@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "server/admin/actions.h"
 #include "server/admin/checks.h"
@@ -49,6 +50,11 @@ std::optional<SystemTime> TimeOf(bool has, const google::protobuf::Timestamp& ti
 }
 
 }  // namespace
+
+std::string DetailOf(const Reloaded& reloaded) {
+  if (!reloaded.problems.empty()) return reloaded.problems.front();
+  return fmt::format("{}", fmt::join(reloaded.taken_over, ", "));
+}
 
 Commands::Commands(Context context) : context_(std::move(context)) {}
 
@@ -253,14 +259,22 @@ absl::StatusOr<v1::ListAuditResponse> Commands::ListAudit(const v1::ListAuditReq
 
 absl::StatusOr<v1::ReloadResponse> Commands::Reload(const Asker& asker,
                                                     const v1::ReloadRequest& /*request*/) {
-  absl::StatusOr<v1::ReloadResponse> answer =
+  const absl::StatusOr<Reloaded> reloaded =
       context_.reload ? context_.reload() : absl::UnavailableError("no server runs here");
-  absl::Status outcome = answer.status();
-  if (answer.ok() && answer->problems_size() > 0) {
-    outcome = absl::FailedPreconditionError(answer->problems(0));
+  absl::Status outcome = reloaded.status();
+  if (reloaded.ok() && !reloaded->problems.empty()) {
+    outcome = absl::FailedPreconditionError("");
   }
-  context_.audit.Note(RowOf(asker, {.action = kReload}, outcome, context_.clock.System()));
-  return answer;
+  Deed deed{kReload};
+  if (reloaded.ok()) deed.detail = DetailOf(*reloaded);
+  context_.audit.Note(RowOf(asker, deed, outcome, context_.clock.System()));
+  if (!reloaded.ok()) return reloaded.status();
+  v1::ReloadResponse response;
+  response.mutable_taken_over()->Assign(reloaded->taken_over.begin(), reloaded->taken_over.end());
+  response.mutable_needs_restart()->Assign(reloaded->needs_restart.begin(),
+                                           reloaded->needs_restart.end());
+  response.mutable_problems()->Assign(reloaded->problems.begin(), reloaded->problems.end());
+  return response;
 }
 
 void Commands::NoteForbidden(const Asker& asker, std::string_view action, std::string_view target) {

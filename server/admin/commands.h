@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -17,6 +18,18 @@
 #include "uplink/v1/admin.pb.h"
 
 namespace uplink::admin {
+
+/// What became of a configuration that was read again. A value.
+struct Reloaded {
+  /// Keys that were taken over.
+  std::vector<std::string> taken_over;
+  /// Keys that changed and need a restart.
+  std::vector<std::string> needs_restart;
+  /// Why nothing was taken over; none: it was.
+  std::vector<std::string> problems;
+};
+/// As the audit's detail: the keys that were taken over, or the first problem.
+[[nodiscard]] std::string DetailOf(const Reloaded& reloaded);
 
 /// The service FleetAdmin, once for every transport: what operators decide, and the audit. The
 /// transport has judged the caller's role by the table of rights; the commands judge its scope. A
@@ -47,7 +60,7 @@ class Commands final {
     std::function<void()> changed{};
     /// Reads the configuration again, and waits for the outcome. kUnavailable: the server starts or
     /// stops. Empty: there is no server.
-    std::function<absl::StatusOr<v1::ReloadResponse>()> reload{};
+    std::function<absl::StatusOr<Reloaded>()> reload{};
   };
   explicit Commands(Context context);
   Commands(const Commands&) = delete;

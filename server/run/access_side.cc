@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "server/admin/actions.h"
+#include "server/admin/asker.h"
+#include "server/admin/audit_rows.h"
 #include "server/identity/expiry.h"
 #include "server/transport/options.h"
 
@@ -27,7 +30,9 @@ AccessSide::AccessSide(const Context& context)
               context.logger),
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
-              .tokens = [this] { return tokens_.tokens(); }}) {
+              .tokens = [this] { return tokens_.tokens(); },
+              .first_use = [this](const identity::Caller& caller,
+                                  const std::string& from) { NoteFirstUse(caller, from); }}) {
   if (config::SpeaksTls(context.http)) tls_.emplace(FilesOf(context), RulesOf(context.tls));
 }
 
@@ -48,6 +53,13 @@ absl::Status AccessSide::LookAtTokens() {
   absl::Status looked = tokens_.Look();
   context_.probe.tokens.Set(static_cast<std::int64_t>(tokens_.tokens()->table.entries().size()));
   return looked;
+}
+
+void AccessSide::NoteFirstUse(const identity::Caller& caller, const std::string& from) {
+  context_.audit.Note(admin::RowOf(
+      admin::AskerOf(caller, from),
+      {.action = admin::kFirstUse, .target = std::string(identity::ToText(caller.role))},
+      absl::OkStatus(), context_.clock.System()));
 }
 
 void AccessSide::LookAtTls() {

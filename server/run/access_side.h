@@ -6,6 +6,7 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/admin/audit_trail.h"
 #include "server/config/config.h"
 #include "server/http/guard.h"
 #include "server/http/probe.h"
@@ -28,6 +29,7 @@ class AccessSide final {
     const config::HttpConfig& http;
     const config::TlsConfig& tls;
     http::HttpProbe& probe;
+    admin::AuditTrail& audit;
   };
   explicit AccessSide(const Context& context);
   AccessSide(const AccessSide&) = delete;
@@ -48,6 +50,7 @@ class AccessSide final {
  private:
   [[nodiscard]] absl::Status LookAtTokens();
   void LookAtTls();
+  void NoteFirstUse(const identity::Caller& caller, const std::string& from);
 
   const Context context_;
   std::optional<http::ServedTls> tls_;

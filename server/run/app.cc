@@ -9,6 +9,7 @@
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
 #include "server/run/broker_side.h"
+#include "server/run/command_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
 #include "server/run/from_config.h"
@@ -52,8 +53,11 @@ class App::Impl {
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
                  [&early] { return early.access().tokens_unread(); }}),
+        commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
+                   [this] { return reload_.Run(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
+               early, store_, uncrew_, relay_, broker_, health_, commands_.commands(),
+               options_.random, in_effect_}),
         reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
   }
@@ -69,7 +73,8 @@ class App::Impl {
                        .answer_http =
                            [this] {
                              early_.Open(view_.site());
-                             early_.OnReload([this] { reload_.Run(); });
+                             early_.OnReload(
+                                 [this] { commands_.NoteReload(reload_.Run(), "SIGHUP"); });
                            },
                        .tell_ready = [this] { TellReady(); },
                        .begin_work =
@@ -82,7 +87,10 @@ class App::Impl {
   int Run() {
     early_.stop_signal().Wait();
     Supervisor::NoteStopping();
+    commands_.NoteStop();
     Drain(ContextOfDrain()).Run();
+    // What the server's thread for it has not written any more.
+    commands_.Flush();
     return early_.stop_signal().exit_code();
   }
 
@@ -121,7 +129,10 @@ class App::Impl {
 
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
-    reports_.SetServer(config::ToText({.host = store::HostName(), .port = relay_.server().port()}));
+    const std::string name =
+        config::ToText({.host = store::HostName(), .port = relay_.server().port()});
+    reports_.SetServer(name);
+    commands_.NoteStart(name, options_.version);
     health_.BeginListening();
     store_.StartRounds(relay_.server().port());
     relay_.StartForwarding();
@@ -156,6 +167,7 @@ class App::Impl {
     store_.AddWork(early_.OnReads(), work);
     health_.AddWork(work);
     view_.AddWork(work);
+    commands_.AddWork(early_.OnReads(), work);
     work.look_at_drones = [this] { uncrew_.Round(); };
     work.look_at_access = [this] { early_.access().Look(); };
     return work;
@@ -185,6 +197,7 @@ class App::Impl {
   BrokerSide broker_;
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
+  CommandSide commands_;
   ViewSide view_;
   Reload reload_;
 };

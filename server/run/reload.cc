@@ -10,8 +10,8 @@
 
 namespace uplink::run {
 
-Changes CompareConfigs(const config::Config& running, const config::Config& read) {
-  Changes changes;
+admin::Reloaded CompareConfigs(const config::Config& running, const config::Config& read) {
+  admin::Reloaded changes;
   for (const config::Setting& setting : config::Settings()) {
     if (setting.get(running) == setting.get(read)) continue;
     std::vector<std::string>& keys =
@@ -24,14 +24,18 @@ Changes CompareConfigs(const config::Config& running, const config::Config& read
 Reload::Reload(config::Config running, Context context)
     : running_(std::move(running)), context_(std::move(context)) {}
 
-void Reload::Run() {
+admin::Reloaded Reload::Run() {
   log::Logger& logger = context_.logger;
   const config::LoadResult read = context_.read();
-  for (const config::Problem& problem : read.problems) {
-    logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
+  if (!read.ok()) {
+    admin::Reloaded refused;
+    for (const config::Problem& problem : read.problems) {
+      logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
+      refused.problems.push_back(config::ToText(problem));
+    }
+    return refused;
   }
-  if (!read.ok()) return;
-  const Changes changes = CompareConfigs(running_, *read.config);
+  admin::Reloaded changes = CompareConfigs(running_, *read.config);
   const log::Level after = LogLevelOf(read.config->log.level);
   // The line is written if the old or the new level lets it through.
   logger.SetLevel(std::min(LogLevelOf(running_.log.level), after));
@@ -45,6 +49,7 @@ void Reload::Run() {
                {{"taken_over", fmt::format("{}", fmt::join(changes.taken_over, ","))},
                 {"needs_restart", fmt::format("{}", fmt::join(changes.needs_restart, ","))}});
   logger.SetLevel(after);
+  return changes;
 }
 
 }  // namespace uplink::run

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/admin/commands.h"
 #include "server/config/config.h"
 #include "server/config/effective.h"
 #include "server/config/load.h"
@@ -12,16 +13,9 @@
 
 namespace uplink::run {
 
-/// What a configuration that was read again asks for. A value.
-struct Changes {
-  /// Keys that changed and are taken over at once.
-  std::vector<std::string> taken_over;
-  /// Keys that changed and count only after a restart.
-  std::vector<std::string> needs_restart;
-};
-
 /// Compares what runs with what was read. Pure.
-[[nodiscard]] Changes CompareConfigs(const config::Config& running, const config::Config& read);
+[[nodiscard]] admin::Reloaded CompareConfigs(const config::Config& running,
+                                             const config::Config& read);
 
 /// What SIGHUP does: reads the configuration again, takes over what may change while the server
 /// runs, and names the rest in the log. Confined to one thread.
@@ -38,7 +32,7 @@ class Reload final {
   Reload(config::Config running, Context context);
 
   /// A configuration with a problem changes nothing.
-  void Run();
+  admin::Reloaded Run();
 
  private:
   config::Config running_;

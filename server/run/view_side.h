@@ -8,6 +8,7 @@
 #include "metrics/exposition.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/admin/commands.h"
 #include "server/config/config.h"
 #include "server/config/effective.h"
 #include "server/fleet/fleet.h"
@@ -44,6 +45,7 @@ class ViewSide final {
     RelaySide& relay;
     BrokerSide& broker;
     HealthSide& health;
+    admin::Commands& commands;
     /// Evenly drawn numbers.
     const std::function<std::uint64_t()>& random;
     const config::InEffect& in_effect;

@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 TEST(CompareConfigs, SeesNothingInTheSame) {
-  const Changes changes = CompareConfigs({}, {});
+  const admin::Reloaded changes = CompareConfigs({}, {});
   EXPECT_THAT(changes.taken_over, IsEmpty());
   EXPECT_THAT(changes.needs_restart, IsEmpty());
 }
@@ -30,7 +30,7 @@ TEST(CompareConfigs, TakesTheLogLevelAndWhatRobotsMaySend) {
   read.log.level = config::LogLevel::kDebug;
   read.limits.durable_bytes_rate = 7;
   read.rates.shape_burst = 3;
-  const Changes changes = CompareConfigs({}, read);
+  const admin::Reloaded changes = CompareConfigs({}, read);
   EXPECT_THAT(changes.taken_over,
               ElementsAre("limits.durable_bytes_rate", "rates.shape_burst", "log.level"));
   EXPECT_THAT(changes.needs_restart, IsEmpty());
@@ -41,7 +41,7 @@ TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
   read.listen.http.port = 1;
   read.listen.metrics = {"::", 9090};
   read.presence.timeout = config::milliseconds(1);
-  const Changes changes = CompareConfigs({}, read);
+  const admin::Reloaded changes = CompareConfigs({}, read);
   EXPECT_THAT(changes.taken_over, IsEmpty());
   EXPECT_THAT(changes.needs_restart,
               ElementsAre("listen.http", "listen.metrics", "presence.timeout"));
