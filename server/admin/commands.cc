@@ -246,7 +246,11 @@ absl::StatusOr<v1::ListAuditResponse> Commands::ListAudit(const v1::ListAuditReq
       .rows = {}, .who = request.who(), .action = request.action(), .target = request.target()};
   query.rows.from = TimeOf(request.has_from(), request.from());
   query.rows.to = TimeOf(request.has_to(), request.to());
-  if (request.oldest_first()) query.rows.order = storage::ListOrder::kOldestFirst;
+  if (request.order_by() == "oldest") {
+    query.rows.order = storage::ListOrder::kOldestFirst;
+  } else if (!request.order_by().empty() && request.order_by() != "newest") {
+    return absl::InvalidArgumentError("orderBy must be oldest or newest");
+  }
   query.rows.page_size = *size;
   query.rows.page_token = request.page_token();
   const absl::StatusOr<storage::Page<AuditRow>> page = context_.rows_of_audit(query);

@@ -134,7 +134,7 @@ Response GetAudit(const Sources& sources, const RoutedRequest& request) {
   v1::ListAuditRequest question;
   if (rows.from) *question.mutable_from() = view::ToTimestamp(*rows.from);
   if (rows.to) *question.mutable_to() = view::ToTimestamp(*rows.to);
-  question.set_oldest_first(rows.order == storage::ListOrder::kOldestFirst);
+  if (rows.order == storage::ListOrder::kOldestFirst) question.set_order_by("oldest");
   question.set_page_size(static_cast<std::int32_t>(rows.page_size));
   question.set_page_token(rows.page_token);
   question.set_who(parameters.Text("who"));

@@ -252,7 +252,7 @@ TEST_F(CommandsTest, ListsTheAudit) {
   ASSERT_TRUE(Block(OfNorth(), kNorth).ok());
   v1::ListAuditRequest request;
   request.set_who("1f2e3d4c");
-  request.set_oldest_first(true);
+  request.set_order_by("oldest");
   const auto list = commands_.ListAudit(request);
   ASSERT_TRUE(list.ok()) << list.status();
   ASSERT_EQ(list->audit_size(), 1);
