@@ -30,10 +30,11 @@ std::optional<Response> Entrance::Refusal(const Request& request, RouteId route)
   const bool data = !IsMonitoring(route);
   const bool covered =
       data || (covered_ == Covered::kDataAndScrapes && IsScrape(Routes()[route.index].lane));
-  if (covered && request.host && !hosts_.Has(*request.host)) return MisdirectedRequest();
+  const std::shared_ptr<const KnownHosts> known = hosts();
+  if (covered && request.host && !known->Has(*request.host)) return MisdirectedRequest();
   if (!data) return std::nullopt;
   if (SameWord(request.fetch_site, "cross-site")) return ForeignPage();
-  if (request.origin && !hosts_.HasOrigin(*request.origin, request.host.value_or(""))) {
+  if (request.origin && !known->HasOrigin(*request.origin, request.host.value_or(""))) {
     return ForeignPage();
   }
   if (request.monitoring_only) return TooManyConnections();

@@ -24,7 +24,7 @@ namespace uplink::http {
 [[nodiscard]] Response CommandError(const absl::Status& status);
 /// 405; the path takes GET and HEAD, or POST if it changes something.
 [[nodiscard]] Response MethodNotAllowed(bool changes = false);
-/// 415: the body is to be JSON.
+/// 415: the body is no JSON.
 [[nodiscard]] Response NotJson();
 /// 503: too many requests wait already.
 [[nodiscard]] Response TooBusy();

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -38,8 +39,8 @@ class AccessSide final {
   /// Reads the files. Errors: kFailedPrecondition names the file that cannot be used.
   [[nodiscard]] absl::Status Open();
   /// Reads the files again; the last good ones stay where one cannot be used. Each change is a
-  /// line.
-  void Look();
+  /// line. Returns what is wrong with them.
+  std::vector<std::string> Look();
 
   /// Whether a file of tokens on disk is not what is used.
   [[nodiscard]] bool tokens_unread() const { return tokens_.unread(); }
@@ -49,7 +50,7 @@ class AccessSide final {
 
  private:
   [[nodiscard]] absl::Status LookAtTokens();
-  void LookAtTls();
+  absl::Status LookAtTls();
   void NoteFirstUse(const identity::Caller& caller, const std::string& from);
 
   const Context context_;

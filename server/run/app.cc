@@ -12,6 +12,7 @@
 #include "server/run/command_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
+#include "server/run/followed_file.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
 #include "server/run/health_side.h"
@@ -54,11 +55,18 @@ class App::Impl {
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
                  [&early] { return early.access().tokens_unread(); }}),
         commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
-                   [this] { return reload_.Run(); }}),
+                   [this] { return ReadAgain(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, commands_.commands(),
                options_.random, in_effect_}),
-        reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
+        reload_(options_.config,
+                {.read = options_.read_config,
+                 .allowances = allowances_,
+                 .logger = options_.logger,
+                 .in_effect = in_effect_,
+                 .look_at_files = [&early] { return early.access().Look(); },
+                 .took_over =
+                     [&early](const config::Config& running) { early.TakeOver(running.http); }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
   }
 
@@ -74,7 +82,7 @@ class App::Impl {
                            [this] {
                              early_.Open(view_.site());
                              early_.OnReload(
-                                 [this] { commands_.NoteReload(reload_.Run(), "SIGHUP"); });
+                                 [this] { commands_.NoteReload(ReadAgain(), "SIGHUP"); });
                            },
                        .tell_ready = [this] { TellReady(); },
                        .begin_work =
@@ -155,6 +163,11 @@ class App::Impl {
     Supervisor::NoteReady();
   }
 
+  admin::Reloaded ReadAgain() {
+    config_file_.NoteRead();
+    return reload_.Run();
+  }
+
   /// Ends the greeting after the first round of the periodic work, whose info events belong to the
   /// start. A job that waits on the loop already posts that round; hence two posts.
   void EndGreeting() {
@@ -169,7 +182,10 @@ class App::Impl {
     view_.AddWork(work);
     commands_.AddWork(early_.OnReads(), work);
     work.look_at_drones = [this] { uncrew_.Round(); };
-    work.look_at_access = [this] { early_.access().Look(); };
+    work.look_at_access = [this] { static_cast<void>(early_.access().Look()); };
+    work.look_at_config = [this] {
+      if (config_file_.Look()) commands_.NoteReload(reload_.Run(), "the file");
+    };
     return work;
   }
 
@@ -200,6 +216,7 @@ class App::Impl {
   CommandSide commands_;
   ViewSide view_;
   Reload reload_;
+  FollowedFile config_file_{options_.config_file};
 };
 
 App::App(std::unique_ptr<EarlyServices> early, std::unique_ptr<Impl> impl)

@@ -60,6 +60,11 @@ class EarlyServices final {
   /// StopLoop.
   void OnReload(std::function<void()> reload);
 
+  /// What a reload brings to HTTP. On the loop's thread.
+  void TakeOver(const config::HttpConfig& http) {
+    entrance_.SetHosts(http::KnownHosts(http.hosts));
+  }
+
   /// Begins the periodic work, on the loop's thread. Its parts live until StopLoop.
   void Repeat(PeriodicWork work);
 

@@ -27,14 +27,18 @@ Reload::Reload(config::Config running, Context context)
 admin::Reloaded Reload::Run() {
   log::Logger& logger = context_.logger;
   const config::LoadResult read = context_.read();
+  admin::Reloaded refused;
   if (!read.ok()) {
-    admin::Reloaded refused;
     for (const config::Problem& problem : read.problems) {
-      logger.Error("reload_refused", {{"problem", config::ToText(problem)}});
       refused.problems.push_back(config::ToText(problem));
     }
-    return refused;
+  } else if (context_.look_at_files) {
+    refused.problems = context_.look_at_files();
   }
+  for (const std::string& problem : refused.problems) {
+    logger.Error("reload_refused", {{"problem", problem}});
+  }
+  if (!read.ok() || !refused.problems.empty()) return refused;
   admin::Reloaded changes = CompareConfigs(running_, *read.config);
   const log::Level after = LogLevelOf(read.config->log.level);
   // The line is written if the old or the new level lets it through.
@@ -45,6 +49,7 @@ admin::Reloaded Reload::Run() {
   }
   context_.allowances.Set(AllowanceOf(running_));
   context_.in_effect.TakeOver(*read.config, read.places);
+  if (context_.took_over) context_.took_over(running_);
   logger.Write(changes.needs_restart.empty() ? log::Level::kInfo : log::Level::kWarn, "reloaded",
                {{"taken_over", fmt::format("{}", fmt::join(changes.taken_over, ","))},
                 {"needs_restart", fmt::format("{}", fmt::join(changes.needs_restart, ","))}});

@@ -17,8 +17,8 @@ namespace uplink::run {
 [[nodiscard]] admin::Reloaded CompareConfigs(const config::Config& running,
                                              const config::Config& read);
 
-/// What SIGHUP does: reads the configuration again, takes over what may change while the server
-/// runs, and names the rest in the log. Confined to one thread.
+/// What SIGHUP, a change of the file and a command do: reads the configuration again, takes over
+/// what may change while the server runs, and names the rest in the log. Confined to one thread.
 class Reload final {
  public:
   struct Context {
@@ -27,6 +27,11 @@ class Reload final {
     ingest::Allowances& allowances;
     log::Logger& logger;
     config::InEffect& in_effect;
+    /// What is wrong with the other files that are followed, such as those of tokens and TLS: then
+    /// nothing is taken over. Empty: there are none.
+    std::function<std::vector<std::string>()> look_at_files{};
+    /// Gets what is in effect from now on; may be empty.
+    std::function<void(const config::Config& running)> took_over{};
   };
   /// `running`: what the server was started with.
   Reload(config::Config running, Context context);
