@@ -11,6 +11,7 @@
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/live_budget.h"
+#include "server/fleet/robot_settings.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
@@ -105,6 +106,7 @@ class ServerWorld {
   view::BriefLook::Post to_store_thread;
   bool robots_unread = false;
   view::FaultCounts fault_counts{clock};
+  fleet::RobotSettings settings{100};
   fleet::TopSenders top{clock, fleet};
   view::Queries queries;
   health::Monitor monitor;

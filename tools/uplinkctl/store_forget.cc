@@ -277,7 +277,6 @@ int StoreForget(const StoreForgetRequest& request) {
     fmt::print("nothing was deleted\n");
     return kExitFailed;
   }
-  // That may have taken a while.
   target = Open(request, clock);
   if (!target.ok()) return ExitOf(target.status());
   found = Find(*target, request.ruri);

@@ -145,5 +145,29 @@ TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {
   EXPECT_EQ(world_.audit.waiting(), 0U) << "questions leave no row";
 }
 
+TEST_F(HttpCommandsTest, RobotsShowAndAreFoundByWhatIsSet) {
+  world_.settings.Apply({{.ruri = kNorth,
+                          .blocked = true,
+                          .labels = {{"line", "2"}, {"site", "hall=2"}},
+                          .note = "new wheels",
+                          .version = 1},
+                         {.ruri = kSouth, .labels = {{"line", "2"}}, .version = 2}});
+  const std::string list = "/api/v1/robots?parts=none&";
+  const std::string both = world_.Get(list + "label=line=2").body;
+  EXPECT_THAT(both, HasSubstr(kNorth));
+  EXPECT_THAT(both, HasSubstr(kSouth));
+  const std::string one = world_.Get(list + "label=line=2&label=site=hall=2").body;
+  EXPECT_THAT(one, HasSubstr(R"("total":"1")"));
+  EXPECT_THAT(one, HasSubstr(R"("note":"new wheels")"));
+  EXPECT_THAT(one, HasSubstr(R"("site":"hall=2")"));
+  EXPECT_THAT(world_.Get(list + "blocked=true").body, HasSubstr(kNorth));
+  const std::string others = world_.Get(list + "blocked=false").body;
+  EXPECT_THAT(others, HasSubstr(kSouth));
+  EXPECT_THAT(others, HasSubstr(R"("total":"1")"));
+  EXPECT_EQ(world_.Get(list + "label=line").status, 400);
+  EXPECT_THAT(world_.Get("/api/v1/robot?ruri=" + std::string(kNorth)).body,
+              HasSubstr(R"("blocked":true)"));
+}
+
 }  // namespace
 }  // namespace uplink::http
