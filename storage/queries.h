@@ -121,8 +121,8 @@ struct QuarantineQuery {
   std::optional<model::RejectReason> reason{};
 };
 
-/// Which rows of the audit. Empty texts match everything. Of `rows`, `ruris` and `robots_alone`
-/// mean nothing: a robot is a target.
+/// Which rows of the audit. Empty texts match everything. Of `rows`, `ruris` are targets, and
+/// `robots_alone` means nothing.
 struct AuditQuery {
   HistoryQuery rows;
   std::string who{};

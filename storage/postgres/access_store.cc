@@ -133,7 +133,7 @@ class PostgresAccessStore final : public AccessStore {
           if (revocation.revoked && count >= static_cast<std::int64_t>(kRevocationsMax)) {
             return TooManyRevocations();
           }
-          calls.push_back(StoreCallOf(kNextVersionSql));
+          calls.push_back(StoreCallOf(kNextVersionSql.view()));
           calls.push_back(StoreCallOf(kDropRevocations, row.at - kTakenBackKept));
           calls.push_back(StoreCallOf(kSetRevocation, kind, revocation.value,
                                       revocation.revoked ? 1 : 0, row.at, row.who,
@@ -167,7 +167,7 @@ class PostgresAccessStore final : public AccessStore {
           if (!found && read[2].Int(0, 0) >= static_cast<std::int64_t>(kSettingsMax)) {
             return TooManySettings();
           }
-          calls.push_back(StoreCallOf(kNextVersionSql));
+          calls.push_back(StoreCallOf(kNextVersionSql.view()));
           calls.push_back(StoreCallOf(kDropSettings, row.at - kTakenBackKept));
           calls.push_back(SettingCall(after, row.at));
           calls.push_back(StoreCallOf(kNotify));

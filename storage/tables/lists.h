@@ -30,8 +30,10 @@ struct ListShape {
   std::string_view columns;
   /// What the list is ordered by, newest first; entry breaks ties.
   std::string_view time_column;
-  /// What a row is about.
+  /// What a row is about: a robot, unless its name is another.
   std::string_view ruri_column = "ruri";
+
+  [[nodiscard]] constexpr bool of_robots() const { return ruri_column == "ruri"; }
 };
 
 /// Columns that every row of a list begins with; those of ListShape follow.

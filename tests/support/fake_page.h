@@ -68,6 +68,7 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
          row.fleet.size() + row.outcome.size() + row.detail.size();
 }
 
+// What `ruris` and `fleets` of a query are compared with.
 template <typename Row>
 [[nodiscard]] model::RobotId FakeRobotOf(const Row& row) {
   return row.robot;

@@ -285,7 +285,9 @@ absl::StatusOr<Page<storage::AuditRow>> FakeReader::Audit(const storage::AuditQu
            (!query.action.empty() && row.second->action != query.action) ||
            (!query.target.empty() && row.second->target != query.target);
   });
-  return FakePageOf(PageKind::kAudit, query.rows, std::move(rows));
+  HistoryQuery which = query.rows;
+  which.robots_alone = false;
+  return FakePageOf(PageKind::kAudit, which, std::move(rows));
 }
 
 absl::StatusOr<Page<storage::ShapeRow>> FakeReader::Shapes(const PresentQuery& query) {
