@@ -1,10 +1,12 @@
 #include "server/run/app.h"
 
+#include <span>
 #include <utility>
 
 #include "metrics/ledger.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
@@ -36,6 +38,7 @@ class App::Impl {
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
+        settings_(fleet::RobotSettingsMax(options_.config.limits.robots_max)),
         store_(ContextOfStore(), std::move(stores)),
         reports_({.clock = options_.clock,
                   .logger = options_.logger,
@@ -68,6 +71,10 @@ class App::Impl {
                  .took_over =
                      [&early](const config::Config& running) { early.TakeOver(running.http); }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
+    fleet_.entry().Set(EntryRulesOf(options_.config.identity), settings_);
+    settings_.OnChange([this](std::span<const fleet::RobotSettings::Change> changes) {
+      fleet_.OnSettings(changes);
+    });
   }
 
   ~Impl() { Stop(); }
@@ -182,11 +189,24 @@ class App::Impl {
     view_.AddWork(work);
     commands_.AddWork(early_.OnReads(), work);
     work.look_at_drones = [this] { uncrew_.Round(); };
-    work.look_at_access = [this] { static_cast<void>(early_.access().Look()); };
+    work.look_at_access = [this] {
+      static_cast<void>(early_.access().Look());
+      WarnOfUnnamed();
+    };
     work.look_at_config = [this] {
       if (config_file_.Look()) commands_.NoteReload(reload_.Run(), "the file");
     };
     return work;
+  }
+
+  void WarnOfUnnamed() {
+    if (const auto gateway = fleet_.entry().TakeUnnamed()) {
+      options_.logger.Warn("gateway_unnamed",
+                           {{"gateway", *gateway},
+                            {"why",
+                             "its certificate names no robots, so it speaks for any of its "
+                             "fleet; from 1.0 on identity.gateways is \"named\""}});
+    }
   }
 
   void Stop() {
@@ -206,6 +226,7 @@ class App::Impl {
   ingest::Allowances allowances_{AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
+  fleet::RobotSettings settings_;
   StoreSide store_;
   robot::ConnectionReports reports_;
   UncrewSide uncrew_;
