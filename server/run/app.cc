@@ -60,7 +60,7 @@ class App::Impl {
         commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
                    [this] { return ReadAgain(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               early, store_, uncrew_, relay_, broker_, health_, commands_.commands(),
+               early, store_, uncrew_, relay_, broker_, health_, commands_.commands(), settings_,
                options_.random, in_effect_}),
         reload_(options_.config,
                 {.read = options_.read_config,

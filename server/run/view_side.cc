@@ -21,7 +21,8 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context, view::Faul
           .broker = [&broker = context.broker] { return broker.status(); },
           .drones = &context.uncrew.drones(),
           .faults = &faults,
-          .top = &top};
+          .top = &top,
+          .settings = &context.settings};
 }
 
 std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {

@@ -12,6 +12,7 @@
 #include "server/config/config.h"
 #include "server/config/effective.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/http/site.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
@@ -46,6 +47,7 @@ class ViewSide final {
     BrokerSide& broker;
     HealthSide& health;
     admin::Commands& commands;
+    const fleet::RobotSettings& settings;
     /// Evenly drawn numbers.
     const std::function<std::uint64_t()>& random;
     const config::InEffect& in_effect;
