@@ -59,11 +59,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                 .store = shared_access,
                 .audit = audit,
                 .rows_of_audit =
-                    [this](const storage::AuditQuery&) {
-                      storage::Page<storage::AuditRow> page;
-                      page.rows = access_store.audit;
-                      return absl::StatusOr<storage::Page<storage::AuditRow>>(std::move(page));
-                    },
+                    [this](const storage::AuditQuery& query) { return reader.Audit(query); },
                 .fleet_of = [this](std::string_view ruri) -> std::optional<std::string> {
                   const fleet::RobotPtr robot = fleet.Find(ruri);
                   if (robot == nullptr) return std::nullopt;

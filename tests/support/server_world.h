@@ -27,10 +27,10 @@
 #include "server/uncrew/drones.h"
 #include "server/uncrew/probe.h"
 #include "server/view/queries.h"
+#include "tests/support/fake_access_store.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
-#include "tests/support/memory_access_store.h"
 #include "tests/support/switched_reader.h"
 
 namespace uplink::testing {
@@ -112,7 +112,7 @@ class ServerWorld {
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;
-  MemoryAccessStore access_store;
+  FakeAccessStore access_store{database};
   admin::SharedStore shared_access{access_store};
   admin::AuditTrail audit{logger};
   admin::Commands commands;

@@ -9,7 +9,9 @@
 
 #include "server/admin/actions.h"
 #include "server/admin/audit_rows.h"
-#include "tests/support/memory_access_store.h"
+#include "tests/support/fake_access_store.h"
+#include "tests/support/fake_database.h"
+#include "tests/support/fake_reader.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
@@ -29,11 +31,22 @@ class AuditTrailTest : public ::testing::Test {
                        clock_.System());
   }
 
+  /// The oldest first.
+  std::vector<storage::AuditRow> Audit() {
+    storage::AuditQuery query;
+    query.rows.order = storage::ListOrder::kOldestFirst;
+    query.rows.page_size = storage::kPageSizeMax;
+    auto page = testing::FakeReader(database_).Audit(query);
+    EXPECT_TRUE(page.ok()) << page.status();
+    return page.ok() ? page->rows : std::vector<storage::AuditRow>();
+  }
+
   testing::ManualClock clock_;
   std::vector<std::string> lines_;
   log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
                       log::Level::kInfo};
-  testing::MemoryAccessStore store_;
+  testing::FakeDatabase database_;
+  testing::FakeAccessStore store_{database_};
   SharedStore shared_{store_};
   AuditTrail trail_{logger_};
 };
@@ -42,8 +55,8 @@ TEST_F(AuditTrailTest, WritesWhatWaitsInItsOrder) {
   trail_.Note(Row("a"));
   trail_.Note(Row("b"));
   trail_.Flush(shared_);
-  EXPECT_THAT(store_.audit, ElementsAre(Field(&storage::AuditRow::target, "a"),
-                                        Field(&storage::AuditRow::target, "b")));
+  EXPECT_THAT(Audit(), ElementsAre(Field(&storage::AuditRow::target, "a"),
+                                   Field(&storage::AuditRow::target, "b")));
   EXPECT_EQ(trail_.waiting(), 0U);
   EXPECT_THAT(lines_, SizeIs(2));
 }
@@ -55,14 +68,14 @@ TEST_F(AuditTrailTest, KeepsWhatTheStoreRefused) {
   EXPECT_EQ(trail_.waiting(), 1U);
   store_.status = absl::OkStatus();
   trail_.Flush(shared_);
-  EXPECT_THAT(store_.audit, ElementsAre(Field(&storage::AuditRow::target, "a")));
+  EXPECT_THAT(Audit(), ElementsAre(Field(&storage::AuditRow::target, "a")));
 }
 
 TEST_F(AuditTrailTest, LosesTheOldestOfTooManyAndSaysSo) {
   for (std::size_t i = 0; i < kAuditWaitingMax + 3; ++i) trail_.Note(Row(std::to_string(i)));
   EXPECT_EQ(trail_.waiting(), kAuditWaitingMax);
   trail_.Flush(shared_);
-  EXPECT_EQ(store_.audit.front().target, "3");
+  EXPECT_EQ(Audit().front().target, "3");
   EXPECT_THAT(lines_, Contains(HasSubstr("error audit_rows_lost rows=3")));
 }
 

@@ -1,4 +1,5 @@
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,6 +42,14 @@ class HttpCommandsTest : public ::testing::Test {
             .name = "1f2e3d4c"};
   }
 
+  /// The newest first.
+  std::vector<storage::AuditRow> Audit() {
+    world_.audit.Flush(world_.shared_access);
+    const auto page = world_.reader.Audit({});
+    EXPECT_TRUE(page.ok()) << page.status();
+    return page.ok() ? page->rows : std::vector<storage::AuditRow>();
+  }
+
   testing::ServerWorld world_;
 };
 
@@ -52,7 +61,7 @@ TEST_F(HttpCommandsTest, BlocksByParameterAndByBody) {
                                                        R"("reason":"stolen"})");
   EXPECT_EQ(by_body.status, 200) << by_body.body;
   EXPECT_THAT(by_body.body, HasSubstr(R"("blockedWhy":"stolen")"));
-  EXPECT_EQ(world_.access_store.audit.size(), 2U);
+  EXPECT_EQ(Audit().size(), 2U);
 }
 
 TEST_F(HttpCommandsTest, ABodyAndAParameterThatDifferAreRefused) {
@@ -125,6 +134,16 @@ TEST_F(HttpCommandsTest, AStoreThatIsAwayIs503) {
   EXPECT_EQ(Post("/api/v1/robot/block?ruri=" + std::string(kNorth)).status, 503);
 }
 
+TEST_F(HttpCommandsTest, AnActiveFaultShowsWhoHasSeenIt) {
+  world_.CommitFault(kNorth, {.unix_time_ms = 1, .fault_id = "E7", .source = "s", .active = true});
+  const Response seen = Post("/api/v1/faults/acknowledge?faultId=E7&ruri=" + std::string(kNorth),
+                             R"({"note":"on her way"})");
+  EXPECT_EQ(seen.status, 200) << seen.body;
+  EXPECT_THAT(seen.body, HasSubstr(R"("by":"local")"));
+  EXPECT_THAT(world_.Get("/api/v1/faults?active=true").body, HasSubstr(R"("note":"on her way")"));
+  EXPECT_EQ(Post("/api/v1/faults/acknowledge?faultId=E8&ruri=" + std::string(kNorth)).status, 404);
+}
+
 TEST_F(HttpCommandsTest, ABoundThatIsReachedIs409) {
   world_.access_store.status = absl::ResourceExhaustedError("too many labels");
   const Response response = Post("/api/v1/robot/block?ruri=" + std::string(kNorth));
@@ -137,10 +156,10 @@ TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {
   request.caller = OfNorth();
   request.from = "192.0.2.1";
   world_.site.NoteForbidden(request, FindRoute("/api/v1/robot/block").id);
-  world_.audit.Flush(world_.shared_access);
-  ASSERT_EQ(world_.access_store.audit.size(), 1U);
-  EXPECT_EQ(world_.access_store.audit[0].outcome, "PERMISSION_DENIED");
-  EXPECT_EQ(world_.access_store.audit[0].target, kNorth);
+  const std::vector<storage::AuditRow> rows = Audit();
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].outcome, "PERMISSION_DENIED");
+  EXPECT_EQ(rows[0].target, kNorth);
   world_.site.NoteForbidden(request, FindRoute("/api/v1/audit").id);
   EXPECT_EQ(world_.audit.waiting(), 0U) << "questions leave no row";
 }
