@@ -1,7 +1,10 @@
 #include "server/admin/audit_trail.h"
 
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -77,6 +80,15 @@ TEST_F(AuditTrailTest, LosesTheOldestOfTooManyAndSaysSo) {
   trail_.Flush(shared_);
   EXPECT_EQ(Audit().front().target, "3");
   EXPECT_THAT(lines_, Contains(HasSubstr("error audit_rows_lost rows=3")));
+}
+
+TEST(AuditActions, ThePageHasEachOne) {
+  std::ifstream page("docs/reference/audit.md");
+  ASSERT_TRUE(page) << "docs/reference/audit.md cannot be read";
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  for (const std::string_view action : kActions) {
+    EXPECT_THAT(text, HasSubstr("`" + std::string(action) + "`"));
+  }
 }
 
 TEST(AuditRows, ShowTextsOfClientsAsPrintable) {
