@@ -1,6 +1,9 @@
 #include "server/admin/audit_trail.h"
 
+#include <chrono>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "server/admin/audit_rows.h"
 
@@ -27,6 +30,27 @@ void AuditTrail::Note(storage::AuditRow row) {
     ++gone_;
   }
   waiting_.push_back(std::move(row));
+}
+
+void AuditTrail::NoteRefused(storage::AuditRow row) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto since = row.at - minute_began_;
+    // A clock that was set back begins a new one, too.
+    if (since >= std::chrono::minutes(1) || since < SystemTime::duration(0)) {
+      minute_began_ = row.at;
+      refused_ = 0;
+    }
+    if (refused_ == kRefusedPerMinuteMax) {
+      ++left_out_;
+      return;
+    }
+    ++refused_;
+    if (const std::uint64_t left_out = std::exchange(left_out_, 0); left_out > 0) {
+      row.detail = fmt::format("{} more before it. {}", left_out, row.detail);
+    }
+  }
+  Note(std::move(row));
 }
 
 void AuditTrail::Flush(SharedStore& store) {

@@ -87,7 +87,7 @@ absl::StatusOr<Answer> Commands::Do(const Asker& asker, const Deed& deed,
     }
     outcome = answer.status();
   }
-  context_.audit.Note(RowOf(asker, deed, outcome, now));
+  context_.audit.NoteRefused(RowOf(asker, deed, outcome, now));
   return outcome;
 }
 
@@ -282,8 +282,8 @@ absl::StatusOr<v1::ReloadResponse> Commands::Reload(const Asker& asker,
 }
 
 void Commands::NoteForbidden(const Asker& asker, std::string_view action, std::string_view target) {
-  context_.audit.Note(RowOf(asker, {.action = action, .target = std::string(target)},
-                            absl::PermissionDeniedError(""), context_.clock.System()));
+  context_.audit.NoteRefused(RowOf(asker, {.action = action, .target = std::string(target)},
+                                   absl::PermissionDeniedError(""), context_.clock.System()));
 }
 
 }  // namespace uplink::admin

@@ -82,6 +82,15 @@ TEST_F(AuditTrailTest, LosesTheOldestOfTooManyAndSaysSo) {
   EXPECT_THAT(lines_, Contains(HasSubstr("error audit_rows_lost rows=3")));
 }
 
+TEST_F(AuditTrailTest, LeavesOutRefusalsOverTheirBoundAndSaysHowMany) {
+  for (int i = 0; i < kRefusedPerMinuteMax + 5; ++i) trail_.NoteRefused(Row("a"));
+  EXPECT_EQ(trail_.waiting(), static_cast<std::size_t>(kRefusedPerMinuteMax));
+  clock_.Advance(std::chrono::minutes(1));
+  trail_.NoteRefused(Row("b"));
+  trail_.Flush(shared_);
+  EXPECT_EQ(Audit().back().detail, "5 more before it. ");
+}
+
 TEST(AuditActions, ThePageHasEachOne) {
   std::ifstream page("docs/reference/audit.md");
   ASSERT_TRUE(page) << "docs/reference/audit.md cannot be read";
