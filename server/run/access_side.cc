@@ -47,7 +47,7 @@ absl::Status AccessSide::Open() {
 std::vector<std::string> AccessSide::Look() {
   std::vector<std::string> problems;
   for (const absl::Status& looked : {tls_ ? LookAtTls() : absl::OkStatus(), LookAtTokens()}) {
-    if (!looked.ok()) problems.emplace_back(looked.message());
+    if (!looked.ok()) problems.emplace_back(std::string(looked.message()));
   }
   return problems;
 }
