@@ -56,7 +56,7 @@ class App::Impl {
                 std::move(store_.stores().topic_leases)),
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
-                 [&early] { return early.access().tokens_unread(); }}),
+                 [&early] { return early.access().facts(); }}),
         commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
                    [this] { return ReadAgain(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
