@@ -5,6 +5,7 @@
 #include <deque>
 #include <mutex>
 
+#include "schema/base/clock.h"
 #include "server/admin/shared_store.h"
 #include "server/log/logger.h"
 #include "storage/audit.h"
@@ -13,6 +14,10 @@ namespace uplink::admin {
 
 /// Rows that wait for the store at most; the oldest go first, and a line tells how many.
 inline constexpr std::size_t kAuditWaitingMax = 1'000;
+
+/// Rows of what was refused per minute at most: who may ask may also ask in vain, again and again.
+/// The next row after it says how many were left out.
+inline constexpr int kRefusedPerMinuteMax = 100;
 
 /// What happened in this server that the audit tells: each is a log line `audit` at once, and a row
 /// once the store takes it. Commands write the rows of what they change themselves, in the
@@ -29,6 +34,8 @@ class AuditTrail final {
   void Tell(const storage::AuditRow& row) const;
   /// The line, and the row with the next Flush. Never waits.
   void Note(storage::AuditRow row);
+  /// The same of what was refused, within kRefusedPerMinuteMax.
+  void NoteRefused(storage::AuditRow row);
   /// Writes what waits, until the store refuses one; that one stays. Waits for the store.
   void Flush(SharedStore& store);
   /// Rows that wait.
@@ -38,7 +45,14 @@ class AuditTrail final {
   const log::Logger& logger_;
   mutable std::mutex mutex_;
   std::deque<storage::AuditRow> waiting_;
+  /// Rows that left the queue, written or lost; and those lost since the last line about them.
+  std::uint64_t gone_ = 0;
   std::uint64_t lost_ = 0;
+  /// When the minute began in which so many were noted as refused, and those left out since the
+  /// last one that was noted.
+  SystemTime minute_began_{};
+  int refused_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace uplink::admin

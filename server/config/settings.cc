@@ -796,6 +796,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "http",
      .key = "hosts",
      .kind = Kind::kList,
+     .effect = Effect::kReload,
      .text = "Names under which /api may be asked for, beside addresses and localhost, without a "
              "port: those that a proxy in front passes on as Host. Probes are answered under any "
              "name, and so are scrapes, unless http.hosts_cover_metrics is true.",

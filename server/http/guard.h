@@ -48,6 +48,9 @@ class Guard final {
     /// Certificates and keys that open nothing, asked at each request. It outlives the guard; null:
     /// none.
     const identity::DenyList* denied = nullptr;
+    /// Gets each caller with its first request, and where that came from; may be empty. Any thread,
+    /// with no lock held.
+    std::function<void(const identity::Caller& caller, const std::string& from)> first_use{};
   };
   /// The references outlive it.
   struct Context {
@@ -63,6 +66,8 @@ class Guard final {
     identity::Caller caller{};
     /// It may not ask; or it has not shown who it is.
     std::optional<Response> refusal{};
+    /// It has shown who it is, though it may not ask this.
+    bool known = false;
   };
   [[nodiscard]] Answer Ask(const Request& request, RouteId route);
 

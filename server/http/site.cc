@@ -6,6 +6,7 @@
 #include "server/http/errors.h"
 #include "server/http/form.h"
 #include "server/http/negotiate.h"
+#include "server/http/parameters.h"
 #include "server/http/target.h"
 
 namespace uplink::http {
@@ -20,8 +21,10 @@ Resolved Site::Resolve(const Request& request) const {
   const Target target = SplitTarget(request.target);
   FoundRoute found = FindRoute(target.path);
   if (found.id.index >= Routes().size()) return AtOnce(found.id, NoSuchPath(target.path));
-  if (request.method == Method::kOther) return AtOnce(found.id, MethodNotAllowed());
   const Route& route = Routes()[found.id.index];
+  if (!Takes(route, request.method)) {
+    return AtOnce(found.id, MethodNotAllowed(!route.action.empty()));
+  }
   RoutedRequest routed{std::move(found.segment),
                        std::string(target.query),
                        FormatFor(request.accept),
@@ -29,10 +32,21 @@ Resolved Site::Resolve(const Request& request) const {
                        PrefersLines(request.accept),
                        request.if_none_match,
                        request.listener,
-                       request.caller};
+                       request.caller,
+                       request.from,
+                       request.content_type,
+                       request.body};
   const bool reads = route.reads_store != nullptr && route.reads_store(routed);
   return {found.id, reads ? Lane::kRead : route.lane,
           [this, &route, routed = std::move(routed)] { return Run(route, routed); }};
+}
+
+void Site::NoteForbidden(const Request& request, RouteId route) const {
+  const std::string_view action = Routes()[route.index].action;
+  if (action.empty()) return;
+  Parameters parameters(SplitTarget(request.target).query);
+  sources_.commands.NoteForbidden(admin::AskerOf(request.caller, request.from), action,
+                                  parameters.Text("ruri"));
 }
 
 Response Site::Run(const Route& route, const RoutedRequest& request) const {

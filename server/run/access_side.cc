@@ -4,6 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/admin/actions.h"
+#include "server/admin/asker.h"
+#include "server/admin/audit_rows.h"
 #include "server/config/authority_folder.h"
 #include "server/identity/expiry.h"
 #include "server/transport/options.h"
@@ -33,7 +36,9 @@ AccessSide::AccessSide(const Context& context)
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
               .tokens = [this] { return tokens_.tokens(); },
-              .denied = &denied_}) {
+              .denied = &denied_,
+              .first_use = [this](const identity::Caller& caller,
+                                  const std::string& from) { NoteFirstUse(caller, from); }}) {
   if (config::SpeaksTls(context.http)) tls_.emplace(FilesOf(context), RulesOf(context.tls));
 }
 
@@ -62,9 +67,12 @@ absl::Status AccessSide::Open() {
   return LookAtTokens();
 }
 
-void AccessSide::Look() {
-  if (tls_) LookAtTls();
-  static_cast<void>(LookAtTokens());  // the files have a line of their own
+std::vector<std::string> AccessSide::Look() {
+  std::vector<std::string> problems;
+  for (const absl::Status& looked : {tls_ ? LookAtTls() : absl::OkStatus(), LookAtTokens()}) {
+    if (!looked.ok()) problems.emplace_back(std::string(looked.message()));
+  }
+  return problems;
 }
 
 absl::Status AccessSide::LookAtTokens() {
@@ -73,7 +81,14 @@ absl::Status AccessSide::LookAtTokens() {
   return looked;
 }
 
-void AccessSide::LookAtTls() {
+void AccessSide::NoteFirstUse(const identity::Caller& caller, const std::string& from) {
+  context_.audit.Note(admin::RowOf(
+      admin::AskerOf(caller, from),
+      {.action = admin::kFirstUse, .target = std::string(identity::ToText(caller.role))},
+      absl::OkStatus(), context_.clock.System()));
+}
+
+absl::Status AccessSide::LookAtTls() {
   const transport::FilesLook look = tls_->Refresh();
   tls_fits_.store(look.status.ok());
   const std::string before = std::exchange(tls_why_, std::string(look.status.message()));
@@ -81,16 +96,17 @@ void AccessSide::LookAtTls() {
     if (before != tls_why_) {
       context_.logger.Error("http_certificate_mismatch", {{"why", tls_why_}});
     }
-    return;
+    return look.status;
   }
   expiry_ms_.store(UnixMs(look.served.expiry));
-  if (before.empty() && look.served == served_) return;
+  if (before.empty() && look.served == served_) return absl::OkStatus();
   served_ = look.served;
   context_.logger.Info("http_certificate_served",
                        {{"expires", identity::ExpiryText(look.served.expiry)},
                         {"authorities", look.served.authorities},
                         {"certificate_sha256", look.served.certificate_sha256},
                         {"client_ca_sha256", look.served.client_ca_sha256}});
+  return absl::OkStatus();
 }
 
 health::HttpFacts AccessSide::facts() const {

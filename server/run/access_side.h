@@ -9,6 +9,7 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/admin/audit_trail.h"
 #include "server/config/config.h"
 #include "server/health/readiness.h"
 #include "server/http/guard.h"
@@ -36,6 +37,7 @@ class AccessSide final {
     const config::TlsConfig& tls;
     const config::IdentityConfig& identity;
     http::HttpProbe& probe;
+    admin::AuditTrail& audit;
   };
   explicit AccessSide(const Context& context);
   AccessSide(const AccessSide&) = delete;
@@ -44,8 +46,8 @@ class AccessSide final {
   /// Reads the files. Errors: kFailedPrecondition names the file that cannot be used.
   [[nodiscard]] absl::Status Open();
   /// Reads the files again; the last good ones stay where one cannot be used. Each change is a
-  /// line.
-  void Look();
+  /// line. Returns what is wrong with them.
+  std::vector<std::string> Look();
 
   /// Never waits.
   [[nodiscard]] health::HttpFacts facts() const;
@@ -59,9 +61,10 @@ class AccessSide final {
 
  private:
   [[nodiscard]] absl::Status LookAtTokens();
-  void LookAtTls();
   /// The files of lists as the configuration and the folder of authorities name them now.
   [[nodiscard]] std::vector<transport::CrlFile> ListsNow();
+  absl::Status LookAtTls();
+  void NoteFirstUse(const identity::Caller& caller, const std::string& from);
 
   const Context context_;
   std::optional<http::ServedTls> tls_;

@@ -11,8 +11,10 @@
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
 #include "server/run/broker_side.h"
+#include "server/run/command_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
+#include "server/run/followed_file.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
 #include "server/run/health_side.h"
@@ -55,9 +57,19 @@ class App::Impl {
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
                  [&early] { return early.access().facts(); }}),
+        commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
+                   [this] { return ReadAgain(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
-        reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
+               early, store_, uncrew_, relay_, broker_, health_, commands_.commands(), settings_,
+               options_.random, in_effect_}),
+        reload_(options_.config,
+                {.read = options_.read_config,
+                 .allowances = allowances_,
+                 .logger = options_.logger,
+                 .in_effect = in_effect_,
+                 .look_at_files = [&early] { return early.access().Look(); },
+                 .took_over =
+                     [&early](const config::Config& running) { early.TakeOver(running.http); }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
     fleet_.entry().Set(EntryRulesOf(options_.config.identity), settings_);
     settings_.OnChange([this](std::span<const fleet::RobotSettings::Change> changes) {
@@ -76,7 +88,8 @@ class App::Impl {
                        .answer_http =
                            [this] {
                              early_.Open(view_.site());
-                             early_.OnReload([this] { reload_.Run(); });
+                             early_.OnReload(
+                                 [this] { commands_.NoteReload(ReadAgain(), "SIGHUP"); });
                            },
                        .tell_ready = [this] { TellReady(); },
                        .begin_work =
@@ -89,7 +102,10 @@ class App::Impl {
   int Run() {
     early_.stop_signal().Wait();
     Supervisor::NoteStopping();
+    commands_.NoteStop();
     Drain(ContextOfDrain()).Run();
+    // What the server's thread for it has not written any more.
+    commands_.Flush();
     return early_.stop_signal().exit_code();
   }
 
@@ -132,7 +148,10 @@ class App::Impl {
 
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
-    reports_.SetServer(config::ToText({.host = store::HostName(), .port = relay_.server().port()}));
+    const std::string name =
+        config::ToText({.host = store::HostName(), .port = relay_.server().port()});
+    reports_.SetServer(name);
+    commands_.NoteStart(name, options_.version);
     health_.BeginListening();
     store_.StartRounds(relay_.server().port());
     relay_.StartForwarding();
@@ -155,6 +174,11 @@ class App::Impl {
     Supervisor::NoteReady();
   }
 
+  admin::Reloaded ReadAgain() {
+    config_file_.NoteRead();
+    return reload_.Run();
+  }
+
   /// Ends the greeting after the first round of the periodic work, whose info events belong to the
   /// start. A job that waits on the loop already posts that round; hence two posts.
   void EndGreeting() {
@@ -167,10 +191,14 @@ class App::Impl {
     store_.AddWork(early_.OnReads(), work);
     health_.AddWork(work);
     view_.AddWork(work);
+    commands_.AddWork(early_.OnReads(), work);
     work.look_at_drones = [this] { uncrew_.Round(); };
     work.look_at_access = [this] {
-      early_.access().Look();
+      static_cast<void>(early_.access().Look());
       WarnOfUnnamed();
+    };
+    work.look_at_config = [this] {
+      if (config_file_.Look()) commands_.NoteReload(reload_.Run(), "the file");
     };
     return work;
   }
@@ -210,8 +238,10 @@ class App::Impl {
   BrokerSide broker_;
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
+  CommandSide commands_;
   ViewSide view_;
   Reload reload_;
+  FollowedFile config_file_{options_.config_file};
 };
 
 App::App(std::unique_ptr<EarlyServices> early, std::unique_ptr<Impl> impl)

@@ -26,6 +26,16 @@ RIGHTS = {
     "/metrics/robots": {"metrics*", "viewer*", "operator*", "admin*", "metrics", "viewer", "operator", "admin"},
     "/api/v1/status": {"viewer*", "operator*", "admin*"},
     "/api/v1/config": {"operator*", "admin*"},
+    "/api/v1/audit": {"admin*"},
+    "/api/v1/certificates/revocations": {"admin*"},
+}
+# The same of paths that take POST.
+OPERATE = {"operator*", "admin*", "operator", "admin"}
+COMMANDS = {
+    **{f"/api/v1/robot/{verb}": OPERATE for verb in ("block", "unblock", "disconnect", "note")},
+    "/api/v1/faults/acknowledge": OPERATE,
+    "/api/v1/robot/add": {"operator*", "admin*"},
+    **{path: {"admin*"} for path in ("/api/v1/certificates/revoke", "/api/v1/certificates/unrevoke", "/api/v1/reload")},
 }
 READ = {"viewer*", "operator*", "admin*", "viewer", "operator", "admin"}
 ROLES = ("metrics", "viewer", "operator", "admin")
@@ -122,14 +132,15 @@ class Rights(Access):
         paths = [path.replace("{ruri}", "rcan%3A%2F%2Fa") for path in self.paths()]
         self.assertGreater(len(paths), 20)
         for path in paths:
-            may = RIGHTS.get(path, READ)
-            nothing = ask(self.plain(server), path)
+            method = "POST" if path in COMMANDS else "GET"
+            may = {**RIGHTS, **COMMANDS}.get(path, READ)
+            nothing = ask(self.plain(server), path, method=method)
             if path in PROBES:
                 self.assertEqual(nothing.status, 200, path)
                 continue
             self.assertEqual((nothing.status, nothing.headers["WWW-Authenticate"]), (401, "Bearer"), path)
             for holder, token in holders.items():
-                answer = ask(self.plain(server), path, token)
+                answer = ask(self.plain(server), path, token, method)
                 with self.subTest(path=path, holder=holder):
                     if holder in may:
                         self.assertIn(answer.status, (200, 400, 404), answer.body)
