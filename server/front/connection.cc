@@ -59,6 +59,8 @@ void Connection::Handshake() {
 void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
   TlsPeer peer = tls_->Peer();
+  // Those without a certificate share the places of their source.
+  if (!peer.shown) peer.key = KeyOf(origin_.source);
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();
