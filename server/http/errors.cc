@@ -48,6 +48,8 @@ Response Answer(int status, const view::ErrorText& text) {
   Response response;
   response.status = status;
   response.body = view::ErrorJson(text);
+  response.code = text.code;
+  response.why = text.message;
   return response;
 }
 

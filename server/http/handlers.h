@@ -11,6 +11,7 @@
 #include "server/identity/caller.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
+#include "server/view/form.h"
 #include "server/view/queries.h"
 
 namespace uplink::http {
@@ -36,6 +37,9 @@ struct RoutedRequest {
   std::string query;
   metrics::Format format = metrics::Format::kText;
   metrics::Coding coding = metrics::Coding::kPlain;
+  /// Of an answer that holds what was asked for. Errors are JSON; Response::code and why say the
+  /// same.
+  view::Form form = view::Form::kJson;
   /// Lists go as lines.
   bool lines = false;
   std::string if_none_match;

@@ -47,6 +47,8 @@ struct Request {
   bool monitoring_only = false;
   /// Where it came in.
   ListenerId listener = ListenerId::kHttp;
+  /// Its caller must show who it is, however open the rest of the server is.
+  bool proves = false;
   /// Who asks.
   identity::Caller caller = identity::LocalCaller();
 };
@@ -76,6 +78,9 @@ struct Response {
   std::chrono::seconds retry_after{0};
   /// The connection ends after it.
   bool closes = false;
+  /// Of an error: the canonical name, such as NOT_FOUND, and the sentence that the body has.
+  std::string_view code{};
+  std::string why{};
   /// What really failed, for the log alone.
   std::string cause{};
 

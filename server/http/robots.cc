@@ -119,7 +119,8 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::RobotsPage> page = sources.queries.Robots(query);
-  return page.ok() ? JsonResponse(view::ToJson(*page, query.parts)) : ErrorResponse(page.status());
+  return page.ok() ? JsonResponse(view::Encode(request.form, *page, query.parts))
+                   : ErrorResponse(page.status());
 }
 
 Response GetFleets(const Sources& sources, const RoutedRequest& request) {
@@ -130,7 +131,7 @@ Response GetFleets(const Sources& sources, const RoutedRequest& request) {
   query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::FleetsPage> page = sources.queries.Fleets(query);
-  return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
+  return page.ok() ? JsonResponse(view::Encode(request.form, *page)) : ErrorResponse(page.status());
 }
 
 Response GetTop(const Sources& sources, const RoutedRequest& request) {
@@ -144,7 +145,7 @@ Response GetTop(const Sources& sources, const RoutedRequest& request) {
   const std::vector<std::string> fleets = request.caller.scope.Restrict(parameters.Text("fleet"));
   const std::uint32_t count = parameters.Number("pageSize", kTopDefault, fleet::kTopMax);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.queries.Top(*order, count, fleets), by));
+  return JsonResponse(view::Encode(request.form, sources.queries.Top(*order, count, fleets), by));
 }
 
 Response GetRobot(const Sources& sources, const RoutedRequest& request) {
@@ -154,7 +155,7 @@ Response GetRobot(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::RobotView> robot =
       sources.queries.Robot(ruri, request.caller.scope.Restrict(""));
-  return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
+  return robot.ok() ? JsonResponse(view::Encode(request.form, *robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }
 
