@@ -36,13 +36,17 @@ enum class CyberwaveMedia : std::uint8_t { kOff, kCount };
 // the schema and the storage bound themselves is taken from there; the rooms of the server take
 // theirs from here. settings.cc binds each member to its key, bounds and text.
 
+/// Descriptors of listen.fleet: some 160 connections, and those that wait for their handshake.
+inline constexpr std::size_t kFleetDescriptors = 256;
+
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
   /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
   /// Load balancers whose connections begin with a PROXY header.
   std::vector<Network> proxy_protocol_from;
-  ListenAddress fleet{"127.0.0.1", 7444};
+  /// Operators' gRPC; no address: there is none.
+  ListenAddress fleet;
   ListenAddress http{"127.0.0.1", 7480};
   /// Probes and scrapes for other machines; no address: on `http` alone.
   ListenAddress metrics;

@@ -126,8 +126,11 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "listen",
      .key = "fleet",
      .kind = Kind::kAddress,
-     .effect = Effect::kNone,
-     .text = "Operators: gRPC FleetView.",
+     .empty = "no such listener",
+     .text = "Operators: gRPC FleetView, with gRPC's reflection and health, always with TLS and "
+             "the server's certificate. Callers show an operator's certificate, as "
+             "tls.operator_ca_file signs, or a token of http.tokens_file in the metadata "
+             "authorization.",
      UPLINK_BIND(listen, ListenConfig, fleet)},
     {.section = "listen",
      .key = "http",

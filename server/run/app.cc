@@ -11,6 +11,7 @@
 #include "server/run/broker_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
+#include "server/run/fleet_side.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
 #include "server/run/health_side.h"
@@ -121,6 +122,7 @@ class App::Impl {
 
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
+    if (absl::Status listens = operators_.Listen(); !listens.ok()) return listens;
     reports_.SetServer(config::ToText({.host = store::HostName(), .port = relay_.server().port()}));
     health_.BeginListening();
     store_.StartRounds(relay_.server().port());
@@ -133,6 +135,7 @@ class App::Impl {
     options_.logger.Info("listening", {{"relay", config::ToText(relay_.Target().address)},
                                        {"http", config::ToText(early_.http_address())},
                                        {"metrics", config::ToText(early_.metrics_address())},
+                                       {"fleet", config::ToText(operators_.address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
     options_.greeting.TellReady({.store = store::NameOf(options_.config.store),
@@ -140,7 +143,8 @@ class App::Impl {
                                  .robots_unread = store_.robots_unread(),
                                  .relay = relay_.Target().address,
                                  .http = early_.http_address(),
-                                 .metrics = early_.metrics_address()});
+                                 .metrics = early_.metrics_address(),
+                                 .fleet = operators_.address()});
     Supervisor::NoteReady();
   }
 
@@ -157,12 +161,19 @@ class App::Impl {
     health_.AddWork(work);
     view_.AddWork(work);
     work.look_at_drones = [this] { uncrew_.Round(); };
-    work.look_at_access = [this] { early_.access().Look(); };
+    work.look_at_access = [this] {
+      early_.access().Look();
+      operators_.Look();
+    };
     return work;
   }
 
   void Stop() {
-    run::Stop({.stop_relay = [this] { relay_.Shutdown(); },
+    run::Stop({.stop_relay =
+                   [this] {
+                     operators_.Stop();
+                     relay_.Shutdown();
+                   },
                .stop_writers =
                    [this] {
                      broker_.Stop();
@@ -186,6 +197,7 @@ class App::Impl {
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
   ViewSide view_;
+  FleetSide operators_{{options_.logger, options_.config, early_, relay_, health_, view_.site()}};
   Reload reload_;
 };
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -11,6 +12,7 @@
 #include "server/config/config.h"
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
+#include "server/http/routes.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/one_at_a_time.h"
@@ -85,6 +87,12 @@ class EarlyServices final {
   /// The same, ahead of what others posted.
   [[nodiscard]] loop::Post OnReadsAhead() {
     return [this](auto job) { return own_reads_->TryPostAhead(std::move(job)).has_value(); };
+  }
+  /// Posts a job that answers an operator to the threads of its lane, kMemory or kRead; false if
+  /// they take no more. Until EndReaders.
+  [[nodiscard]] bool Post(http::Lane lane, std::function<void()> job) {
+    auto& threads = lane == http::Lane::kMemory ? memory_ : reads_;
+    return threads->TryPost(std::move(job)).has_value();
   }
   /// Who may ask by HTTP. Look on the loop's thread.
   [[nodiscard]] AccessSide& access() { return access_; }

@@ -13,6 +13,7 @@
 #include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/forward/forwarding.h"
+#include "server/front/call/relay_context.h"
 #include "server/front/server.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/shards.h"
@@ -52,7 +53,7 @@ class RelaySide final {
     /// For the numbers of forwarded commands.
     std::uint64_t seed = 0;
     robot::ConnectionReports& reports;
-    /// What is served beside the relay.
+    /// What is served beside the relay, for robots.
     transport::MethodsMaker others = {};
   };
   explicit RelaySide(const Context& context);
@@ -67,6 +68,9 @@ class RelaySide final {
   }
   /// A commit held shapes or objects. Any thread.
   void OnSpatialCommitted() { forwarding_.Wake(); }
+
+  /// For another listener, which serves no relay and counts for itself.
+  [[nodiscard]] front::RelayContext FrontContext(transport::RelayProbe& probe);
 
   // --- After Listen ---
 

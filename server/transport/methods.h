@@ -25,8 +25,8 @@ enum class MethodKind : std::uint8_t { kUnary, kServerStream, kBidirectional };
 struct Method {
   MethodKind kind = MethodKind::kUnary;
   /// The roles that may call it, and the same in words for those that may not.
-  std::vector<identity::Role> roles;
-  std::string_view audience;
+  std::vector<identity::Role> roles{};
+  std::string_view audience{};
   /// Anyone may call it, also without a certificate: `serve` judges by ServedCall::proof.
   bool open = false;
   /// The gate's bounds in which a call of it counts.
