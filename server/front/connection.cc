@@ -60,7 +60,7 @@ void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
   TlsPeer peer = tls_->Peer();
   // Those without a certificate share the places of their source.
-  if (!peer.shown) peer.key = KeyOf(origin_.source);
+  if (peer.anonymous) peer.key = KeyOf(origin_.source);
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();

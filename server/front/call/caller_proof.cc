@@ -9,7 +9,7 @@ transport::CallerProof ProofOf(const TlsPeer& peer, const Origin& origin,
   transport::CallerProof proof{.authorization = std::move(authorization),
                                .source = origin.source.bytes(),
                                .from = origin.text};
-  if (!peer.shown) return proof;
+  if (peer.anonymous) return proof;
   proof.identity = peer.identity;
   proof.expiry = peer.expiry;
   for (const std::string* name : {&peer.subject, &peer.gateway, &peer.ruri}) {

@@ -15,7 +15,7 @@ milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
 
 TlsPeer PeerOf(const SSL* connection, int verify_error) {
   X509* certificate = SSL_get0_peer_certificate(connection);
-  TlsPeer peer{.shown = certificate != nullptr,
+  TlsPeer peer{.anonymous = certificate == nullptr,
                .identity = absl::UnauthenticatedError("client certificate: none was shown"),
                .ruri = {},
                .expiry = SystemTime{}};

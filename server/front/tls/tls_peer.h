@@ -19,8 +19,8 @@ inline constexpr std::chrono::hours kFarAway{24 * 365 * 10};
 
 /// The peer that a finished handshake has shown. A value.
 struct TlsPeer {
-  /// It has shown a certificate.
-  bool shown = false;
+  /// It has shown no certificate.
+  bool anonymous = false;
   /// Not OK: what is wrong with the certificate; its peer is told, and not served.
   absl::StatusOr<identity::PeerIdentity> identity;
   /// The RURI in its certificate, if any, even if it has expired.
@@ -41,7 +41,7 @@ struct TlsPeer {
   }
   /// Several programs may come by its key: a gateway's, or an operator's; or it has none.
   [[nodiscard]] bool SharesItsKey() const {
-    return !shown || (identity.ok() && identity->role != identity::Role::kRobot);
+    return anonymous || (identity.ok() && identity->role != identity::Role::kRobot);
   }
   /// The remaining life of its chain, at most kFarAway; kFarAway if the identity is bad or the
   /// clock is not vouched for.
