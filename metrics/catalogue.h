@@ -157,6 +157,7 @@ enum class MetricId : std::uint8_t {
   kHttpReadsRefused,
   kHttpDenied,
   kHttpTokens,
+  kHttpCertificateExpiry,
   kRcanSeries,
   kRcanSeriesLimit,
   kRcanRobotsLeftOut,

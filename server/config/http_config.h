@@ -41,6 +41,9 @@ struct HttpConfig {
 
 /// Whether listen.http speaks TLS.
 [[nodiscard]] bool SpeaksTls(const HttpConfig& http);
+/// Who may speak to listen.http without TLS. Where it speaks none, this machine always may: its
+/// health checks and uplinkctl have no other way.
+[[nodiscard]] std::vector<Network> PlainFrom(const HttpConfig& http);
 /// Whether callers of listen.http must show a token or an operator's certificate. False: every
 /// caller is identity::LocalCaller, and only this machine may get there.
 [[nodiscard]] bool AsksForProof(const HttpConfig& http);

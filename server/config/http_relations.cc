@@ -24,28 +24,28 @@ void CheckAddress(const Config& config, std::vector<Breach>& breaches) {
   breaches.push_back(
       {"listen", "http",
        fmt::format("{} is not a loopback address, and nothing asks callers who they are; set "
-                   "http.tokens_file, or http.tls.certificate_file and http.tls.key_file with "
-                   "tls.operator_ca_file, or listen on 127.0.0.1, on [::1] or on a Unix socket, "
-                   "such as \"unix:/run/uplinkd/http.sock\"",
+                   "http.tls.certificate_file and http.tls.key_file with http.tokens_file or "
+                   "tls.operator_ca_file; set http.tokens_file with http.plain_from if a proxy in "
+                   "front speaks TLS; or listen on 127.0.0.1, on [::1] or on a Unix socket, such "
+                   "as \"unix:/run/uplinkd/http.sock\"",
                    ToText(address))});
 }
 
-/// Without TLS somebody must be able to speak plain HTTP, beyond this machine if others may
-/// connect.
+/// Without TLS somebody beyond this machine must be able to speak plain HTTP if others may connect.
 void CheckPlain(const Config& config, std::vector<Breach>& breaches) {
   const ListenAddress& address = config.listen.http;
   const HttpConfig& http = config.http;
   if (SpeaksTls(http) || IsUnix(address)) return;
   // One problem is enough for an address without authentication.
   if (!IsLoopback(address) && !AsksForProof(http)) return;
-  const bool here_alone = http.plain_from == LoopbackNetworks();
-  if (!http.plain_from.empty() && (IsLoopback(address) || !here_alone)) return;
+  const bool here_alone = http.plain_from.empty() || http.plain_from == LoopbackNetworks();
+  if (IsLoopback(address) || !here_alone) return;
   breaches.push_back(
       {"http", "plain_from",
-       fmt::format("listen.http, {}, speaks no TLS, and {} may speak plain HTTP; set "
-                   "http.tls.certificate_file and http.tls.key_file, or name here the proxies or "
-                   "networks that may do without TLS",
-                   ToText(address), here_alone ? "this machine alone" : "no address")});
+       fmt::format("listen.http, {}, speaks no TLS, and this machine alone may speak plain HTTP; "
+                   "set http.tls.certificate_file and http.tls.key_file, or name here the proxies "
+                   "or networks that may do without TLS",
+                   ToText(address))});
 }
 
 void CheckPair(const HttpConfig& http, std::vector<Breach>& breaches) {
@@ -93,6 +93,14 @@ std::optional<mode_t> ParseSocketMode(std::string_view text) {
 }
 
 bool SpeaksTls(const HttpConfig& http) { return !http.tls_certificate_file.empty(); }
+
+std::vector<Network> PlainFrom(const HttpConfig& http) {
+  std::vector<Network> networks = http.plain_from;
+  if (SpeaksTls(http)) return networks;
+  const std::vector<Network> loopback = LoopbackNetworks();
+  networks.insert(networks.end(), loopback.begin(), loopback.end());
+  return networks;
+}
 
 bool AsksForProof(const HttpConfig& http) { return SpeaksTls(http) || !http.tokens_file.empty(); }
 

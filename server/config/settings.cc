@@ -786,7 +786,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kNetworks,
      .text = "Who may speak plain HTTP to listen.http; others must speak TLS or are closed. Where "
              "this names more than a proxy's address, tokens cross that network readable. A Unix "
-             "socket is always plain.",
+             "socket is always plain, and without http.tls loopback may always speak it.",
      UPLINK_BIND(http, HttpConfig, plain_from)},
     {.section = "http",
      .key = "tokens_file",

@@ -19,7 +19,7 @@ Readiness Monitor::readiness() const {
       .draining = draining(),
       .certificate_expiry = certificate_expiry(),
       .certificate_fits = certificate_fits_.load(),
-      .tokens_unread = sources_.tokens_unread(),
+      .http = sources_.http(),
       .robots = {sources_.fleet.size(), sources_.fleet.robots_max()},
       .store_failing =
           sources_.journal_probe.store_failing.value() != 0 || sources_.robots_unread(),

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
@@ -41,7 +42,7 @@ class Monitor final {
     std::function<bool()> live_state_over = [] { return false; };
     std::function<BrokerFacts()> broker = [] { return BrokerFacts(); };
     std::function<bool()> series_left_out = [] { return false; };
-    std::function<bool()> tokens_unread = [] { return false; };
+    std::function<HttpFacts()> http = [] { return HttpFacts(); };
   };
   explicit Monitor(const Sources& sources);
 
@@ -49,6 +50,10 @@ class Monitor final {
   [[nodiscard]] Readiness readiness() const;
   [[nodiscard]] SystemTime certificate_expiry() const {
     return FromUnixMs(certificate_expiry_ms_.load());
+  }
+  /// Of listen.http; nothing: it speaks no TLS.
+  [[nodiscard]] std::optional<SystemTime> http_certificate_expiry() const {
+    return sources_.http().certificate_expiry;
   }
   /// The expiry of the certificate that is served, and whether that is from the files on disk.
   /// Returns whether the second has changed. One thread.

@@ -15,7 +15,9 @@ bool HasBacklog(const Facts& facts) {
 }
 
 bool Expires(const Facts& facts) {
-  return !Expired(facts) && facts.certificate_expiry - facts.now < kCertificateNotice;
+  const auto& http = facts.http.certificate_expiry;
+  return (!Expired(facts) && facts.certificate_expiry - facts.now < kCertificateNotice) ||
+         (http && *http - facts.now < kCertificateNotice);
 }
 
 constexpr auto kDegradedWords = std::to_array<DegradedWord>({
@@ -42,8 +44,9 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"live_bytes_max", [](const Facts& facts) { return facts.live_state_over; }},
     {"series_max", [](const Facts& facts) { return facts.series_left_out; }},
     {"certificate_expiring", Expires},
-    {"certificate_mismatch", [](const Facts& facts) { return !facts.certificate_fits; }},
-    {"tokens_unread", [](const Facts& facts) { return facts.tokens_unread; }},
+    {"certificate_mismatch",
+     [](const Facts& facts) { return !facts.certificate_fits || !facts.http.certificate_fits; }},
+    {"tokens_unread", [](const Facts& facts) { return facts.http.tokens_unread; }},
     {"descriptors",
      [](const Facts& facts) { return facts.descriptors.above(kDescriptorsPercent); }},
 });

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,16 @@ struct BrokerFacts {
   Fill twins;
 };
 
+/// What is wrong with the files by which operators come in. A value.
+struct HttpFacts {
+  /// Of the certificate of listen.http that is served; nothing: it speaks no TLS.
+  std::optional<SystemTime> certificate_expiry{};
+  /// Its PEM files on disk are the ones served.
+  bool certificate_fits = true;
+  /// A file of tokens cannot be read; those that were good last count.
+  bool tokens_unread = false;
+};
+
 /// All that readiness depends on. A value.
 struct ReadinessFacts {
   SystemTime now;
@@ -57,8 +68,7 @@ struct ReadinessFacts {
   SystemTime certificate_expiry;
   /// The PEM files on disk are the ones served.
   bool certificate_fits = true;
-  /// A file of tokens cannot be read; those that were good last count.
-  bool tokens_unread = false;
+  HttpFacts http;
   Fill robots;
   bool store_failing = false;
   /// Acked records may be lost in a power failure, which the operator accepted.

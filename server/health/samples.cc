@@ -20,6 +20,8 @@ void AddSamples(Monitor& monitor, metrics::Exposition& page) {
   page.Add(kRelayBehind, monitor.liveness().behind() ? 1 : 0);
   page.Add(kStandstills, monitor.liveness().standstills());
   page.Add(kCertificateExpiry, UnixSeconds(monitor.certificate_expiry()));
+  const auto http = monitor.http_certificate_expiry();
+  page.Add(kHttpCertificateExpiry, http ? UnixSeconds(*http) : 0);
   page.Add(kDraining, monitor.draining() ? 1 : 0);
   const std::vector<std::string> degraded = monitor.readiness().degraded;
   for (const DegradedWord& each : DegradedWords()) {

@@ -88,14 +88,14 @@ class Connection final : public PlaceHolder,
   }
 
   void Handshake(asio::const_buffer first) {
-    handshake_ = context_->handshakes.Begin(*this);
+    handshake_ = context_->handshakes.Begin(*this, peer_.source);
     wire_.raw().expires_after(kHandshakeWait);
-    wire_.Handshake(context_->tls->get().get(), first,
+    wire_.Handshake(judged_.Begin(*context_->tls), first,
                     [self = shared_from_this()](error_code error) {
                       self->EndHandshake();
                       if (error == asio::error::operation_aborted) return;  // it gave way
                       if (error) return self->NoteFailedHandshake(error);
-                      self->certificate_ = CertificateOf(self->wire_.connection());
+                      self->judged_.Finish(self->wire_.connection());
                       self->ReadRequest();
                     });
   }
@@ -167,9 +167,9 @@ class Connection final : public PlaceHolder,
     Answer(std::move(incoming_.refusal()));
   }
 
-  [[nodiscard]] Request ToRequest() const {
+  [[nodiscard]] Request ToRequest() {
     Request request = RequestOf(incoming_.message(), peer_, peer_.proxy && !wire_.is_tls());
-    request.certificate = certificate_;
+    if (wire_.is_tls()) request.certificate = judged_.Now(*context_->tls, wire_.connection());
     request.monitoring_only = place_ && (*place_)->monitoring_only;
     request.listener = context_->listener;
     return request;
@@ -263,8 +263,7 @@ class Connection final : public PlaceHolder,
   /// While its handshake is under way.
   std::optional<Handshakes::Handle> handshake_;
   Wire wire_;
-  /// Null: the peer has shown none.
-  std::shared_ptr<const PeerCertificate> certificate_;
+  JudgedCertificate judged_;
   /// Read by the thread that answers, too.
   std::atomic<bool> gave_way_{false};
   Incoming incoming_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 
 #include "server/config/networks.h"
 #include "server/http/handshakes.h"
@@ -28,6 +29,7 @@ struct ConnectionContext {
         limits(options.limits),
         tls(options.tls),
         plain_from(options.plain_from),
+        group_alone((options.socket_mode & S_IRWXO) == 0),
         places(options.limits.connections_max, options.limits.source_share),
         handshakes(std::max<std::size_t>(options.limits.connections_max / 2, 1)),
         handshake_failures(all.logger) {}
@@ -42,6 +44,8 @@ struct ConnectionContext {
   /// Null: the listener speaks no TLS.
   const ServedTls* const tls;
   const std::vector<config::Network> plain_from;
+  /// The Unix socket lets in its user and group alone, which may speak for others.
+  const bool group_alone;
   /// The value of Keep-Alive.
   const std::string keep_alive = fmt::format(
       "timeout={}", std::chrono::duration_cast<std::chrono::seconds>(limits.idle_wait).count());

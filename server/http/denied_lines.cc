@@ -14,16 +14,18 @@ void DeniedLines::Write(const Line& line, const Source& source, SteadyTime now) 
   std::uint64_t suppressed = 0;
   {
     const std::lock_guard lock(mutex_);
-    Window& window = sources_.Touch(source);
+    Window& window = sources_.Touch({source, line.why});
     window.Turn(now);
     all_.Turn(now);
-    if (window.lines >= kLinesPerSource || all_.lines >= kLinesMax) {
-      ++window.suppressed;
+    // What had no room among all is told by the next line of any source: its own may never return.
+    for (Window* const full : {&window, &all_}) {
+      if (!full->IsFull(full == &window ? kLinesPerSource : kLinesMax)) continue;
+      ++full->suppressed;
       return;
     }
     ++window.lines;
     ++all_.lines;
-    suppressed = std::exchange(window.suppressed, 0);
+    suppressed = std::exchange(window.suppressed, 0) + std::exchange(all_.suppressed, 0);
   }
   logger_.Warn("http_denied", {{"why", ToText(line.why)},
                                {"route", line.route},

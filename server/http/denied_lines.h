@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "schema/base/clock.h"
 #include "server/http/denied.h"
@@ -15,11 +16,12 @@
 
 namespace uplink::http {
 
-/// Lines about who was not served, bounded per source and in all, so that a noisy source does not
-/// hide another. They hold no token.
+/// Lines about who was not served, bounded per source and cause and in all, so that a noisy source
+/// does not hide another, nor a scraper without a token who guesses at its address. They hold no
+/// token.
 ///
-/// Limits: kLinesPerSource and kLinesMax in any kSpan; kSourcesMax sources, past which the one that
-///         was denied least recently is forgotten.
+/// Limits: kLinesPerSource of a source and cause, and kLinesMax, in any kSpan; kSourcesMax sources
+///         with a cause, past which the one that was denied least recently is forgotten.
 /// Thread: thread-safe; no lock is held while a line is written.
 class DeniedLines final {
  public:
@@ -44,6 +46,7 @@ class DeniedLines final {
  private:
   /// Lines of one span.
   struct Window {
+    [[nodiscard]] bool IsFull(std::uint32_t most) const { return lines >= most; }
     void Turn(SteadyTime now);
 
     SteadyTime start{};
@@ -54,7 +57,7 @@ class DeniedLines final {
   const log::Logger& logger_;
   std::mutex mutex_;
   Window all_;
-  limits::RecentKeys<Source, Window, kSourcesMax> sources_;
+  limits::RecentKeys<std::pair<Source, Denied>, Window, kSourcesMax> sources_;
 };
 
 }  // namespace uplink::http

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <fmt/core.h>
 #include <openssl/crypto.h>
 
 #include "server/http/errors.h"
@@ -94,7 +95,8 @@ Guard::Answer Guard::ByToken(std::string_view token, const Tokens& tokens, const
                     .name = found.entry->id},
                    request, route);
     case TokenTable::Finding::kExpired:
-      return Fail(Denied::kExpiredToken, InvalidToken("the token has expired"), request, route);
+      return Fail(Denied::kExpiredToken, InvalidToken("the token has expired"), request, route,
+                  found.entry->id);
     case TokenTable::Finding::kUnknown:
       break;
   }
@@ -129,6 +131,14 @@ Guard::Answer Guard::ByCertificate(const PeerCertificate& certificate, const Req
 }
 
 Guard::Answer Guard::Judge(identity::Caller caller, const Request& request, RouteId route) {
+  // It speaks no TLS: rights beyond its own cross the network readable.
+  if (request.listener == ListenerId::kMetrics && caller.role != Role::kMetrics) {
+    return Deny(Denied::kRole,
+                Forbid(fmt::format("listen.metrics takes callers of the role metrics alone; {} has "
+                                   "the role {}",
+                                   caller.name, identity::ToText(caller.role))),
+                caller.name, request, route);
+  }
   NoteCaller(caller, request.from);
   if (IsKnown(route)) {
     if (const auto forbidden = WhyForbidden(Routes()[route.index], caller)) {
@@ -138,11 +148,12 @@ Guard::Answer Guard::Judge(identity::Caller caller, const Request& request, Rout
   return {.caller = std::move(caller)};
 }
 
-Guard::Answer Guard::Fail(Denied why, Response refusal, const Request& request, RouteId route) {
+Guard::Answer Guard::Fail(Denied why, Response refusal, const Request& request, RouteId route,
+                          const std::string& name) {
   if (HasFailedTooOften(why, request.source)) {
     return Deny(Denied::kTooMany, TooManyFailures(kFailureSpan), {}, request, route);
   }
-  return Deny(why, std::move(refusal), {}, request, route);
+  return Deny(why, std::move(refusal), name, request, route);
 }
 
 Guard::Answer Guard::Deny(Denied why, Response refusal, const std::string& name,

@@ -82,7 +82,9 @@ class Guard final {
   /// After its proof: whether it has the right.
   [[nodiscard]] Answer Judge(identity::Caller caller, const Request& request, RouteId route);
   /// The answer to who has not shown who it is: `refusal`, or 429.
-  [[nodiscard]] Answer Fail(Denied why, Response refusal, const Request& request, RouteId route);
+  /// `name`: whose proof it was, if that is known.
+  [[nodiscard]] Answer Fail(Denied why, Response refusal, const Request& request, RouteId route,
+                            const std::string& name = {});
   [[nodiscard]] Answer Deny(Denied why, Response refusal, const std::string& name,
                             const Request& request, RouteId route);
   /// Whether the source has failed too often; notes that it failed again, if it has not.

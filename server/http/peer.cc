@@ -34,6 +34,14 @@ Peer Of(int family, const Address& address) {
   return {.source = SourceOf(BytesOf(address)), .text = text.data(), .plain = false};
 }
 
+/// An IPv4 address in IPv6 is shown as what it is.
+Peer OfIpv6(const in6_addr& address) {
+  if (!IN6_IS_ADDR_V4MAPPED(&address)) return Of(AF_INET6, address);
+  in_addr v4{};
+  std::memcpy(&v4, &address.s6_addr[12], sizeof(v4));
+  return Of(AF_INET, v4);
+}
+
 template <typename Address>
 Address Read(const sockaddr_storage& peer) {
   static_assert(sizeof(Address) <= sizeof(peer));
@@ -62,7 +70,7 @@ Peer PeerOf(const sockaddr_storage& address, const std::vector<config::Network>&
   if (address.ss_family == AF_INET) {
     peer = Of(AF_INET, Read<sockaddr_in>(address).sin_addr);
   } else if (address.ss_family == AF_INET6) {
-    peer = Of(AF_INET6, Read<sockaddr_in6>(address).sin6_addr);
+    peer = OfIpv6(Read<sockaddr_in6>(address).sin6_addr);
   } else {
     return {.source = {}, .text = "unix", .on_machine = true, .proxy = true};
   }
@@ -77,7 +85,7 @@ std::optional<Peer> ForwardedFor(std::string_view header) {
   in_addr v4{};
   if (inet_pton(AF_INET, text.c_str(), &v4) == 1) return Of(AF_INET, v4);
   in6_addr v6{};
-  if (inet_pton(AF_INET6, text.c_str(), &v6) == 1) return Of(AF_INET6, v6);
+  if (inet_pton(AF_INET6, text.c_str(), &v6) == 1) return OfIpv6(v6);
   return std::nullopt;
 }
 

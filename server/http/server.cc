@@ -48,6 +48,7 @@ Peer PeerOfSocket(const Socket& socket, const ConnectionContext& context) {
     peer.plain = true;
     peer.proxy = false;
   }
+  if (peer.on_machine) peer.proxy = context.group_alone;
   return peer;
 }
 

@@ -7,7 +7,9 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
+#include <openssl/x509_vfy.h>
 
+#include "schema/base/check.h"
 #include "server/identity/expiry.h"
 #include "server/identity/pem.h"
 #include "server/identity/shown_certificate.h"
@@ -41,6 +43,24 @@ absl::Status FlawOf(int verify_error, int depth) {
                   X509_verify_cert_error_string(verify_error)));
 }
 
+std::shared_ptr<const PeerCertificate> Shown(X509& certificate, const STACK_OF(X509) * chain,
+                                             int verify_error) {
+  auto shown = std::make_shared<PeerCertificate>(
+      PeerCertificate{.identity = identity::IdentityOf(certificate),
+                      .subject = identity::SubjectOf(certificate),
+                      .expiry = identity::NotAfterOf(certificate)});
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
+  }
+  if (verify_error != X509_V_OK) shown->identity = FlawOf(verify_error, 0);
+  ERR_clear_error();
+  return shown;
+}
+
+struct StoreContextFree {
+  void operator()(X509_STORE_CTX* context) const { X509_STORE_CTX_free(context); }
+};
+
 }  // namespace
 
 void SslContextFree::operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
@@ -69,18 +89,28 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeTlsContext(const transport::PemText
 std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection) {
   X509* const certificate = SSL_get0_peer_certificate(connection);
   if (certificate == nullptr) return nullptr;
-  auto shown = std::make_shared<PeerCertificate>(
-      PeerCertificate{.identity = identity::IdentityOf(*certificate),
-                      .subject = identity::SubjectOf(*certificate),
-                      .expiry = identity::NotAfterOf(*certificate)});
-  const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
-  for (int i = 0; i < sk_X509_num(chain); ++i) {
-    shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
-  }
-  const auto error = static_cast<int>(SSL_get_verify_result(connection));
-  if (error != X509_V_OK) shown->identity = FlawOf(error, 0);
-  ERR_clear_error();
-  return shown;
+  return Shown(*certificate, SSL_get0_verified_chain(connection),
+               static_cast<int>(SSL_get_verify_result(connection)));
+}
+
+std::shared_ptr<const PeerCertificate> JudgeAgain(const SSL* connection, SSL_CTX* context) {
+  X509* const certificate = SSL_get0_peer_certificate(connection);
+  if (certificate == nullptr) return nullptr;
+  const std::unique_ptr<X509_STORE_CTX, StoreContextFree> store(X509_STORE_CTX_new());
+  UPLINK_CHECK(store != nullptr, "out of memory");
+  // As OpenSSL judges it in a handshake.
+  const bool begun = X509_STORE_CTX_init(store.get(), SSL_CTX_get_cert_store(context), certificate,
+                                         SSL_get_peer_cert_chain(connection)) == 1 &&
+                     X509_STORE_CTX_set_default(store.get(), "ssl_client") == 1 &&
+                     X509_VERIFY_PARAM_set1(X509_STORE_CTX_get0_param(store.get()),
+                                            SSL_CTX_get0_param(context)) == 1;
+  UPLINK_CHECK(begun, "out of memory");
+  X509_STORE_CTX_set_verify_cb(store.get(), OnVerified);
+  X509_VERIFY_PARAM_set_auth_level(X509_STORE_CTX_get0_param(store.get()),
+                                   SSL_CTX_get_security_level(context));
+  X509_verify_cert(store.get());
+  return Shown(*certificate, X509_STORE_CTX_get0_chain(store.get()),
+               X509_STORE_CTX_get_error(store.get()));
 }
 
 absl::Status ServedTls::Serve() {
@@ -97,6 +127,16 @@ transport::FilesLook ServedTls::Refresh() {
   // The same texts have the same result as before.
   if (*fresh) served_ = Serve();
   return {served_, files_.served()};
+}
+
+const std::shared_ptr<const PeerCertificate>& JudgedCertificate::Now(const ServedTls& tls,
+                                                                     const SSL* connection) {
+  std::shared_ptr<SSL_CTX> now = tls.get();
+  if (now != by_) {
+    by_ = std::move(now);
+    certificate_ = JudgeAgain(connection, by_.get());
+  }
+  return certificate_;
 }
 
 }  // namespace uplink::http

@@ -27,6 +27,9 @@ struct SslContextFree {
 
 /// What the peer of a finished handshake has shown; null: no certificate.
 [[nodiscard]] std::shared_ptr<const PeerCertificate> CertificateOf(const SSL* connection);
+/// The same by the authorities of another context, which may have changed since the handshake.
+[[nodiscard]] std::shared_ptr<const PeerCertificate> JudgeAgain(const SSL* connection,
+                                                                SSL_CTX* context);
 
 /// The context that new connections begin with, from files that may change.
 ///
@@ -56,6 +59,26 @@ class ServedTls final {
   absl::Status served_;
   mutable std::mutex mutex_;
   std::shared_ptr<SSL_CTX> context_;
+};
+
+/// The certificate that one connection has shown, by the authorities as they are now: one that was
+/// taken away vouches for no further request. Confined to the connection's thread.
+class JudgedCertificate final {
+ public:
+  /// What the handshake begins with; stays until the next Now.
+  [[nodiscard]] SSL_CTX* Begin(const ServedTls& tls) {
+    by_ = tls.get();
+    return by_.get();
+  }
+  void Finish(const SSL* connection) { certificate_ = CertificateOf(connection); }
+  /// Null: none was shown.
+  [[nodiscard]] const std::shared_ptr<const PeerCertificate>& Now(const ServedTls& tls,
+                                                                  const SSL* connection);
+
+ private:
+  /// Its authorities have judged the certificate.
+  std::shared_ptr<SSL_CTX> by_;
+  std::shared_ptr<const PeerCertificate> certificate_;
 };
 
 }  // namespace uplink::http

@@ -12,52 +12,52 @@ TokenFiles::TokenFiles(Paths paths, const log::Logger& logger)
     : paths_(std::move(paths)), logger_(logger), tokens_(std::make_shared<const Tokens>()) {}
 
 absl::Status TokenFiles::Look() {
-  absl::StatusOr<std::shared_ptr<const Tokens>> read = Read();
-  const bool was_unread = unread_.exchange(!read.ok());
-  if (!read.ok()) {
-    // A new reason is logged too: after one file is corrected, the other may not be good either.
-    const std::string before = std::exchange(why_, std::string(read.status().message()));
-    if (!was_unread || before != why_) {
-      logger_.Error("tokens_unreadable", {{"why", why_}});
-    }
-    return read.status();
-  }
-  why_.clear();
-  if (*read != nullptr) {
+  Tokens fresh = *tokens();
+  // Each by itself, so that a flaw in one keeps no revoked token of the other alive.
+  const absl::StatusOr<bool> table = ReadTable(fresh);
+  const absl::StatusOr<bool> scrape = ReadScrape(fresh);
+  const bool changed = table.value_or(false) || scrape.value_or(false);
+  if (changed) {
     const std::lock_guard lock(mutex_);
-    tokens_ = *std::move(read);
-  } else if (!was_unread) {
-    return absl::OkStatus();
+    tokens_ = std::make_shared<const Tokens>(std::move(fresh));
   }
-  logger_.Info("tokens_read", {{"tokens", tokens()->table.entries().size()}});
-  return absl::OkStatus();
+  absl::Status looked = table.status();
+  looked.Update(scrape.status());
+  const bool was_unread = unread_.exchange(!looked.ok());
+  const std::string before = std::exchange(why_, std::string(looked.message()));
+  // A new reason is logged too: after one file is corrected, the other may not be good either.
+  if (!looked.ok() && before != why_) logger_.Error("tokens_unreadable", {{"why", why_}});
+  if (changed || (looked.ok() && was_unread)) {
+    logger_.Info("tokens_read", {{"tokens", tokens()->table.entries().size()}});
+  }
+  return looked;
 }
 
-absl::StatusOr<std::shared_ptr<const Tokens>> TokenFiles::Read() {
+// Who may write them chooses who may ask. Checked after the files were read, since they could
+// change between an earlier check and the read.
+
+absl::StatusOr<bool> TokenFiles::ReadTable(Tokens& tokens) {
   identity::ReadTokens read;
   if (!paths_.tokens.empty()) {
     auto file = identity::ReadTokenFile(paths_.tokens);
     if (!file.ok()) return file.status();
+    if (absl::Status good = config::CheckWriters(paths_.tokens); !good.ok()) return good;
     read = *std::move(file);
   }
-  std::optional<identity::TokenHash> scrape;
-  if (!paths_.scrape.empty()) {
-    const auto hash = identity::ReadScrapeToken(paths_.scrape);
-    if (!hash.ok()) return hash.status();
-    scrape = *hash;
-  }
-  // Who may write them chooses who may ask. Checked after the files were read, since they could
-  // change between an earlier check and the read.
-  for (const std::string& path : {paths_.tokens, paths_.scrape}) {
-    if (path.empty()) continue;
-    if (absl::Status good = config::CheckWriters(path); !good.ok()) return good;
-  }
-  if (looked_ && read.text == text_ && scrape == tokens()->scrape) {
-    return std::shared_ptr<const Tokens>();
-  }
-  looked_ = true;
+  if (text_ == read.text) return false;
   text_ = std::move(read.text);
-  return std::make_shared<const Tokens>(Tokens{std::move(read.table), scrape});
+  tokens.table = std::move(read.table);
+  return true;
+}
+
+absl::StatusOr<bool> TokenFiles::ReadScrape(Tokens& tokens) const {
+  if (paths_.scrape.empty()) return false;
+  const auto hash = identity::ReadScrapeToken(paths_.scrape);
+  if (!hash.ok()) return hash.status();
+  if (absl::Status good = config::CheckWriters(paths_.scrape); !good.ok()) return good;
+  if (tokens.scrape == *hash) return false;
+  tokens.scrape = *hash;
+  return true;
 }
 
 std::shared_ptr<const Tokens> TokenFiles::tokens() const {

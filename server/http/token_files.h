@@ -42,8 +42,7 @@ class TokenFiles final {
   /// each.
   ///
   /// Errors: names the file that cannot be read, has a flaw or may be written by everybody; what
-  /// was
-  ///         good last stays in use, of both files.
+  ///         was good last of that file stays in use.
   absl::Status Look();
 
   /// Never null. Who keeps it does not see later changes.
@@ -52,15 +51,16 @@ class TokenFiles final {
   [[nodiscard]] bool unread() const { return unread_.load(); }
 
  private:
-  /// What is good on disk; null if it is what is in use already.
-  [[nodiscard]] absl::StatusOr<std::shared_ptr<const Tokens>> Read();
+  /// A file that is good is put into `tokens`; true if that changes something.
+  [[nodiscard]] absl::StatusOr<bool> ReadTable(Tokens& tokens);
+  [[nodiscard]] absl::StatusOr<bool> ReadScrape(Tokens& tokens) const;
 
   const Paths paths_;
   const log::Logger& logger_;
-  /// The text of the file of tokens that is in use, and why the files did not fit at the last look.
-  std::string text_;
+  /// The text of the file of tokens that is in use; nothing before the first.
+  std::optional<std::string> text_;
+  /// Why the files did not fit at the last look.
   std::string why_;
-  bool looked_ = false;
   std::atomic<bool> unread_{false};
   mutable std::mutex mutex_;
   std::shared_ptr<const Tokens> tokens_;

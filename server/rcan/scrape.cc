@@ -4,6 +4,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include <absl/strings/str_join.h>
+
 #include "metrics/gzip.h"
 #include "schema/cyberwave/ruri.h"
 #include "schema/model/message_source.h"
@@ -262,7 +264,13 @@ std::shared_ptr<const std::string> RobotScrape::Text(metrics::Format format, met
   if (is_same && began - last_.at < kTextShared) {
     if (auto read = last_.text.lock()) return read;
   }
-  std::shared_ptr<std::string> text = texts_->Take(texts_max);
+  TextPool::Reader reader{.out_max = kTextsMax};
+  if (!fleets.empty()) {
+    // Who does not read keeps out neither other fleets nor who scrapes all.
+    reader = {.name = absl::StrJoin(fleets, ","), .out_max = kTextsOfFleets};
+    texts_max = std::min(texts_max, kTextsMax - kTextsReserved);
+  }
+  std::shared_ptr<std::string> text = texts_->Take(texts_max, reader);
   if (text == nullptr) {
     sources_.probe.refused_total.Add();
     return nullptr;

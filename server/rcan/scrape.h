@@ -34,8 +34,10 @@ namespace uplink::rcan {
 /// Texts that scrapers may read at a time. The memory of scrapes is at most so many texts, and the
 /// page from which they are made.
 inline constexpr std::size_t kTextsMax = 4;
-/// Of those, texts that scrapers on other machines (listen.metrics) cannot take.
+/// Of those, texts that neither scrapers of listen.metrics nor those of some fleets can take.
 inline constexpr std::size_t kTextsReserved = 1;
+/// Texts of the same fleets that may be read at a time: two servers of Prometheus.
+inline constexpr std::size_t kTextsOfFleets = 2;
 /// For so long, a text that a scraper reads also goes to others that ask for the same.
 inline constexpr std::chrono::seconds kTextShared{1};
 /// Robots that are shown as those that send most, by messages and by bytes.
@@ -77,7 +79,8 @@ class RobotScrape final {
   explicit RobotScrape(const Sources& sources);
 
   /// The text of the robots of `fleets`, as if there were no others; none: of all. It stays as it
-  /// is while the scraper holds it. Null if `texts_max` or more are being read.
+  /// is while the scraper holds it. Null if `texts_max` or more are being read, or kTextsOfFleets
+  /// of these fleets.
   [[nodiscard]] std::shared_ptr<const std::string> Text(
       metrics::Format format, metrics::Coding coding, std::size_t texts_max = kTextsMax,
       const std::vector<std::string>& fleets = {});

@@ -35,6 +35,7 @@ absl::Status AccessSide::Open() {
   if (tls_) {
     const transport::FilesLook look = tls_->Refresh();
     if (!look.status.ok()) return look.status;
+    expiry_ms_.store(UnixMs(look.served.expiry));
   }
   return LookAtTokens();
 }
@@ -52,6 +53,7 @@ absl::Status AccessSide::LookAtTokens() {
 
 void AccessSide::LookAtTls() {
   const transport::FilesLook look = tls_->Refresh();
+  tls_fits_.store(look.status.ok());
   const std::string before = std::exchange(tls_why_, std::string(look.status.message()));
   if (!look.status.ok()) {
     if (before != tls_why_) {
@@ -59,14 +61,20 @@ void AccessSide::LookAtTls() {
     }
     return;
   }
-  const std::string& digest = look.served.certificate_sha256;
-  const bool is_same = std::exchange(certificate_sha256_, digest) == digest;
-  if (before.empty() && is_same) return;
+  expiry_ms_.store(UnixMs(look.served.expiry));
+  if (before.empty() && look.served == served_) return;
+  served_ = look.served;
   context_.logger.Info("http_certificate_served",
                        {{"expires", identity::ExpiryText(look.served.expiry)},
                         {"authorities", look.served.authorities},
-                        {"certificate_sha256", digest},
+                        {"certificate_sha256", look.served.certificate_sha256},
                         {"client_ca_sha256", look.served.client_ca_sha256}});
+}
+
+health::HttpFacts AccessSide::facts() const {
+  health::HttpFacts facts{.certificate_fits = tls_fits_.load(), .tokens_unread = tokens_.unread()};
+  if (tls_) facts.certificate_expiry = FromUnixMs(expiry_ms_.load());
+  return facts;
 }
 
 }  // namespace uplink::run

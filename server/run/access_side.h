@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -7,10 +9,12 @@
 
 #include "schema/base/clock.h"
 #include "server/config/config.h"
+#include "server/health/readiness.h"
 #include "server/http/guard.h"
 #include "server/http/probe.h"
 #include "server/http/tls_context.h"
 #include "server/http/token_files.h"
+#include "server/identity/served_pems.h"
 #include "server/log/logger.h"
 
 namespace uplink::run {
@@ -39,8 +43,8 @@ class AccessSide final {
   /// line.
   void Look();
 
-  /// Whether a file of tokens on disk is not what is used.
-  [[nodiscard]] bool tokens_unread() const { return tokens_.unread(); }
+  /// Never waits.
+  [[nodiscard]] health::HttpFacts facts() const;
   [[nodiscard]] http::Guard& guard() { return guard_; }
   /// Null: listen.http speaks no TLS.
   [[nodiscard]] const http::ServedTls* tls() const { return tls_ ? &*tls_ : nullptr; }
@@ -52,9 +56,12 @@ class AccessSide final {
   const Context context_;
   std::optional<http::ServedTls> tls_;
   http::TokenFiles tokens_;
-  std::string certificate_sha256_;
+  /// As of the last look.
+  identity::ServedPems served_;
+  std::atomic<std::int64_t> expiry_ms_{0};
   /// Why the files of TLS did not fit at the last look.
   std::string tls_why_;
+  std::atomic<bool> tls_fits_{true};
   http::Guard guard_;
 };
 

@@ -52,7 +52,7 @@ class App::Impl {
                 std::move(store_.stores().topic_leases)),
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
-                 [&early] { return early.access().tokens_unread(); }}),
+                 [&early] { return early.access().facts(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
         reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {

@@ -75,7 +75,7 @@ absl::Status EarlyServices::Listen() {
                       .limits = HttpLimitsOf(context_.listen.http, context_.http),
                       .socket_mode = config::ParseSocketMode(context_.http.socket_mode).value_or(0),
                       .tls = access_.tls(),
-                      .plain_from = context_.http.plain_from});
+                      .plain_from = config::PlainFrom(context_.http)});
   if (!http.ok()) return http.status();
   http_ = *std::move(http);
   if (!monitor_) return absl::OkStatus();

@@ -30,7 +30,7 @@ health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
       .live_state_over = [&live_budget] { return live_budget.over(); },
       .broker = [&broker = context.broker] { return broker.facts(); },
       .series_left_out = context.series_left_out,
-      .tokens_unread = context.tokens_unread};
+      .http = context.http};
 }
 
 }  // namespace

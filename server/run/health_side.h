@@ -40,8 +40,7 @@ class HealthSide final {
     SystemTime certificate_expiry;
     /// Series of robots are left out of a scrape.
     std::function<bool()> series_left_out;
-    /// A file of tokens on disk is not what is used.
-    std::function<bool()> tokens_unread;
+    std::function<health::HttpFacts()> http;
   };
   explicit HealthSide(const Context& context);
 

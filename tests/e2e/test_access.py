@@ -80,12 +80,13 @@ class Access(EndToEnd):
         server.uplinkctl("pki", "operator", "--dir", server.pki, "--name", name, "--role", role, "--fleet", fleet)
         return server.pki / f"{name}.crt", server.pki / f"{name}.key"
 
-    def served(self, http, settings, host=ELSEWHERE, metrics=False):
-        """A server with these keys of [http]; its port."""
+    def served(self, http, settings, metrics=False, environment=None):
+        """A server with these keys of [http]."""
         server = self.server(f"[http]\n{settings}\n")
         server.http = http
+        server.environment = dict(environment or {})
         if metrics:
-            server.environment = {"UPLINKD_LISTEN_METRICS": f"{ELSEWHERE}:0"}
+            server.environment["UPLINKD_LISTEN_METRICS"] = f"{ELSEWHERE}:0"
         return server.start()
 
     def with_tls(self, settings="", **others):
@@ -116,12 +117,8 @@ class Access(EndToEnd):
 
 class Rights(Access):
     def test_each_role_gets_what_the_table_of_rights_says(self):
-        server = self.served("127.0.0.1:0", f'tokens_file = "{self.tokens}"')
         holders = {role + star: self.token(role, *fleets) for role in ROLES for star, fleets in (("*", ()), ("", ("north",)))}
-        wait_until(
-            server.process, lambda: ask(self.plain(server), "/api/v1/robots", holders["admin*"]).status == 200,
-            WAIT_SECONDS, "the tokens count",
-        )  # fmt: skip
+        server = self.served("127.0.0.1:0", f'tokens_file = "{self.tokens}"')
         paths = [path.replace("{ruri}", "rcan%3A%2F%2Fa") for path in self.paths()]
         self.assertGreater(len(paths), 20)
         for path in paths:
@@ -146,7 +143,9 @@ class Rights(Access):
 
     def test_a_fleet_out_of_scope_is_as_one_that_is_not_there(self):
         server = self.server().start()
-        self.assert_agrees(self.fleet(server, "--robots", 2))
+        fleet = self.fleet(server, "--robots", 2)
+        server.wait_for_status(lambda status: int(status["messages"]["counts"].get("stored", 0)) > 5, WAIT_SECONDS, "messages")
+        self.assert_agrees(fleet)
         self.assertEqual(server.terminate(60), 0)
         tokens = {fleet: self.token("viewer", fleet) for fleet in ("*", "no-such-fleet")}
         server.settings = f'[http]\ntokens_file = "{self.tokens}"\n'
@@ -176,7 +175,7 @@ class Tokens(Access):
         wait_until(server.process, lambda: status() == 200, WAIT_SECONDS, "the token counts")
         (line,) = self.tokens.read_text().splitlines()
         run(BIN / "uplinkctl", "tokens", "revoke", "--tokens-file", self.tokens, json.loads(line)["id"])
-        wait_until(server.process, lambda: status() == 401, WAIT_SECONDS, "the token is revoked")
+        wait_until(server.process, lambda: status() in (401, 429), WAIT_SECONDS, "the token is revoked")
         self.assertIn(f"http_caller name={json.loads(line)['id']} role=viewer", server.text())
 
     def test_a_token_in_an_address_is_refused(self):
@@ -211,6 +210,20 @@ class Tokens(Access):
         self.assertEqual(ask(self.plain(server), "/api/v1/robots", token).status, 200)
         self.assertIn(b"tokens_unread", ask(self.plain(server), "/readyz").body)
 
+    def test_a_flaw_in_the_file_of_metrics_keeps_no_revoked_token_alive(self):
+        token = self.token("viewer")
+        secret = pathlib.Path(self.folder) / "metrics-token"
+        secret.write_text("a-token-of-metrics\n")
+        secret.chmod(0o600)
+        server = self.served("127.0.0.1:0", f'tokens_file = "{self.tokens}"\nmetrics_token_file = "{secret}"', metrics=True)
+        self.assertEqual(ask(self.plain(server), "/api/v1/robots", token).status, 200)
+        secret.write_text("short\n")
+        server.wait_for_line("tokens_unreadable")
+        (line,) = self.tokens.read_text().splitlines()
+        run(BIN / "uplinkctl", "tokens", "revoke", "--tokens-file", self.tokens, json.loads(line)["id"])
+        wait_until(server.process, lambda: ask(self.plain(server), "/api/v1/robots", token).status in (401, 429),
+                   WAIT_SECONDS, "the token is revoked")  # fmt: skip
+
     def test_a_broken_file_refuses_the_start(self):
         self.tokens.write_text("no token\n")
         server = self.server(f'[http]\ntokens_file = "{self.tokens}"\n')
@@ -234,15 +247,16 @@ class Tokens(Access):
             self.assertEqual(there(path, "a-token-of-metrics").status, 200)
         self.assertEqual(there("/readyz").status, 200)
         self.assertEqual(there("/api/v1/robots", "a-token-of-metrics").status, 404)
+        page = http.client.HTTPConnection(ELSEWHERE, port, timeout=WAIT_SECONDS)
+        self.assertEqual(ask(page, "/metrics/robots", "a-token-of-metrics").status, 200)
         self.assertEqual(ask(self.plain(server), "/api/v1/status").status, 200)
 
 
 class Tls(Access):
     def test_one_port_speaks_tls_to_all_and_plain_http_to_few(self):
-        server = self.with_tls(f'tokens_file = "{self.tokens}"\nplain_from = ["127.0.0.3"]')
         token = self.token("viewer")
-        wait_until(server.process, lambda: ask(self.https(server), "/api/v1/robots", token).status == 200,
-                   WAIT_SECONDS, "the token counts by HTTPS")  # fmt: skip
+        server = self.with_tls(f'tokens_file = "{self.tokens}"\nplain_from = ["127.0.0.3"]')
+        self.assertEqual(ask(self.https(server), "/api/v1/robots", token).status, 200)
         self.assertEqual(ask(self.https(server), "/api/v1/robots").status, 401)
         self.assertEqual(ask(self.https(server), "/livez").status, 200)
         with self.assertRaises((http.client.BadStatusLine, ConnectionError)):
@@ -279,6 +293,40 @@ class Tls(Access):
         answer = ask(self.https(server, robot), "/api/v1/robots")
         self.assertEqual(answer.status, 403)
         self.assertIn("has the role robot", answer.error()["message"])
+
+    def wait_for_authorities(self, server, count):
+        line = re.compile(rf" http_certificate_served .* authorities={count} ")
+        wait_until(server.process, lambda: line.search(server.text()), WAIT_SECONDS, f"{count} authorities")
+
+    def test_an_authority_that_is_taken_away_vouches_for_no_further_request(self):
+        pki = self.server().pki
+        other = pathlib.Path(self.folder) / "operators"
+        run(BIN / "uplinkctl", "pki", "init", "--dir", other)
+        run(BIN / "uplinkctl", "pki", "operator", "--dir", other, "--name", "ann", "--role", "admin", "--fleet", "*")
+        trusted = pathlib.Path(self.folder) / "operators.crt"
+
+        def trust(*files):
+            fresh = trusted.with_suffix(".new")
+            fresh.write_text("".join(file.read_text() for file in files))
+            fresh.rename(trusted)
+
+        trust(other / "ca.crt", pki / "ca.crt")
+        server = self.with_tls(environment={"UPLINKD_TLS_OPERATOR_CA_FILE": str(trusted)})
+        self.wait_for_authorities(server, 2)
+        held = self.https(server, (other / "ann.crt", other / "ann.key"))
+        stays = self.https(server, self.certificate(server, "viewer"))
+        with contextlib.closing(held), contextlib.closing(stays):
+
+            def status(connection):
+                connection.request("GET", "/api/v1/status")
+                answer = connection.getresponse()
+                answer.read()
+                return answer.status
+
+            self.assertEqual((status(held), status(stays)), (200, 200))
+            trust(pki / "ca.crt")
+            self.wait_for_authorities(server, 1)
+            self.assertEqual((status(held), status(stays)), (401, 200))
 
     def test_strangers_handshakes_that_never_end_keep_others_neither_out_nor_waiting(self):
         server = self.with_tls()
@@ -336,6 +384,13 @@ class Addresses(Access):
         self.assertNotEqual(done.returncode, 0)
         self.assertTrue(os.path.exists(path))
         return done.stderr
+
+    def test_a_proxy_elsewhere_does_not_take_the_health_check_its_way(self):
+        server = self.server(f'[http]\ntokens_file = "{self.tokens}"\nplain_from = ["192.0.2.9"]\n')
+        server.http = "0.0.0.0:0"
+        server.start()
+        port = server.http.rsplit(":", 1)[1]
+        self.assertEqual(ask(http.client.HTTPConnection("127.0.0.1", int(port), timeout=WAIT_SECONDS), "/livez").status, 200)
 
     def test_a_socket_asks_for_a_token_where_one_is_set(self):
         token = self.token("viewer")

@@ -71,6 +71,10 @@ class Commands(EndToEnd):
         )
         pki = self.running.pki
         uplinkctl("pki", "robot", "--dir", pki, "--name", "r1", "--fleet", "default", "--ruri", ROBOT)
+        # As its own, with the port that it got.
+        self.settings = self.folder / "served.toml"
+        text = (self.folder / "uplinkd.toml").read_text(encoding="utf-8")
+        self.settings.write_text(re.sub(r'(?m)^http = .*', f'http = "{self.running.http}"', text), encoding="utf-8")
         self.shims = self.folder / "shims"
         self.shims.mkdir()
         for name, line in SHIMS.items():
@@ -83,7 +87,7 @@ class Commands(EndToEnd):
         for there, here in (
             ("127.0.0.1:7480", self.running.http),
             ("HOST:7443", self.running.relay),
-            ("/etc/uplinkd/uplinkd.toml", str(self.folder / "uplinkd.toml")),
+            ("/etc/uplinkd/uplinkd.toml", str(self.settings)),
             ("/etc/uplinkd/keys/server.crt", str(self.running.pki / "server.crt")),
             ("rcan://example.org/acme/rover/1.0/r1", ROBOT),
             ("/RURI", f"/{urllib.parse.quote(ROBOT, safe='')}"),

@@ -41,7 +41,7 @@ DETAIL_IN_OWN_FORM = ("messages", "scope_updates")
 
 # The fixed fields of OpenAPI 3.1.0's objects (4.8) that the file has.
 FIELDS = {
-    "OpenAPI": "openapi info servers paths components tags",
+    "OpenAPI": "openapi info servers paths components tags security",
     "Info": "title version summary description license",
     "License": "name identifier",
     "Server": "url description",
@@ -52,7 +52,7 @@ FIELDS = {
     "Response": "description headers content",
     "Header": "description schema",
     "Media Type": "schema",
-    "Components": "headers parameters responses schemas",
+    "Components": "headers parameters responses schemas securitySchemes",
     "Schema": "$ref title type enum const description pattern format default minimum maximum exclusiveMaximum minLength"
               " minItems maxItems items prefixItems properties required additionalProperties propertyNames"
               " dependentRequired contentEncoding anyOf oneOf discriminator",

@@ -46,7 +46,7 @@ ServerUrl OwnUrl(const config::Config& config) {
   // [::] serves IPv4 too, and a container may have no ::1.
   if (address.host == "0.0.0.0" || address.host == "::") address.host = "127.0.0.1";
   // The address of a connection within a machine is on both ends.
-  const bool plain = config::Contains(config.http.plain_from, StorageOf(address.host));
+  const bool plain = config::Contains(config::PlainFrom(config.http), StorageOf(address.host));
   return {.address = config::ToText(address), .tls = config::SpeaksTls(config.http) && !plain};
 }
 

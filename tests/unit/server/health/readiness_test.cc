@@ -62,7 +62,7 @@ TEST(Readiness, ReportsFilesThatAreNotServed) {
 
 TEST(Readiness, ReportsTokensThatCannotBeRead) {
   ReadinessFacts facts = Good();
-  facts.tokens_unread = true;
+  facts.http.tokens_unread = true;
   EXPECT_TRUE(ReadinessOf(facts).ready());
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("tokens_unread"));
 }
@@ -140,6 +140,21 @@ TEST(Readiness, ReportsLiveStateOverItsBudget) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("live_bytes_max"));
 }
 
+TEST(Readiness, ReportsTheCertificateOfHttpAndTakesRobotsWithoutIt) {
+  ReadinessFacts facts = Good();
+  const auto words_at = [&facts](SystemTime expiry) {
+    facts.http.certificate_expiry = expiry;
+    EXPECT_TRUE(ReadinessOf(facts).ready());
+    return ReadinessOf(facts).degraded;
+  };
+  EXPECT_THAT(words_at(facts.now + kCertificateNotice), IsEmpty());
+  EXPECT_THAT(words_at(facts.now + kCertificateNotice - milliseconds(1)),
+              ElementsAre("certificate_expiring"));
+  EXPECT_THAT(words_at(facts.now - milliseconds(1)), ElementsAre("certificate_expiring"));
+  facts.http = {.certificate_fits = false};
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("certificate_mismatch"));
+}
+
 TEST(Readiness, EveryWordIsOnceInItsList) {
   ReadinessFacts bad = Good();
   bad.store_failing = bad.store_unsafe = bad.store_space_scarce = bad.store_old_snapshot = true;
@@ -156,6 +171,7 @@ TEST(Readiness, EveryWordIsOnceInItsList) {
   bad.robots = {10, 10};
   bad.certificate_expiry = bad.now + milliseconds(1);
   bad.certificate_fits = false;
+  bad.http.tokens_unread = true;
   bad.descriptors = {1000, 1000};
   std::vector<std::string> words;
   for (const DegradedWord& each : DegradedWords()) words.emplace_back(each.word);

@@ -261,9 +261,10 @@ TEST_F(GuardTest, LogsTheFirstUseOfEachProof) {
   request.from = "192.0.2.7";
   for (int i = 0; i < 3; ++i) EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 200);
   EXPECT_EQ(StatusOf(ByCertificate(identity::PeerIdentity{Role::kAdmin, "*"}), "/api/v1/top"), 200);
-  EXPECT_THAT(lines_, ElementsAre(AllOf(HasSubstr(" info http_caller name=0a1b2c3d role=viewer"),
-                                        HasSubstr("proof=token from=192.0.2.7")),
-                                  HasSubstr("name=\"CN=anna\" role=admin proof=certificate")));
+  EXPECT_THAT(lines_,
+              ElementsAre(AllOf(HasSubstr(" info http_caller name=" + entry_.id + " role=viewer"),
+                                HasSubstr("proof=token from=192.0.2.7")),
+                          HasSubstr("name=\"CN=anna\" role=admin proof=certificate")));
 }
 
 TEST_F(GuardTest, LogsWhatItDeniesWithBoundsPerSource) {

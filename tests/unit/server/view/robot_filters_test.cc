@@ -264,9 +264,9 @@ TEST_F(RobotFiltersTest, ByOfflineSince) {
 
 TEST_F(RobotFiltersTest, FiltersAddUp) {
   const BoundingBox zurich{.west = 8, .south = 47, .east = 9, .north = 48};
-  EXPECT_THAT(Found({.fleet = "f", .values = {.battery_below = 50, .bbox = zurich}}),
+  EXPECT_THAT(Found({.fleets = {"f"}, .values = {.battery_below = 50, .bbox = zurich}}),
               ElementsAre(kDrone));
-  EXPECT_THAT(Found({.fleet = "g", .values = {.battery_below = 50}}), IsEmpty());
+  EXPECT_THAT(Found({.fleets = {"g"}, .values = {.battery_below = 50}}), IsEmpty());
 }
 
 TEST_F(RobotFiltersTest, EachOrderGoesBothWaysPageByPage) {
