@@ -105,7 +105,7 @@ void HealthWatch::Look() {
 }
 
 void HealthWatch::OnDrain(milliseconds /*grace*/) {
-  call_.Finish(absl::UnavailableError("the server stops; ask another"));
+  call_.Finish(absl::UnavailableError("the connection ends; ask again"));
 }
 
 }  // namespace uplink::rpc

@@ -98,7 +98,7 @@ void ReflectionCall::OnTooLarge(std::uint64_t /*bytes*/) {
 }
 
 void ReflectionCall::OnDrain(milliseconds /*grace*/) {
-  call_.Finish(absl::UnavailableError("the server drains; ask another"));
+  call_.Finish(absl::UnavailableError("the connection ends; ask again"));
 }
 
 }  // namespace uplink::rpc

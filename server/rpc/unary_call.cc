@@ -84,12 +84,12 @@ void UnaryCall::OnWake() {
 
 void UnaryCall::OnTimer() {
   if (over_ || !end_by_ || clock_.Steady() < *end_by_) return;
-  Finish(has_request_ ? absl::UnavailableError("the server stops; ask another")
+  Finish(has_request_ ? absl::UnavailableError("the connection ends; ask again")
                       : absl::DeadlineExceededError("the request did not come whole in time"));
 }
 
 void UnaryCall::OnDrain(milliseconds grace) {
-  if (!has_request_) return Finish(absl::UnavailableError("the server drains; ask another"));
+  if (!has_request_) return Finish(absl::UnavailableError("the connection ends; ask again"));
   end_by_ = clock_.Steady() + grace;
 }
 

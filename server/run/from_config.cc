@@ -30,6 +30,8 @@ static_assert(config::kTopicPrefixesMax <= storage::kLeasePrefixesMax);
 
 /// Streams of listen.fleet at once: watches, and those of health and reflection.
 constexpr std::size_t kFleetStreamsMax = 2'048;
+/// How long a certificate that was shown once counts, though its authority may be gone meanwhile.
+constexpr std::chrono::minutes kFleetConnectionAgeMax{15};
 /// The part of the process's memory that its incomplete requests may take four times over.
 constexpr std::size_t kFleetMemoryPart = 16;
 
@@ -171,7 +173,7 @@ transport::RelayOptions FleetOptionsOf(const config::Config& config, std::size_t
   options.serves_relay = false;
   options.descriptors_max = config::kFleetDescriptors;
   options.streams_max = kFleetStreamsMax;
-  options.connection_age_max = milliseconds(0);
+  options.connection_age_max = kFleetConnectionAgeMax;
   options.memory_bytes_max = memory_max / kFleetMemoryPart;
   return options;
 }
