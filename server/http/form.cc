@@ -38,6 +38,7 @@ void MakeGzip(Response& answer) {
 }  // namespace
 
 Response InFormOf(const RoutedRequest& request, const Route& route, Response answer) {
+  if (answer.events != nullptr) return answer;
   answer.varies = true;
   const bool found = answer.status == 200;
   if (found && request.lines) MakeLines(answer);

@@ -68,6 +68,7 @@ class App::Impl {
                        .listen_for_robots = [this] { return ListenForRobots(); },
                        .answer_http =
                            [this] {
+                             view_.BeginWatches();
                              early_.Open(view_.site());
                              early_.OnReload([this] { reload_.Run(); });
                            },
@@ -162,7 +163,11 @@ class App::Impl {
   }
 
   void Stop() {
-    run::Stop({.stop_relay = [this] { relay_.Shutdown(); },
+    run::Stop({.stop_relay =
+                   [this] {
+                     view_.EndWatches();
+                     relay_.Shutdown();
+                   },
                .stop_writers =
                    [this] {
                      broker_.Stop();
