@@ -248,6 +248,11 @@ struct UncrewConfig {
   std::string ruri_template = "rcan://local.rcan/uncrew/uav/{uav_id}";
 };
 
+struct ViewConfig {
+  /// A watch shows each robot at most once in this time.
+  milliseconds watch_interval{200};
+};
+
 struct DrainConfig {
   /// How long the drain may take after the signal (run::kExitWait is added until the exit); what is
   /// unsettled then is counted in a warning.
@@ -272,6 +277,7 @@ struct Config {
   CyberwaveConfig cyberwave;
   UncrewConfig uncrew;
   HttpConfig http;
+  ViewConfig view;
   MetricsConfig metrics;
   LogConfig log;
   DrainConfig drain;

@@ -90,6 +90,8 @@ Response TooManyScrapes() {
   return Answer(503, {"UNAVAILABLE", "too many scrapes are under way; try again"});
 }
 
+Response TooManyWatches(std::string_view why) { return Answer(503, {"UNAVAILABLE", why}); }
+
 Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
 
 Response Unauthenticated(std::string_view why) {

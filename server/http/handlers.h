@@ -13,6 +13,7 @@
 #include "server/rcan/scrape.h"
 #include "server/view/form.h"
 #include "server/view/queries.h"
+#include "server/view/watches.h"
 
 namespace uplink::http {
 
@@ -20,6 +21,7 @@ namespace uplink::http {
 /// on one lane alone.
 struct Sources {
   view::Queries& queries;
+  view::Watches& watches;
   health::Monitor& monitor;
   /// The text of our own scrape: every metric of the catalogue.
   std::function<std::string(metrics::Format)> metrics;
@@ -70,6 +72,8 @@ struct RoutedRequest {
 /// Whether the list wants parts that only the store has.
 [[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+/// Robots as they change, until the client ends it.
+[[nodiscard]] Response GetWatch(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFleets(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetTop(const Sources& sources, const RoutedRequest& request);
 /// By the path, or by the parameter `ruri`: proxies may decode a slash in a path.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -14,6 +15,7 @@
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/parameters.h"
+#include "server/http/watch_events.h"
 #include "server/view/json.h"
 #include "server/view/parts.h"
 #include "server/view/robots_order.h"
@@ -121,6 +123,15 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   const absl::StatusOr<view::RobotsPage> page = sources.queries.Robots(query);
   return page.ok() ? JsonResponse(view::Encode(request.form, *page, query.parts))
                    : ErrorResponse(page.status());
+}
+
+Response GetWatch(const Sources& sources, const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  view::WatchQuery query;
+  query.filter = ReadFilter(parameters, request.caller.scope);
+  query.parts = ReadParts(parameters);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return WatchResponse(sources.watches, request.caller, std::move(query));
 }
 
 Response GetFleets(const Sources& sources, const RoutedRequest& request) {

@@ -69,6 +69,7 @@ class App::Impl {
                        .listen_for_robots = [this] { return ListenForRobots(); },
                        .answer_http =
                            [this] {
+                             view_.BeginWatches();
                              early_.Open(view_.site());
                              early_.OnReload([this] { reload_.Run(); });
                            },
@@ -172,6 +173,7 @@ class App::Impl {
     run::Stop({.stop_relay =
                    [this] {
                      operators_.Stop();
+                     view_.EndWatches();
                      relay_.Shutdown();
                    },
                .stop_writers =

@@ -121,6 +121,7 @@ class EarlyServices final {
   std::optional<loop::ReadThreads> own_reads_;
   std::optional<loop::ReadThreads> metrics_;
   std::optional<loop::ReadThreads> scrapes_;
+  std::optional<loop::ReadThreads> watches_;
   /// Of listen.metrics, if that is set.
   std::optional<loop::ReadThreads> monitor_;
   loop::EventLoop loop_;

@@ -23,8 +23,8 @@ RPCS = {
     "shapes": "ListShapes", "objects": "ListObjects", "config": "GetConfig",
 }  # fmt: skip
 # Texts that are no messages.
-FILES = {"openapi"}
-# Nothing answers by HTTP what is a stream.
+FILES = {"openapi", "watch"}
+# Its messages are events of /api/v1/watch.
 STREAMS = {"WatchRobots"}
 TIMESTAMP = "google.protobuf.Timestamp"
 # JSON of any form.

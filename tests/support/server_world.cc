@@ -13,6 +13,7 @@
 #include "server/session/samples.h"
 #include "server/store/samples.h"
 #include "server/uncrew/samples.h"
+#include "server/view/samples.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 
@@ -50,11 +51,12 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                .robots_unread = [this] { return robots_unread; },
                .faults = &fault_counts,
                .top = &top}),
+      watches({clock, fleet, queries, watch_probe}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
-      site({queries, monitor,
+      site({queries, watches, monitor,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape, logger, in_effect}) {}
 
@@ -78,6 +80,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { forwarding.AddSamples(page); },
       [this](auto& page) { broker::AddSamples(broker, page); },
       [this](auto& page) { uncrew::AddSamples(drones, avatar_probe, clock.Steady(), page); },
+      [this](auto& page) { view::AddSamples(watch_probe, page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },

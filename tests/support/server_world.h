@@ -25,6 +25,8 @@
 #include "server/uncrew/drones.h"
 #include "server/uncrew/probe.h"
 #include "server/view/queries.h"
+#include "server/view/watch_probe.h"
+#include "server/view/watches.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
@@ -105,6 +107,8 @@ class ServerWorld {
   view::FaultCounts fault_counts{clock};
   fleet::TopSenders top{clock, fleet};
   view::Queries queries;
+  view::WatchProbe watch_probe;
+  view::Watches watches;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;

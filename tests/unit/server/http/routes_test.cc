@@ -20,10 +20,10 @@ TEST(Routes, HaveTheLabelsOfTheMetrics) {
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
   EXPECT_THAT(names,
               ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
-                          "config", "robots", "robot", "robot_by_ruri", "robot_story", "fleets",
-                          "top", "events", "messages", "connections", "presence", "quarantine",
-                          "gaps", "scope_updates", "faults", "missions", "mission_reports",
-                          "operator_requests", "shapes", "objects", "other"));
+                          "config", "robots", "robot", "robot_by_ruri", "robot_story", "watch",
+                          "fleets", "top", "events", "messages", "connections", "presence",
+                          "quarantine", "gaps", "scope_updates", "faults", "missions",
+                          "mission_reports", "operator_requests", "shapes", "objects", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

@@ -168,8 +168,9 @@ TEST(Scopes, EachPathOfRobotsIsAskedAndTheOthersSpeakOfTheWholeServer) {
   for (const Route& route : Routes()) {
     if (!questions.contains(route.name)) others.push_back(route.name);
   }
-  EXPECT_THAT(others,
-              ::testing::ElementsAre("livez", "readyz", "metrics", "status", "openapi", "config"));
+  // WatchesTest shows the scope of watches.
+  EXPECT_THAT(others, ::testing::ElementsAre("livez", "readyz", "metrics", "status", "openapi",
+                                             "config", "watch"));
 }
 
 TEST(Scopes, WhatIsOutOfScopeIsAsIfItWereNotThere) {
