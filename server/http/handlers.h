@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "metrics/format.h"
 #include "server/config/effective.h"
@@ -72,6 +73,8 @@ struct RoutedRequest {
 /// Whether the list wants parts that only the store has.
 [[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+/// Which robots a request watches, and for whom; or the answer for what is wrong with it.
+[[nodiscard]] std::variant<view::WatchQuery, Response> WatchQueryOf(const RoutedRequest& request);
 /// Robots as they change, until the client ends it.
 [[nodiscard]] Response GetWatch(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFleets(const Sources& sources, const RoutedRequest& request);

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -125,13 +126,19 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
                    : ErrorResponse(page.status());
 }
 
-Response GetWatch(const Sources& sources, const RoutedRequest& request) {
+std::variant<view::WatchQuery, Response> WatchQueryOf(const RoutedRequest& request) {
   Parameters parameters(request.query);
-  view::WatchQuery query;
+  view::WatchQuery query{.caller = WatcherOf(request.caller)};
   query.filter = ReadFilter(parameters, request.caller.scope);
   query.parts = ReadParts(parameters);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return WatchResponse(sources.watches, request.caller, std::move(query));
+  return query;
+}
+
+Response GetWatch(const Sources& sources, const RoutedRequest& request) {
+  std::variant<view::WatchQuery, Response> query = WatchQueryOf(request);
+  if (auto* refusal = std::get_if<Response>(&query)) return std::move(*refusal);
+  return WatchResponse(sources.watches, std::get<view::WatchQuery>(std::move(query)));
 }
 
 Response GetFleets(const Sources& sources, const RoutedRequest& request) {

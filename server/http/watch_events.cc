@@ -108,8 +108,9 @@ class WatchEvents final : public EventStream {
   std::uint64_t id_ = 0;
 };
 
-/// Callers without a proof are all the same one.
-std::string NameOf(const identity::Caller& caller) {
+}  // namespace
+
+std::string WatcherOf(const identity::Caller& caller) {
   switch (caller.proof) {
     case identity::Proof::kNone:
       break;
@@ -121,11 +122,7 @@ std::string NameOf(const identity::Caller& caller) {
   return {};
 }
 
-}  // namespace
-
-Response WatchResponse(view::Watches& watches, const identity::Caller& caller,
-                       view::WatchQuery query) {
-  query.caller = NameOf(caller);
+Response WatchResponse(view::Watches& watches, view::WatchQuery query) {
   auto bell = std::make_shared<Bell>();
   auto watch = watches.Begin(std::move(query), [bell] { bell->Ring(); });
   if (!watch.ok()) return TooManyWatches(std::string(watch.status().message()));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <absl/status/status.h>
+#include <string>
 
 #include "server/http/message.h"
 #include "server/identity/caller.h"
@@ -10,7 +10,8 @@ namespace uplink::http {
 
 /// The answer to who watches these robots: events named `robot`, `removed`, `snapshotEnd` and
 /// `end`, each the JSON of a v1::RobotChange, the last an error.
-[[nodiscard]] Response WatchResponse(view::Watches& watches, const identity::Caller& caller,
-                                     view::WatchQuery query);
+[[nodiscard]] Response WatchResponse(view::Watches& watches, view::WatchQuery query);
+/// What WatchQuery::caller says of a caller. Those without a proof are all the same one.
+[[nodiscard]] std::string WatcherOf(const identity::Caller& caller);
 
 }  // namespace uplink::http

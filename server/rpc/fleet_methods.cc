@@ -13,6 +13,7 @@
 #include "server/rpc/health_calls.h"
 #include "server/rpc/query_text.h"
 #include "server/rpc/reflection_call.h"
+#include "server/rpc/watch_call.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::rpc {
@@ -21,6 +22,7 @@ namespace {
 using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
 
 /// What shows the descriptions of the contract by HTTP, and how the server does.
+constexpr std::string_view kWatchPath = "/api/v1/watch";
 constexpr std::string_view kContractPath = "/api/v1/openapi.yaml";
 
 const google::protobuf::Message& PrototypeOf(std::string_view method) {
@@ -64,6 +66,19 @@ transport::Method ViewMethodOf(const RpcContext& context, const ViewMethod& row,
           }};
 }
 
+transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
+  const http::RouteId route = RouteOf(kWatchPath);
+  return {.kind = transport::MethodKind::kServerStream,
+          .open = true,
+          .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
+            auto caller = CallerOf(context.guard, route, call.proof());
+            if (!caller.ok()) return caller.status();
+            return std::make_unique<WatchCall>(
+                WatchCall::Context{context.watches, context.calls.post, clock}, call,
+                *std::move(caller));
+          }};
+}
+
 transport::Method ReflectionOf(const RpcContext& context) {
   const http::RouteId route = RouteOf(kContractPath);
   return {.kind = transport::MethodKind::kBidirectional,
@@ -84,6 +99,7 @@ transport::MethodsMaker FleetMethods(const RpcContext& context) {
       methods.emplace(fmt::format("/uplink.v1.FleetView/{}", row.name),
                       ViewMethodOf(context, row, clock));
     }
+    methods.emplace("/uplink.v1.FleetView/WatchRobots", WatchOf(context, clock));
     for (const std::string_view package : kReflectionPackages) {
       methods.emplace(fmt::format("/{}.ServerReflection/ServerReflectionInfo", package),
                       ReflectionOf(context));

@@ -8,6 +8,7 @@
 #include "server/http/site.h"
 #include "server/rpc/unary_call.h"
 #include "server/transport/methods.h"
+#include "server/view/watches.h"
 
 namespace uplink::rpc {
 
@@ -46,6 +47,7 @@ struct RpcContext {
   const http::Site& site;
   http::Guard& guard;
   const health::Monitor& monitor;
+  view::Watches& watches;
   UnaryCalls& calls;
 };
 

@@ -199,7 +199,8 @@ class App::Impl {
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
   ViewSide view_;
-  FleetSide operators_{{options_.logger, options_.config, early_, relay_, health_, view_.site()}};
+  FleetSide operators_{
+      {options_.logger, options_.config, early_, relay_, health_, view_.site(), view_.watches()}};
   Reload reload_;
 };
 

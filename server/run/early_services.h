@@ -88,10 +88,12 @@ class EarlyServices final {
   [[nodiscard]] loop::Post OnReadsAhead() {
     return [this](auto job) { return own_reads_->TryPostAhead(std::move(job)).has_value(); };
   }
-  /// Posts a job that answers an operator to the threads of its lane, kMemory or kRead; false if
-  /// they take no more. Until EndReaders.
+  /// Posts a job that answers an operator to the threads of its lane, kMemory, kWatch or kRead;
+  /// false if they take no more. Until EndReaders.
   [[nodiscard]] bool Post(http::Lane lane, std::function<void()> job) {
-    auto& threads = lane == http::Lane::kMemory ? memory_ : reads_;
+    auto& threads = lane == http::Lane::kMemory  ? memory_
+                    : lane == http::Lane::kWatch ? watches_
+                                                 : reads_;
     return threads->TryPost(std::move(job)).has_value();
   }
   /// Who may ask by HTTP. Look on the loop's thread.

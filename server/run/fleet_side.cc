@@ -24,8 +24,8 @@ absl::Status FleetSide::Listen() {
   if (!config::IsSet(context_.config.listen.fleet)) return absl::OkStatus();
   auto server = front::FrontServer::Start(
       FleetOptionsOf(context_.config, health::MemoryMax()), context_.relay.FrontContext(probe_),
-      rpc::FleetMethods(
-          {context_.site, context_.early.access().guard(), context_.health.monitor(), calls_}));
+      rpc::FleetMethods({context_.site, context_.early.access().guard(), context_.health.monitor(),
+                         context_.watches, calls_}));
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
   return absl::OkStatus();

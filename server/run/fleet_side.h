@@ -17,6 +17,7 @@
 #include "server/run/health_side.h"
 #include "server/run/relay_side.h"
 #include "server/transport/probe.h"
+#include "server/view/watches.h"
 
 namespace uplink::run {
 
@@ -34,6 +35,7 @@ class FleetSide final {
     RelaySide& relay;
     HealthSide& health;
     const http::Site& site;
+    view::Watches& watches;
   };
   explicit FleetSide(const Context& context);
 

@@ -57,6 +57,7 @@ class ViewSide final {
   ViewSide& operator=(const ViewSide&) = delete;
 
   [[nodiscard]] const http::Site& site() const { return site_; }
+  [[nodiscard]] view::Watches& watches() { return watches_; }
   /// Watches are swept from now on.
   void BeginWatches() { sweeps_.Start(); }
   /// All watches end. Before the threads of EarlyServices end.

@@ -108,6 +108,16 @@ class View(FleetRpc):
         self.assertGreater(rows, 20)
         self.assertEqual(server.terminate(60), 0)
 
+    def test_a_watch_begins_with_what_is_there(self):
+        server = self.serve()
+        self.assert_agrees(self.fleet(server, "--robots", 3))
+        viewer = self.certificate(server, "viewer")
+        [seen] = self.call(server, (VIEW + "WatchRobots", {}, "watch", 4), pair=viewer)
+        expected = [robot["ruri"] for robot in server.get("/api/v1/robots")["robots"]]
+        self.assertEqual(sorted(each["robot"]["ruri"] for each in seen["answers"][:-1]), expected)
+        self.assertEqual(seen["answers"][-1], {"snapshotEnd": {"robots": "3"}})
+        self.assertEqual(server.terminate(60), 0)
+
     def test_mistakes_are_told_as_http_tells_them(self):
         server = self.serve()
         viewer = self.certificate(server, "viewer")

@@ -36,7 +36,9 @@ class FakeCall final : public transport::ServedCall {
   void Write(std::string message_with_prefix) override {
     written.push_back(message_with_prefix.substr(transport::kPrefixBytes));
   }
-  void Write(std::vector<transport::SharedMessage> /*messages*/) override {}
+  void Write(std::vector<transport::SharedMessage> messages) override {
+    for (const auto& message : messages) written.push_back(*message);
+  }
   void Finish(const absl::Status& status) override {
     EXPECT_FALSE(end) << "a call ends once";
     end = status;
@@ -66,7 +68,7 @@ class FleetMethodsTest : public ::testing::Test {
       jobs_.push_back(std::move(job));
       return true;
     };
-    methods_ = FleetMethods({world_.site, guard_, world_.monitor, calls_})(world_.clock);
+    methods_ = FleetMethods({world_.site, guard_, world_.monitor, world_.watches, calls_})(world_.clock);
     world_.AddRobot("rcan://a", "north");
     world_.AddRobot("rcan://b", "south");
   }
@@ -124,7 +126,7 @@ class FleetMethodsTest : public ::testing::Test {
 
 TEST_F(FleetMethodsTest, EachUnaryMethodAndEachPathOfDataHasItsRow) {
   const auto* service = v1::ListRobotsRequest::descriptor()->file()->FindServiceByName("FleetView");
-  std::set<std::string_view> paths{"/api/v1/openapi.yaml", "/api/v1/robots/{}"};
+  std::set<std::string_view> paths{"/api/v1/openapi.yaml", "/api/v1/robots/{}", "/api/v1/watch"};
   for (const ViewMethod& row : kViewMethods) paths.insert(row.path);
   int unary = 0;
   for (int i = 0; i < service->method_count(); ++i) {
@@ -237,6 +239,56 @@ TEST_F(FleetMethodsTest, ARequestThatDoesNotComeEndsItsCall) {
   ASSERT_LE(handler->deadline(), world_.clock.Steady());
   handler->OnTimer();
   EXPECT_EQ(call.end->code(), absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST_F(FleetMethodsTest, AWatchShowsRobotsAndTheirChanges) {
+  FakeCall call(Of(Role::kViewer, "north"));
+  const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
+  ASSERT_NE(watch, nullptr);
+  v1::WatchRobotsRequest request;
+  request.mutable_filter()->set_page_size(-1);  // has no meaning here
+  watch->OnMessage(request.SerializeAsString());
+  RunJobs(*watch);
+  const auto changes = [&call] {
+    std::vector<v1::RobotChange> read(call.written.size());
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      EXPECT_TRUE(read[i].ParseFromString(call.written[i]));
+    }
+    return read;
+  };
+  ASSERT_EQ(changes().size(), 2U);
+  EXPECT_EQ(changes()[0].robot().ruri(), "rcan://a");
+  EXPECT_EQ(changes()[1].snapshot_end().robots(), 1);
+  watch->OnWritten();
+  RunJobs(*watch);
+  EXPECT_EQ(changes().size(), 2U) << "nothing has changed";
+  EXPECT_EQ(world_.watches.size(), 1U);
+  watch->OnDrain({});
+  EXPECT_EQ(call.end->code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(FleetMethodsTest, AWatchThatEndsLeavesItsPlace) {
+  FakeCall call(Of(Role::kViewer));
+  auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
+  ASSERT_NE(watch, nullptr);
+  watch->OnMessage("");
+  RunJobs(*watch);
+  EXPECT_EQ(world_.watches.size(), 1U);
+  watch->OnBroken({});
+  watch.reset();
+  EXPECT_EQ(world_.watches.size(), 0U);
+}
+
+TEST_F(FleetMethodsTest, AWatchIsJudgedAsAListIs) {
+  FakeCall call(Of(Role::kViewer));
+  const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
+  ASSERT_NE(watch, nullptr);
+  v1::WatchRobotsRequest request;
+  request.mutable_filter()->set_presence("here");
+  watch->OnMessage(request.SerializeAsString());
+  EXPECT_EQ(call.end->code(), absl::StatusCode::kInvalidArgument);
+  FakeCall stranger({});
+  EXPECT_EQ(Begin("/uplink.v1.FleetView/WatchRobots", stranger), nullptr);
 }
 
 TEST_F(FleetMethodsTest, HealthIsOpenAndFollowsReadiness) {
