@@ -41,13 +41,17 @@ enum class CyberwaveMedia : std::uint8_t { kOff, kCount };
 // the schema and the storage bound themselves is taken from there; the rooms of the server take
 // theirs from here. settings.cc binds each member to its key, bounds and text.
 
+/// Descriptors of listen.fleet: some 160 connections, and those that wait for their handshake.
+inline constexpr std::size_t kFleetDescriptors = 256;
+
 struct ListenConfig {
   ListenAddress relay{"::", 7443};
   /// Threads of the relay; 0: one per core.
   std::size_t relay_threads = 0;
   /// Load balancers whose connections begin with a PROXY header.
   std::vector<Network> proxy_protocol_from;
-  ListenAddress fleet{"127.0.0.1", 7444};
+  /// Operators' gRPC; no address: there is none.
+  ListenAddress fleet;
   ListenAddress http{"127.0.0.1", 7480};
   /// Probes and scrapes for other machines; no address: on `http` alone.
   ListenAddress metrics;
@@ -258,6 +262,11 @@ struct UncrewConfig {
   std::string ruri_template = "rcan://local.rcan/uncrew/uav/{uav_id}";
 };
 
+struct ViewConfig {
+  /// A watch shows each robot at most once in this time.
+  milliseconds watch_interval{200};
+};
+
 struct DrainConfig {
   /// How long the drain may take after the signal (run::kExitWait is added until the exit); what is
   /// unsettled then is counted in a warning.
@@ -282,6 +291,7 @@ struct Config {
   CyberwaveConfig cyberwave;
   UncrewConfig uncrew;
   HttpConfig http;
+  ViewConfig view;
   MetricsConfig metrics;
   LogConfig log;
   DrainConfig drain;

@@ -50,9 +50,12 @@ void CheckListen(const ListenConfig& listen, Breaches& breaches) {
                  fmt::format("{} is taken by listen.{}, {}; give one of them another port",
                              ToText(address), other_key, ToText(other)));
   };
+  collides("fleet", listen.fleet, "relay", listen.relay);
   collides("http", listen.http, "relay", listen.relay);
+  collides("http", listen.http, "fleet", listen.fleet);
   collides("metrics", listen.metrics, "relay", listen.relay);
   collides("metrics", listen.metrics, "http", listen.http);
+  collides("metrics", listen.metrics, "fleet", listen.fleet);
 }
 
 void CheckTls(const TlsConfig& tls, const IdentityConfig& identity, Breaches& breaches) {

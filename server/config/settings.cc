@@ -99,6 +99,7 @@ constexpr std::array<Section, 18> kSections = {{
     {"cyberwave", "What is read from that broker, and what is made of it."},
     {"uncrew", "Drones that call AvatarService on listen.relay (Uncrew)."},
     {"http", "The listener of probes, metrics and JSON."},
+    {"view", "How watches show robots."},
     {"metrics", "What /metrics shows of robots."},
     {"log", "Lines on standard error."},
     {"drain", "The way down after SIGTERM or SIGINT."},
@@ -128,8 +129,11 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "listen",
      .key = "fleet",
      .kind = Kind::kAddress,
-     .effect = Effect::kNone,
-     .text = "Operators: gRPC FleetView.",
+     .empty = "no such listener",
+     .text = "Operators: gRPC FleetView, with gRPC's reflection and health, always with TLS and "
+             "the server's certificate. Callers show an operator's certificate, as "
+             "tls.operator_ca_file signs, or a token of http.tokens_file in the metadata "
+             "authorization.",
      UPLINK_BIND(listen, ListenConfig, fleet)},
     {.section = "listen",
      .key = "http",
@@ -847,6 +851,13 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "A file whose first line is the token that scrapes on listen.metrics must show "
              "(Authorization: Bearer); empty: they show none.",
      UPLINK_BIND(http, HttpConfig, metrics_token_file)},
+    {.section = "view",
+     .key = "watch_interval",
+     .kind = Kind::kDuration,
+     .min = 50,
+     .max = kMinute,
+     .text = "A watch (/api/v1/watch) shows each robot at most once in this time, as it is then.",
+     UPLINK_BIND(view, ViewConfig, watch_interval)},
 
     {.section = "metrics",
      .key = "fleets_max",

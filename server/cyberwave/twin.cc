@@ -16,6 +16,7 @@ void Twin::CountIn(std::shared_ptr<robot::LiveTotal> total) {
 
 Applied Twin::Apply(Judgement&& judgement, const Arrival& arrival) {
   const std::lock_guard lock(mutex_);
+  ++changes_;
   Applied applied = state_.Apply(std::move(judgement), arrival);
   share_.Set(state_.held_bytes());
   return applied;
@@ -29,6 +30,7 @@ void Twin::RestoreFaults(const std::vector<std::string>& fault_ids) {
 std::size_t Twin::DropTable(TwinTable table) {
   const std::lock_guard lock(mutex_);
   const std::size_t before = state_.held_bytes();
+  ++changes_;
   state_.DropTable(table);
   share_.Set(state_.held_bytes());
   return before - share_.bytes();

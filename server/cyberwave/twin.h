@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -45,6 +46,11 @@ class Twin final {
   /// Its memory, as of the last message; 0 before the first one.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] TwinTableBytes table_bytes() const;
+  /// Grows with each change of its parts.
+  [[nodiscard]] std::uint64_t changes() const {
+    const std::lock_guard lock(mutex_);
+    return changes_;
+  }
   /// Calls `look` with the parts, under the lock: it must be short.
   template <typename Look>
   void LookAt(Look look) const {
@@ -58,6 +64,7 @@ class Twin final {
   mutable std::mutex mutex_;
   TwinState state_;
   robot::LiveShare share_;
+  std::uint64_t changes_ = 0;
 };
 
 using TwinPtr = std::shared_ptr<Twin>;

@@ -64,6 +64,8 @@ void Connection::BeginGrpc() {
     peer.identity = transport::CertificateRevoked();
     CountDenied(transport::Denied::kRevoked);
   }
+  // Those without a certificate share the places of their source.
+  if (peer.anonymous) peer.key = KeyOf(origin_.source);
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
   phase_ = Phase::kOpen;
   phase_by_.reset();

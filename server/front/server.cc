@@ -42,8 +42,9 @@ std::size_t UsableCores() {
   return std::max<std::size_t>(1, static_cast<std::size_t>(CPU_COUNT(&cores)));
 }
 
-/// Descriptors that the process may have.
-std::size_t DescriptorsMax() {
+/// Descriptors that the listener may have.
+std::size_t DescriptorsMax(const transport::RelayOptions& options) {
+  if (options.descriptors_max > 0) return options.descriptors_max;
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return kDescriptorsDefault;
   return static_cast<std::size_t>(limit.rlim_cur);
@@ -57,13 +58,14 @@ struct FrontServer::Impl {
        transport::MethodsMaker others)
       : options(given_options),
         context(given),
-        make_methods([others = std::move(others)](const Clock& clock) {
-          transport::Methods methods = others ? others(clock) : transport::Methods();
-          methods.merge(RelayHandler::Served());
-          return methods;
-        }),
+        make_methods(
+            [others = std::move(others), relay = given_options.serves_relay](const Clock& clock) {
+              transport::Methods methods = others ? others(clock) : transport::Methods();
+              if (relay) methods.merge(RelayHandler::Served());
+              return methods;
+            }),
         limits(DoorLimitsFor({.streams_max = given_options.streams_max,
-                              .descriptors_max = DescriptorsMax(),
+                              .descriptors_max = DescriptorsMax(given_options),
                               .reserved = given_options.descriptors_reserved,
                               .headers = given_options.proxy_protocol_from.empty()
                                              ? ProxyHeaders::kNone
@@ -151,8 +153,11 @@ void FrontServer::Impl::TellLimits() const {
   const std::size_t connections = limits.book.connections_max;
   context.probe.connections_limit.Set(static_cast<std::int64_t>(connections));
   const std::size_t wanted = transport::DescriptorsWanted(options);
-  if (DescriptorsMax() >= wanted || context.logger == nullptr) return;
-  context.logger->Warn("descriptors_few", {{"descriptors_max", DescriptorsMax()},
+  // One with its own part of them takes what it gets.
+  if (options.descriptors_max > 0 || context.logger == nullptr) return;
+  const std::size_t descriptors_max = DescriptorsMax(options);
+  if (descriptors_max >= wanted) return;
+  context.logger->Warn("descriptors_few", {{"descriptors_max", descriptors_max},
                                            {"descriptors_wanted", wanted},
                                            {"connections_limit", connections},
                                            {"connections_wanted", options.streams_max}});
@@ -162,6 +167,7 @@ void FrontServer::Impl::StartWorkers() {
   const std::size_t count = options.queues > 0 ? options.queues : UsableCores();
   for (std::size_t i = 0; i < count; ++i) {
     Worker::Setup setup{
+        .name = options.name,
         .index = i,
         .connection_age_max = options.connection_age_max,
         .gateway_streams_max = static_cast<std::uint32_t>(options.gateway_streams_max)};

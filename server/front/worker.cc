@@ -32,7 +32,7 @@ void Worker::Start() {
 }
 
 void Worker::Run() {
-  const std::string name = fmt::format("relay-{}", setup_.index);
+  const std::string name = fmt::format("{}-{}", setup_.name, setup_.index);
   ::pthread_setname_np(::pthread_self(), name.c_str());
   loop_.Run();
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <unordered_map>
 #include <unordered_set>
@@ -30,6 +31,7 @@ namespace uplink::front {
 class Worker final : public loop::WakeInbox, public ConnectionOwner {
  public:
   struct Setup {
+    std::string name;
     std::size_t index = 0;
     milliseconds connection_age_max{0};
     std::uint32_t gateway_streams_max = 0;

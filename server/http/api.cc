@@ -10,12 +10,13 @@ namespace uplink::http {
 
 Response GetStatus(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = Parameters(request.query).Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.queries.Status(), sources.monitor.readiness().all()));
+  return JsonResponse(
+      view::Encode(request.form, sources.queries.Status(), sources.monitor.readiness().all()));
 }
 
 Response GetConfig(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = Parameters(request.query).Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.in_effect));
+  return JsonResponse(view::Encode(request.form, sources.in_effect));
 }
 
 Response GetOpenapi(const Sources& /*sources*/, const RoutedRequest& request) {

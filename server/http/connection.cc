@@ -11,7 +11,9 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 
+#include "server/http/answer_note.h"
 #include "server/http/errors.h"
+#include "server/http/event_answer.h"
 #include "server/http/guard.h"
 #include "server/http/incoming.h"
 #include "server/http/posted_job.h"
@@ -59,6 +61,7 @@ class Connection final : public PlaceHolder,
     wire_.raw().close();
     // Else the jobs of those that gave way would take the places of others in the queue.
     if (job_) job_->Withdraw();
+    if (events_) events_->End();
   }
 
   void CutHandshake() override {
@@ -201,12 +204,27 @@ class Connection final : public PlaceHolder,
     if (!job_) Answer(IsScrape(resolved.lane) ? TooManyScrapes() : TooBusy());
   }
 
+  /// Events go on until either side ends them.
+  void AnswerEvents(const Response& answer) {
+    if (!place_ || !context_->places.MayWatch()) {
+      return Answer(TooManyWatches("half of http.connections_max are watches already"));
+    }
+    Note(Places::State::kWatching);
+    NoteAnswered(context_->server, route_, answer.status, started_);
+    events_.emplace(EventAnswer::Parts{
+        *context_, wire_, weak_from_this(), answer.events, [this, request = ToRequest()] {
+          return context_->server.entrance.Resolve(request).lane != Lane::kIo;
+        }});
+    events_->Begin();
+  }
+
   void Answer(Response answer) {
+    if (answer.events != nullptr && method_ == Method::kGet) return AnswerEvents(answer);
     if (answer.closes || (place_ && context_->places.Crowded(*place_))) keep_alive_ = false;
     answered_any_ = true;
     // A client that is refused because no place is free has no place to keep.
     Note(answer.closes ? Places::State::kIdle : Places::State::kAnswering);
-    NoteAnswered(answer.status);
+    NoteAnswered(context_->server, route_, answer.status, started_);
     wire_.raw().expires_after(context_->limits.answer_wait);
     const SentAnswer::Form form{.version = version_,
                                 .head_only = method_ == Method::kHead || answer.status == 304,
@@ -221,16 +239,6 @@ class Connection final : public PlaceHolder,
                     if (self->keep_alive_) return self->ReadRequest();
                     self->Close();
                   });
-  }
-
-  void NoteAnswered(int status) {
-    const auto took = context_->server.clock.Steady() - started_;
-    context_->server.probe.request_seconds.Observe(std::chrono::duration<double>(took).count());
-    context_->server.probe.CountRequest(route_, status);
-    const log::Logger& logger = context_->server.logger;
-    if (!logger.Enabled(log::Level::kDebug)) return;
-    const auto ms = std::chrono::duration_cast<milliseconds>(took).count();
-    logger.Debug("http_answered", {{"route", RouteName(route_)}, {"status", status}, {"ms", ms}});
   }
 
   void Close() {
@@ -270,6 +278,7 @@ class Connection final : public PlaceHolder,
   /// Something of the request has come.
   bool begun_ = false;
   SentAnswer answer_;
+  std::optional<EventAnswer> events_;
   Method method_ = Method::kGet;
   RouteId route_ = OtherRoute();
   unsigned version_ = 11;

@@ -48,6 +48,8 @@ Response Answer(int status, const view::ErrorText& text) {
   Response response;
   response.status = status;
   response.body = view::ErrorJson(text);
+  response.code = text.code;
+  response.why = text.message;
   return response;
 }
 
@@ -103,6 +105,8 @@ Response TooBusy() {
 Response TooManyScrapes() {
   return Answer(503, {"UNAVAILABLE", "too many scrapes are under way; try again"});
 }
+
+Response TooManyWatches(std::string_view why) { return Answer(503, {"UNAVAILABLE", why}); }
 
 Response Starting() { return Answer(503, {"UNAVAILABLE", "the server starts; try again"}); }
 

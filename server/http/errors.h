@@ -30,6 +30,8 @@ namespace uplink::http {
 [[nodiscard]] Response TooBusy();
 /// 503: too many scrapes wait, or too many of their texts are sent.
 [[nodiscard]] Response TooManyScrapes();
+/// 503: no more watches may begin. `why` names the bound.
+[[nodiscard]] Response TooManyWatches(std::string_view why);
 /// 503: there is no store yet, and no robot.
 [[nodiscard]] Response Starting();
 /// 401: who asks must show who it is. `why` is the answer's text.

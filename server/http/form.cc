@@ -38,6 +38,8 @@ void MakeGzip(Response& answer) {
 }  // namespace
 
 Response InFormOf(const RoutedRequest& request, const Route& route, Response answer) {
+  if (request.form == view::Form::kWire) return answer;
+  if (answer.events != nullptr) return answer;
   answer.varies = true;
   const bool found = answer.status == 200;
   if (found && request.lines) MakeLines(answer);

@@ -63,7 +63,7 @@ std::shared_ptr<const Tokens> Guard::TokensNow() const {
 Guard::Answer Guard::Ask(const Request& request, RouteId route) {
   const std::shared_ptr<const Tokens> tokens = TokensNow();
   const bool scrapes_ask = request.listener == ListenerId::kMetrics && tokens->scrape;
-  if (!options_.asks && !scrapes_ask) return {.caller = identity::LocalCaller()};
+  if (!options_.asks && !scrapes_ask && !request.proves) return {.caller = identity::LocalCaller()};
   if (IsKnown(route) && Routes()[route.index].needs.right == Right::kAnyone) return {};
   if (request.authorization) {
     if (const auto token = BearerToken(*request.authorization)) {

@@ -32,7 +32,8 @@ inline constexpr std::size_t kCallersKnownMax = 2'048;
 /// Who asks, and whether it may: by the token of a request, else by the certificate of its
 /// connection. It counts and logs what it denies.
 ///
-/// Without Options::asks every caller is identity::LocalCaller. Otherwise every path but the probes
+/// Without Options::asks every caller is identity::LocalCaller, unless its request is one of those
+/// that always ask (Request::proves). Otherwise every path but the probes
 /// needs a proof, on each listener. After kFailedProofsOfSource a source gets 429 in place of 401;
 /// good proofs pass all the same.
 ///

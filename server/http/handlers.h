@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "metrics/format.h"
 #include "server/admin/commands.h"
@@ -12,7 +13,9 @@
 #include "server/identity/caller.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
+#include "server/view/form.h"
 #include "server/view/queries.h"
+#include "server/view/watches.h"
 
 namespace uplink::http {
 
@@ -21,6 +24,7 @@ namespace uplink::http {
 struct Sources {
   view::Queries& queries;
   admin::Commands& commands;
+  view::Watches& watches;
   health::Monitor& monitor;
   /// The text of our own scrape: every metric of the catalogue.
   std::function<std::string(metrics::Format)> metrics;
@@ -38,6 +42,9 @@ struct RoutedRequest {
   std::string query;
   metrics::Format format = metrics::Format::kText;
   metrics::Coding coding = metrics::Coding::kPlain;
+  /// Of an answer that holds what was asked for. Errors are JSON; Response::code and why say the
+  /// same.
+  view::Form form = view::Form::kJson;
   /// Lists go as lines.
   bool lines = false;
   std::string if_none_match;
@@ -73,6 +80,10 @@ struct RoutedRequest {
 /// Whether the list wants parts that only the store has.
 [[nodiscard]] bool RobotsReadStore(const RoutedRequest& request);
 [[nodiscard]] Response GetRobots(const Sources& sources, const RoutedRequest& request);
+/// Which robots a request watches, and for whom; or the answer for what is wrong with it.
+[[nodiscard]] std::variant<view::WatchQuery, Response> WatchQueryOf(const RoutedRequest& request);
+/// Robots as they change, until the client ends it.
+[[nodiscard]] Response GetWatch(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetFleets(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetTop(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetCandidates(const Sources& sources, const RoutedRequest& request);

@@ -86,7 +86,7 @@ Response PresentOnes(
   query.include_expired = parameters.Flag("includeExpired");
   ReadPage(parameters, query.rows);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse((queries.*ask)(query));
+  return RowsResponse(request, (queries.*ask)(query));
 }
 
 }  // namespace
@@ -95,14 +95,14 @@ Response GetEvents(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::EventsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.kind = parameters.Text("kind");
-  return ListResponse(sources, parameters, &Reader::Events, query);
+  return ListResponse(sources, request, parameters, &Reader::Events, query);
 }
 
 Response GetMessages(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::MessagesQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.level = ReadEnum<model::MessageLevel>(parameters, "level");
-  return ListResponse(sources, parameters, &Reader::Messages, query);
+  return ListResponse(sources, request, parameters, &Reader::Messages, query);
 }
 
 Response GetConnections(const Sources& sources, const RoutedRequest& request) {
@@ -111,7 +111,7 @@ Response GetConnections(const Sources& sources, const RoutedRequest& request) {
   query.open = parameters.Flag("open");
   query.why = ReadWhy(parameters);
   query.source = ReadSource(parameters);
-  return ListResponse(sources, parameters, &Reader::Connections, query);
+  return ListResponse(sources, request, parameters, &Reader::Connections, query);
 }
 
 Response GetStory(const Sources& sources, const RoutedRequest& request) {
@@ -130,19 +130,20 @@ Response GetStory(const Sources& sources, const RoutedRequest& request) {
                              .order = rows.order,
                              .page_size = rows.page_size,
                              .page_token = rows.page_token});
-  return story.ok() ? JsonResponse(view::ToJson(*story)) : ErrorResponse(story.status());
+  return story.ok() ? JsonResponse(view::Encode(request.form, *story))
+                    : ErrorResponse(story.status());
 }
 
 Response GetPresence(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   const storage::HistoryQuery query = ReadRows(parameters, request.caller.scope);
-  return ListResponse(sources, parameters, &Reader::PresenceChanges, query);
+  return ListResponse(sources, request, parameters, &Reader::PresenceChanges, query);
 }
 
 Response GetGaps(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   const storage::HistoryQuery query = ReadRows(parameters, request.caller.scope);
-  return ListResponse(sources, parameters, &Reader::Gaps, query);
+  return ListResponse(sources, request, parameters, &Reader::Gaps, query);
 }
 
 Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
@@ -153,7 +154,7 @@ Response GetQuarantine(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::QuarantineView> quarantine =
       sources.queries.Quarantine(query, request.caller.scope.Restrict(""));
-  return quarantine.ok() ? JsonResponse(view::ToJson(*quarantine))
+  return quarantine.ok() ? JsonResponse(view::Encode(request.form, *quarantine))
                          : ErrorResponse(quarantine.status());
 }
 
@@ -168,7 +169,7 @@ Response GetScopeUpdates(const Sources& sources, const RoutedRequest& request) {
   ReadPage(parameters, query.rows);
   query.scope = ReadScope(parameters);
   query.id = ReadUuid(parameters, "id");
-  return ListResponse(sources, parameters, &Reader::ScopeUpdates, query);
+  return ListResponse(sources, request, parameters, &Reader::ScopeUpdates, query);
 }
 
 Response GetFaults(const Sources& sources, const RoutedRequest& request) {
@@ -178,28 +179,28 @@ Response GetFaults(const Sources& sources, const RoutedRequest& request) {
   query.fault_id = parameters.Text("faultId");
   query.source = parameters.Text("source");
   const bool active = parameters.Flag("active");
-  return ListResponse(sources, parameters, active ? &Reader::FaultsActive : &Reader::FaultHistory,
-                      query);
+  return ListResponse(sources, request, parameters,
+                      active ? &Reader::FaultsActive : &Reader::FaultHistory, query);
 }
 
 Response GetMissions(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::MissionsQuery query = ReadMissions(parameters, request.caller.scope);
   query.open = parameters.Flag("open");
-  return ListResponse(sources, parameters, &Reader::MissionRuns, query);
+  return ListResponse(sources, request, parameters, &Reader::MissionRuns, query);
 }
 
 Response GetMissionReports(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   const storage::MissionsQuery query = ReadMissions(parameters, request.caller.scope);
-  return ListResponse(sources, parameters, &Reader::MissionReports, query);
+  return ListResponse(sources, request, parameters, &Reader::MissionReports, query);
 }
 
 Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request) {
   Parameters parameters(request.query);
   storage::OperatorRequestsQuery query{.rows = ReadRows(parameters, request.caller.scope)};
   query.open = parameters.Flag("open");
-  return ListResponse(sources, parameters, &Reader::OperatorRequests, query);
+  return ListResponse(sources, request, parameters, &Reader::OperatorRequests, query);
 }
 
 Response GetShapes(const Sources& sources, const RoutedRequest& request) {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "server/http/credentials.h"
+#include "server/http/event_stream.h"
 #include "server/http/listeners.h"
 #include "server/http/source.h"
 #include "server/identity/caller.h"
@@ -50,6 +51,8 @@ struct Request {
   bool monitoring_only = false;
   /// Where it came in.
   ListenerId listener = ListenerId::kHttp;
+  /// Its caller must show who it is, however open the rest of the server is.
+  bool proves = false;
   /// Who asks.
   identity::Caller caller = identity::LocalCaller();
 };
@@ -77,8 +80,13 @@ struct Response {
   std::string_view authenticate{};
   /// Value of the Retry-After header; zero: that of every 503, or none.
   std::chrono::seconds retry_after{0};
+  /// Follow the head in place of a body, if set.
+  std::shared_ptr<EventStream> events{};
   /// The connection ends after it.
   bool closes = false;
+  /// Of an error: the canonical name, such as NOT_FOUND, and the sentence that the body has.
+  std::string_view code{};
+  std::string why{};
   /// What really failed, for the log alone.
   std::string cause{};
 

@@ -17,6 +17,7 @@ int RankOf(const Places::Place& place, SteadyTime now) {
     case Places::State::kNew:
       return now - place.since > kNotReadYet ? 0 : 3;
     case Places::State::kBusy:
+    case Places::State::kWatching:
       break;
   }
   return 4;
@@ -37,6 +38,7 @@ bool MayGiveWay(const Places::Place& place, SteadyTime now) {
     case Places::State::kScraping:
       return true;
     case Places::State::kBusy:
+    case Places::State::kWatching:
       return false;
     case Places::State::kAnswering:
       return now - place.since > kSlowAnswer;
@@ -87,6 +89,11 @@ void Places::Note(Handle place, State state, SteadyTime now) {
 bool Places::Crowded(Handle place) const {
   if (source_share_ == 0 || !place->shares) return false;
   return 2 * taken_.size() > places_ || 2 * TakenBy(place->source) > source_share_;
+}
+
+bool Places::MayWatch() const {
+  const auto watching = std::ranges::count(taken_, State::kWatching, &Place::state);
+  return 2 * (static_cast<std::size_t>(watching) + 1) <= places_;
 }
 
 std::size_t Places::TakenBy(const Source& source) const {

@@ -52,6 +52,8 @@ class Places final {
     kScraping,
     /// Its peer takes an answer.
     kAnswering,
+    /// Its peer watches: it does not give way.
+    kWatching,
   };
   struct Place {
     PlaceHolder* holder = nullptr;
@@ -84,6 +86,8 @@ class Places final {
   /// source's share, are taken: a peer that sends requests ahead would be answered without a pause
   /// in which it could give way. Never without shares.
   [[nodiscard]] bool Crowded(Handle place) const;
+  /// Whether one more may watch: half of the places at most do, so that others are answered.
+  [[nodiscard]] bool MayWatch() const;
 
  private:
   [[nodiscard]] std::size_t TakenBy(const Source& source) const;

@@ -13,6 +13,8 @@ loop::ReadThreads& ThreadOf(const HttpServer::Context& server, Lane lane) {
       return server.metrics;
     case Lane::kScrape:
       return server.scrapes;
+    case Lane::kWatch:
+      return server.watches;
     case Lane::kIo:
     case Lane::kRead:
       break;

@@ -35,6 +35,8 @@ struct HttpProbe {
   metrics::Cell reads_refused;
   /// Scrapes of /metrics that wait for their thread.
   metrics::Cell metrics_waiting;
+  /// Watches that wait for their thread. Without a metric: each connection has one at most.
+  metrics::Cell watches_waiting;
   /// Scrapes of robots that wait for their thread.
   metrics::Cell scrapes_waiting;
   /// By Denied.

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -15,6 +16,7 @@
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/parameters.h"
+#include "server/http/watch_events.h"
 #include "server/view/json.h"
 #include "server/view/parts.h"
 #include "server/view/robots_order.h"
@@ -139,7 +141,23 @@ Response GetRobots(const Sources& sources, const RoutedRequest& request) {
   query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::RobotsPage> page = sources.queries.Robots(query);
-  return page.ok() ? JsonResponse(view::ToJson(*page, query.parts)) : ErrorResponse(page.status());
+  return page.ok() ? JsonResponse(view::Encode(request.form, *page, query.parts))
+                   : ErrorResponse(page.status());
+}
+
+std::variant<view::WatchQuery, Response> WatchQueryOf(const RoutedRequest& request) {
+  Parameters parameters(request.query);
+  view::WatchQuery query{.caller = WatcherOf(request.caller)};
+  query.filter = ReadFilter(parameters, request.caller.scope);
+  query.parts = ReadParts(parameters);
+  if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
+  return query;
+}
+
+Response GetWatch(const Sources& sources, const RoutedRequest& request) {
+  std::variant<view::WatchQuery, Response> query = WatchQueryOf(request);
+  if (auto* refusal = std::get_if<Response>(&query)) return std::move(*refusal);
+  return WatchResponse(sources.watches, std::get<view::WatchQuery>(std::move(query)));
 }
 
 Response GetFleets(const Sources& sources, const RoutedRequest& request) {
@@ -150,7 +168,7 @@ Response GetFleets(const Sources& sources, const RoutedRequest& request) {
   query.page_token = parameters.TextOrEmpty("pageToken");
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::FleetsPage> page = sources.queries.Fleets(query);
-  return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
+  return page.ok() ? JsonResponse(view::Encode(request.form, *page)) : ErrorResponse(page.status());
 }
 
 Response GetTop(const Sources& sources, const RoutedRequest& request) {
@@ -164,7 +182,7 @@ Response GetTop(const Sources& sources, const RoutedRequest& request) {
   const std::vector<std::string> fleets = request.caller.scope.Restrict(parameters.Text("fleet"));
   const std::uint32_t count = parameters.Number("pageSize", kTopDefault, fleet::kTopMax);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.queries.Top(*order, count, fleets), by));
+  return JsonResponse(view::Encode(request.form, sources.queries.Top(*order, count, fleets), by));
 }
 
 Response GetCandidates(const Sources& sources, const RoutedRequest& request) {
@@ -183,7 +201,7 @@ Response GetRobot(const Sources& sources, const RoutedRequest& request) {
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   const absl::StatusOr<view::RobotView> robot =
       sources.queries.Robot(ruri, request.caller.scope.Restrict(""));
-  return robot.ok() ? JsonResponse(view::ToJson(*robot, view::PartSet::All()))
+  return robot.ok() ? JsonResponse(view::Encode(request.form, *robot, view::PartSet::All()))
                     : ErrorResponse(robot.status());
 }
 

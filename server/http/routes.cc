@@ -40,6 +40,7 @@ constexpr auto kRoutes = std::to_array<Route>({
     {"/api/v1/robots/{}", "robot", Lane::kRead, kReadFleets, GetRobot, nullptr, true},
     {"/api/v1/robot", "robot_by_ruri", Lane::kRead, kReadFleets, GetRobot, nullptr, true},
     {"/api/v1/robot/story", "robot_story", Lane::kRead, kReadFleets, GetStory},
+    {"/api/v1/watch", "watch", Lane::kMemory, kReadFleets, GetWatch},
     {"/api/v1/fleets", "fleets", Lane::kMemory, kReadFleets, GetFleets},
     {"/api/v1/top", "top", Lane::kMemory, kReadFleets, GetTop},
     {"/api/v1/candidates", "candidates", Lane::kMemory, kReadFleets, GetCandidates},

@@ -15,8 +15,9 @@ struct Sources;
 
 /// Which thread answers: probes at once, on the thread `io`; what is in memory on a thread that
 /// waits for the store a moment at most; what may wait for it on the thread that reads; our own
-/// scrape on a thread for each listener; the robots' scrape on one thread for all.
-enum class Lane : std::uint8_t { kIo, kMemory, kRead, kMetrics, kScrape };
+/// scrape on a thread for each listener; the robots' scrape on one thread for all; changes that
+/// watches show on threads of their own, which no path has.
+enum class Lane : std::uint8_t { kIo, kMemory, kRead, kMetrics, kScrape, kWatch };
 
 /// What a caller needs to ask for a path. Closed; rights.cc says which roles have which.
 enum class Right : std::uint8_t {

@@ -19,17 +19,19 @@
 namespace uplink::http {
 
 template <typename Row>
-[[nodiscard]] Response RowsResponse(const absl::StatusOr<storage::Page<Row>>& page) {
-  return page.ok() ? JsonResponse(view::ToJson(*page)) : ErrorResponse(page.status());
+[[nodiscard]] Response RowsResponse(const RoutedRequest& request,
+                                    const absl::StatusOr<storage::Page<Row>>& page) {
+  return page.ok() ? JsonResponse(view::Encode(request.form, *page)) : ErrorResponse(page.status());
 }
 
 /// The answer of a list of storage::Reader, such as `&storage::Reader::Events`, once all parameters
 /// are read.
 template <typename Row, typename Query>
-[[nodiscard]] Response ListResponse(const Sources& sources, Parameters& parameters,
-                                    storage::ListOfReader<Row, Query> list, const Query& query) {
+[[nodiscard]] Response ListResponse(const Sources& sources, const RoutedRequest& request,
+                                    Parameters& parameters, storage::ListOfReader<Row, Query> list,
+                                    const Query& query) {
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return RowsResponse(sources.queries.List(list, query));
+  return RowsResponse(request, sources.queries.List(list, query));
 }
 
 /// Which part of a list.

@@ -28,6 +28,8 @@ inline constexpr loop::ThreadKind kReadThread{"http-read", 0};
 inline constexpr loop::ThreadKind kMetricsThread{"http-metrics", 0};
 /// Scrapes of robots give way to the robots.
 inline constexpr loop::ThreadKind kScrapeThread{"http-scrape", 10};
+/// So do watches.
+inline constexpr loop::ThreadKind kWatchThread{"http-watch", 10};
 /// So do scrapes of /metrics that strangers may ask for.
 inline constexpr loop::ThreadKind kMonitorThread{"http-monitor", 10};
 
@@ -62,6 +64,8 @@ class HttpServer final {
     loop::ReadThreads& metrics;
     /// Where the robots' scrapes are written; those of listen.http go ahead of others.
     loop::ReadThreads& scrapes;
+    /// Where the changes of watches are written. Takes one job per connection of the listener.
+    loop::ReadThreads& watches;
     HttpProbe& probe;
     const Clock& clock;
     /// At level debug each answer is a line.

@@ -25,20 +25,24 @@ Resolved Site::Resolve(const Request& request) const {
   if (!Takes(route, request.method)) {
     return AtOnce(found.id, MethodNotAllowed(!route.action.empty()));
   }
-  RoutedRequest routed{std::move(found.segment),
-                       std::string(target.query),
-                       FormatFor(request.accept),
-                       CodingFor(request.accept_encoding),
-                       PrefersLines(request.accept),
-                       request.if_none_match,
-                       request.listener,
-                       request.caller,
-                       request.from,
-                       request.content_type,
-                       request.body};
-  const bool reads = route.reads_store != nullptr && route.reads_store(routed);
-  return {found.id, reads ? Lane::kRead : route.lane,
-          [this, &route, routed = std::move(routed)] { return Run(route, routed); }};
+  return Resolve(found.id, {.segment = std::move(found.segment),
+                            .query = std::string(target.query),
+                            .format = FormatFor(request.accept),
+                            .coding = CodingFor(request.accept_encoding),
+                            .lines = PrefersLines(request.accept),
+                            .if_none_match = request.if_none_match,
+                            .listener = request.listener,
+                            .caller = request.caller,
+                            .from = request.from,
+                            .content_type = request.content_type,
+                            .body = request.body});
+}
+
+Resolved Site::Resolve(RouteId id, RoutedRequest request) const {
+  const Route& route = Routes()[id.index];
+  const bool reads = route.reads_store != nullptr && route.reads_store(request);
+  return {id, reads ? Lane::kRead : route.lane,
+          [this, &route, request = std::move(request)] { return Run(route, request); }};
 }
 
 void Site::NoteForbidden(const Request& request, RouteId route) const {

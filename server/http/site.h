@@ -29,6 +29,8 @@ class Site final {
   /// Finds the route: never fails, since errors are answers too. HEAD is answered like GET; the
   /// connection leaves the body out. The site outlives the answer.
   [[nodiscard]] Resolved Resolve(const Request& request) const;
+  /// The same of a question that came another way: its route is one of Routes().
+  [[nodiscard]] Resolved Resolve(RouteId id, RoutedRequest request) const;
   /// The caller, which showed who it is, may not ask for the route: the audit tells it of a
   /// command. Never waits.
   void NoteForbidden(const Request& request, RouteId route) const;

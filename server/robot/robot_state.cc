@@ -268,6 +268,7 @@ SystemTime RobotState::presence_since() const {
 StateSnapshot RobotState::Snapshot(Parts parts) const {
   const std::lock_guard lock(mutex_);
   StateSnapshot snapshot{.parts = {},
+                         .live_changes = live_.changes(),
                          .presence = presence_.presence(),
                          .presence_since = presence_.since(),
                          .last_sign_of_life = presence_.last_sign(),

@@ -29,6 +29,8 @@ namespace uplink::robot {
 /// A copy of a robot's current state. A value.
 struct StateSnapshot {
   LiveParts parts;
+  /// As TrackedLiveParts::changes.
+  std::uint64_t live_changes = 0;
   Presence presence = Presence::kUnknown;
   SystemTime presence_since;
   std::optional<SystemTime> last_sign_of_life;
@@ -176,7 +178,6 @@ class RobotState final {
   /// Takes over older values that have no newer ones and were not dropped, unless the hold has
   /// changed. Presence stays as it is, since the robot was not heard.
   void Restore(LiveBefore before, storage::Epoch held_since);
-
   /// As above; leaves out runs that ended meanwhile.
   void Restore(Reported before, storage::Epoch held_since);
 

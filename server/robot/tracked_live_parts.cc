@@ -40,6 +40,7 @@ void TrackedLiveParts::Put(model::RcanState&& state) {
 }
 
 void TrackedLiveParts::Restore(LiveParts&& before) {
+  ++changes_;
   ForEachPart(
       [this]<typename Tag>(Tag /*row*/, auto& part, auto& earlier) {
         if (dropped_.test(Tag::kIndex)) {
@@ -63,6 +64,7 @@ void TrackedLiveParts::Drop(storage::LivePart part) {
 }
 
 void TrackedLiveParts::Clear() {
+  ++changes_;
   parts_ = {};
   changed_.reset();
   dropped_.reset();
@@ -72,6 +74,7 @@ void TrackedLiveParts::Clear() {
 
 void TrackedLiveParts::NoteChanged(storage::LivePart part) {
   changed_.set(static_cast<std::size_t>(part));
+  ++changes_;
   Count(part);
 }
 

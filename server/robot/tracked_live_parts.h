@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -44,6 +45,8 @@ class TrackedLiveParts final {
   void Clear();
 
   [[nodiscard]] bool changed() const { return changed_.any(); }
+  /// Grows with each change of the parts.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
   [[nodiscard]] LivePartSet TakeChanged() { return std::exchange(changed_, {}); }
   void PutBackChanged(const LivePartSet& changed) { changed_ |= changed; }
 
@@ -53,6 +56,7 @@ class TrackedLiveParts final {
 
   LiveParts parts_;
   LivePartSet changed_;
+  std::uint64_t changes_ = 0;
   /// Parts dropped since the last EndRestore. A part stays in it even if new values came: a restore
   /// would bring values older than the drop.
   LivePartSet dropped_;

@@ -14,6 +14,7 @@
 #include "server/run/command_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
+#include "server/run/fleet_side.h"
 #include "server/run/followed_file.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
@@ -87,6 +88,7 @@ class App::Impl {
                        .listen_for_robots = [this] { return ListenForRobots(); },
                        .answer_http =
                            [this] {
+                             view_.BeginWatches();
                              early_.Open(view_.site());
                              early_.OnReload(
                                  [this] { commands_.NoteReload(ReadAgain(), "SIGHUP"); });
@@ -148,6 +150,7 @@ class App::Impl {
 
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
+    if (absl::Status listens = operators_.Listen(); !listens.ok()) return listens;
     const std::string name =
         config::ToText({.host = store::HostName(), .port = relay_.server().port()});
     reports_.SetServer(name);
@@ -163,6 +166,7 @@ class App::Impl {
     options_.logger.Info("listening", {{"relay", config::ToText(relay_.Target().address)},
                                        {"http", config::ToText(early_.http_address())},
                                        {"metrics", config::ToText(early_.metrics_address())},
+                                       {"fleet", config::ToText(operators_.address())},
                                        {"version", options_.version},
                                        {"robots", fleet_.size()}});
     options_.greeting.TellReady({.store = store::NameOf(options_.config.store),
@@ -170,7 +174,8 @@ class App::Impl {
                                  .robots_unread = store_.robots_unread(),
                                  .relay = relay_.Target().address,
                                  .http = early_.http_address(),
-                                 .metrics = early_.metrics_address()});
+                                 .metrics = early_.metrics_address(),
+                                 .fleet = operators_.address()});
     Supervisor::NoteReady();
   }
 
@@ -195,6 +200,7 @@ class App::Impl {
     work.look_at_drones = [this] { uncrew_.Round(); };
     work.look_at_access = [this] {
       static_cast<void>(early_.access().Look());
+      operators_.Look();
       WarnOfUnnamed();
     };
     work.look_at_config = [this] {
@@ -214,7 +220,12 @@ class App::Impl {
   }
 
   void Stop() {
-    run::Stop({.stop_relay = [this] { relay_.Shutdown(); },
+    run::Stop({.stop_relay =
+                   [this] {
+                     operators_.Stop();
+                     view_.EndWatches();
+                     relay_.Shutdown();
+                   },
                .stop_writers =
                    [this] {
                      broker_.Stop();
@@ -240,6 +251,8 @@ class App::Impl {
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
   CommandSide commands_;
   ViewSide view_;
+  FleetSide operators_{
+      {options_.logger, options_.config, early_, relay_, health_, view_.site(), view_.watches()}};
   Reload reload_;
   FollowedFile config_file_{options_.config_file};
 };

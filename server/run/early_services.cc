@@ -53,6 +53,8 @@ EarlyServices::EarlyServices(Context context)
   scrapes_.emplace(http_probe_.scrapes_waiting, rcan_probe_.refused_total, http::kScrapeThread,
                    loop::JobBounds{.waiting_max = http::kMetricsLimits.connections_max,
                                    .ahead_max = loop::kReadsWaitingMax});
+  watches_.emplace(http_probe_.watches_waiting, http_probe_.reads_refused, http::kWatchThread,
+                   loop::JobBounds{.waiting_max = context_.http.connections_max});
   if (access_.tls() != nullptr) tls_loop_.emplace(context_.logger, kTlsThread);
   if (!config::IsSet(context_.listen.metrics)) return;
   monitor_.emplace(http_probe_.metrics_waiting, http_probe_.reads_refused, http::kMonitorThread,
@@ -68,7 +70,7 @@ absl::Status EarlyServices::Listen() {
   const auto listen = [this](loop::EventLoop& loop, loop::ReadThreads& metrics,
                              const http::HttpServer::Options& options) {
     return http::HttpServer::Listen({loop.io(), entrance_, *memory_, *reads_, metrics, *scrapes_,
-                                     http_probe_, context_.clock, context_.logger},
+                                     *watches_, http_probe_, context_.clock, context_.logger},
                                     options);
   };
   auto http = listen(tls_loop_ ? *tls_loop_ : loop_, *metrics_,
@@ -127,6 +129,7 @@ void EarlyServices::Repeat(PeriodicWork work) {
 void EarlyServices::EndReaders() {
   monitor_.reset();
   scrapes_.reset();
+  watches_.reset();
   metrics_.reset();
   memory_.reset();
   reads_.reset();

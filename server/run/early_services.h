@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -12,6 +13,7 @@
 #include "server/config/config.h"
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
+#include "server/http/routes.h"
 #include "server/log/logger.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/one_at_a_time.h"
@@ -95,6 +97,14 @@ class EarlyServices final {
   }
   /// What the audit tells, beside the commands. Any thread.
   [[nodiscard]] admin::AuditTrail& audit() { return audit_; }
+  /// Posts a job that answers an operator to the threads of its lane, kMemory, kWatch or kRead;
+  /// false if they take no more. Until EndReaders.
+  [[nodiscard]] bool Post(http::Lane lane, std::function<void()> job) {
+    auto& threads = lane == http::Lane::kMemory  ? memory_
+                    : lane == http::Lane::kWatch ? watches_
+                                                 : reads_;
+    return threads->TryPost(std::move(job)).has_value();
+  }
   /// Who may ask by HTTP. Look on the loop's thread.
   [[nodiscard]] AccessSide& access() { return access_; }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
@@ -123,6 +133,7 @@ class EarlyServices final {
   std::optional<loop::ReadThreads> own_reads_;
   std::optional<loop::ReadThreads> metrics_;
   std::optional<loop::ReadThreads> scrapes_;
+  std::optional<loop::ReadThreads> watches_;
   /// Of listen.metrics, if that is set.
   std::optional<loop::ReadThreads> monitor_;
   loop::EventLoop loop_;

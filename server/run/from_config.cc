@@ -28,6 +28,13 @@ static_assert(config::kMqttPasswordBytesMax <= mqtt::kPasswordBytesMax);
 static_assert(config::kMqttClientIdBytesMax <= storage::kClientIdBytesMax);
 static_assert(config::kTopicPrefixesMax <= storage::kLeasePrefixesMax);
 
+/// Streams of listen.fleet at once: watches, and those of health and reflection.
+constexpr std::size_t kFleetStreamsMax = 2'048;
+/// How long a certificate that was shown once counts, though its authority may be gone meanwhile.
+constexpr std::chrono::minutes kFleetConnectionAgeMax{15};
+/// The part of the process's memory that its incomplete requests may take four times over.
+constexpr std::size_t kFleetMemoryPart = 16;
+
 std::string_view SuffixOf(cyberwave::Connection connection) {
   switch (connection) {
     case cyberwave::Connection::kDurable:
@@ -149,11 +156,32 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
   const http::ConnectionsMax http = HttpConnectionsMaxOf(config);
   options.descriptors_reserved =
-      transport::DescriptorsReserved(std::accumulate(http.begin(), http.end(), std::size_t{0}));
+      transport::DescriptorsReserved(std::accumulate(http.begin(), http.end(), std::size_t{0})) +
+      (config::IsSet(config.listen.fleet) ? config::kFleetDescriptors : 0);
   options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
   options.gateway_streams_max = config.limits.gateway_streams_max;
   options.connection_age_max = config.limits.connection_age_max;
   options.memory_bytes_max = memory_max / 2;
+  return options;
+}
+
+transport::RelayOptions FleetOptionsOf(const config::Config& config, std::size_t memory_max) {
+  transport::RelayOptions options;
+  options.address = config.listen.fleet;
+  options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
+                                             .key = config.tls.key_file,
+                                             .client_ca = config::OperatorCaFile(config.tls)};
+  options.tls = {.minimum = config.tls.min_version,
+                 .groups = config::ServedGroups(config.tls),
+                 .certificate_required = false};
+  // Answers are made elsewhere; one thread carries them.
+  options.queues = 1;
+  options.name = "fleet";
+  options.serves_relay = false;
+  options.descriptors_max = config::kFleetDescriptors;
+  options.streams_max = kFleetStreamsMax;
+  options.connection_age_max = kFleetConnectionAgeMax;
+  options.memory_bytes_max = memory_max / kFleetMemoryPart;
   return options;
 }
 

@@ -37,6 +37,9 @@ namespace uplink::run {
 /// `memory_max`: what the process may use; the transport gets half of it.
 [[nodiscard]] transport::RelayOptions RelayOptionsOf(const config::Config& config,
                                                      std::size_t memory_max);
+/// The same of listen.fleet, which must be set.
+[[nodiscard]] transport::RelayOptions FleetOptionsOf(const config::Config& config,
+                                                     std::size_t memory_max);
 /// How a connection to the broker is made. `mqtt.url` must be good. Only the durable connection
 /// asks the broker to keep its session; whether the broker has one is not known here. A silent
 /// broker is noticed before its twins count as offline: the next ping is due after a quarter of

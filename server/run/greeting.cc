@@ -104,6 +104,10 @@ std::vector<std::string> ReadyLines(const config::Config& config, const Ready& r
   lines.push_back(
       fmt::format("  http    {}: API, metrics, health{}", HttpText(config, ready.http),
                   config::AsksForProof(config.http) ? ", to those who show who they are" : ""));
+  if (config::IsSet(ready.fleet)) {
+    lines.push_back(fmt::format("  fleet   {}: gRPC for operators who show who they are",
+                                config::ToText(ready.fleet)));
+  }
   if (config::IsSet(ready.metrics)) {
     const bool asks = config::AsksForProof(config.http) || !config.http.metrics_token_file.empty();
     lines.push_back(fmt::format("  metrics http://{}: probes and scrapes, {} authentication",

@@ -25,6 +25,8 @@ struct Ready {
   config::ListenAddress http;
   /// Not set without listen.metrics.
   config::ListenAddress metrics;
+  /// Not set without listen.fleet.
+  config::ListenAddress fleet{};
 };
 
 /// What its certificate says. A value.

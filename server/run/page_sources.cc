@@ -11,6 +11,7 @@
 #include "server/run/uncrew_side.h"
 #include "server/session/samples.h"
 #include "server/store/samples.h"
+#include "server/view/samples.h"
 
 namespace uplink::run {
 
@@ -36,6 +37,7 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [parts](auto& page) { parts.forwarding.AddSamples(page); },
       [parts](auto& page) { http::AddSamples(parts.http, parts.http_connections_max, page); },
       [parts](auto& page) { rcan::AddSamples(parts.rcan, parts.rcan_series_max, page); },
+      [parts](auto& page) { view::AddSamples(parts.watches, page); },
       [parts](auto& page) { health::AddSamples(parts.monitor, page); },
       [parts](auto& page) { log::AddSamples(parts.logger, page); },
       [start = health::ProcessStart{parts.version, parts.clock.System()}](auto& page) {

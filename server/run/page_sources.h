@@ -24,6 +24,7 @@
 #include "server/store/open.h"
 #include "server/store/space_rounds.h"
 #include "server/transport/probe.h"
+#include "server/view/watch_probe.h"
 
 namespace uplink::run {
 
@@ -51,6 +52,7 @@ struct PageParts {
   http::ConnectionsMax http_connections_max{};
   const rcan::RcanProbe& rcan;
   std::size_t rcan_series_max = 0;
+  const view::WatchProbe& watches;
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
   const BrokerSide& broker;

@@ -16,17 +16,29 @@ RelaySide::RelaySide(const Context& context)
       rejects_(*context.stores.reader, context.reads_ahead) {}
 
 absl::Status RelaySide::Listen() {
-  auto server = front::FrontServer::Start(
-      RelayOptionsOf(context_.config, health::MemoryMax()),
-      {context_.clock, context_.fleet, context_.journals, session_probe_, probe_, context_.ledgers,
-       session_limits_, JudgeLimitsOf(context_.config.limits), context_.allowances, rejects_,
-       *context_.stores.clock, &forwarding_.source(), &context_.logger, &context_.reports,
-       &context_.denied},
-      context_.others);
+  auto server = front::FrontServer::Start(RelayOptionsOf(context_.config, health::MemoryMax()),
+                                          FrontContext(probe_), context_.others);
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
   listening_.store(server_.get());
   return absl::OkStatus();
+}
+
+front::RelayContext RelaySide::FrontContext(transport::RelayProbe& probe) {
+  return {context_.clock,
+          context_.fleet,
+          context_.journals,
+          session_probe_,
+          probe,
+          context_.ledgers,
+          session_limits_,
+          JudgeLimitsOf(context_.config.limits),
+          context_.allowances,
+          rejects_,
+          *context_.stores.clock,
+          &forwarding_.source(),
+          &context_.logger,
+          &context_.reports};
 }
 
 Drain::Transport RelaySide::DrainTransport() {

@@ -14,6 +14,7 @@
 #include "server/config/config.h"
 #include "server/fleet/fleet.h"
 #include "server/forward/forwarding.h"
+#include "server/front/call/relay_context.h"
 #include "server/front/server.h"
 #include "server/identity/deny_list.h"
 #include "server/ingest/allowances.h"
@@ -55,7 +56,7 @@ class RelaySide final {
     std::uint64_t seed = 0;
     robot::ConnectionReports& reports;
     const identity::DenyList& denied;
-    /// What is served beside the relay.
+    /// What is served beside the relay, for robots.
     transport::MethodsMaker others = {};
   };
   explicit RelaySide(const Context& context);
@@ -75,6 +76,8 @@ class RelaySide final {
   void LookAtDenied() {
     if (front::FrontServer* const server = listening_.load()) server->LookAtDenied();
   }
+  /// For another listener, which serves no relay and counts for itself.
+  [[nodiscard]] front::RelayContext FrontContext(transport::RelayProbe& probe);
 
   // --- After Listen ---
 

@@ -25,7 +25,8 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context, view::Faul
           .settings = &context.settings};
 }
 
-std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
+std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context,
+                                             const view::WatchProbe& watches) {
   StoreSide& store = context.store;
   return PageSourcesOf({.clock = context.clock,
                         .version = context.version,
@@ -46,6 +47,7 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
                         .http_connections_max = HttpConnectionsMaxOf(context.config),
                         .rcan = context.early.rcan_probe(),
                         .rcan_series_max = context.config.rcan.series_max,
+                        .watches = watches,
                         .monitor = context.health.monitor(),
                         .relay = context.relay.probe(),
                         .broker = context.broker,
@@ -60,7 +62,8 @@ ViewSide::ViewSide(const Context& context)
       fault_counts_(context.clock),
       top_(context.clock, context.fleet),
       queries_(QuerySources(context, fault_counts_, top_)),
-      page_sources_(PageSources(context)),
+      watches_({context.clock, context.fleet, queries_, watch_probe_}),
+      page_sources_(PageSources(context, watch_probe_)),
       robots_scrape_({.clock = context.clock,
                       .fleet = context.fleet,
                       .config = context.config.rcan,
@@ -72,9 +75,21 @@ ViewSide::ViewSide(const Context& context)
                       .drones = &context.uncrew.drones(),
                       .drones_stale_after = context.config.uncrew.stale_after,
                       .top = &top_}),
-      site_({queries_, context.commands, context.health.monitor(),
+      site_({queries_, watches_, context.commands, context.health.monitor(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
-             robots_scrape_, context.logger, context.in_effect}) {}
+             robots_scrape_, context.logger, context.in_effect}),
+      sweeps_("watches", [this](const std::stop_token&) { return Sweep(); }) {}
+
+void ViewSide::EndWatches() {
+  sweeps_.Stop();
+  watches_.Stop();
+}
+
+loop::Next ViewSide::Sweep() {
+  watches_.Sweep();
+  const SteadyTime::duration interval = context_.config.view.watch_interval;
+  return {.within = interval, .not_before = interval};
+}
 
 void ViewSide::AddWork(PeriodicWork& work) {
   work.look_at_top = [this] { top_.Look(); };

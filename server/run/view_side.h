@@ -15,6 +15,7 @@
 #include "server/fleet/robot_settings.h"
 #include "server/http/site.h"
 #include "server/log/logger.h"
+#include "server/loop/rounds.h"
 #include "server/rcan/scrape.h"
 #include "server/run/broker_side.h"
 #include "server/run/early_services.h"
@@ -24,6 +25,8 @@
 #include "server/run/store_side.h"
 #include "server/run/uncrew_side.h"
 #include "server/view/queries.h"
+#include "server/view/watch_probe.h"
+#include "server/view/watches.h"
 
 namespace uplink::run {
 
@@ -54,20 +57,33 @@ class ViewSide final {
   };
   explicit ViewSide(const Context& context);
 
+  ViewSide(const ViewSide&) = delete;
+  ViewSide& operator=(const ViewSide&) = delete;
+
   [[nodiscard]] const http::Site& site() const { return site_; }
+  [[nodiscard]] view::Watches& watches() { return watches_; }
+  /// Watches are swept from now on.
+  void BeginWatches() { sweeps_.Start(); }
+  /// All watches end. Before the threads of EarlyServices end.
+  void EndWatches();
   /// Series of robots are left out of a scrape. Any thread.
   [[nodiscard]] bool series_left_out() const { return robots_scrape_.full(); }
   /// What is due again and again.
   void AddWork(PeriodicWork& work);
 
  private:
+  loop::Next Sweep();
+
   const Context context_;
   view::FaultCounts fault_counts_;
   fleet::TopSenders top_;
   view::Queries queries_;
+  view::WatchProbe watch_probe_;
+  view::Watches watches_;
   const std::vector<metrics::PageSource> page_sources_;
   rcan::RobotScrape robots_scrape_;
   http::Site site_;
+  loop::Rounds sweeps_;
 };
 
 }  // namespace uplink::run

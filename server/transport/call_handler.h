@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "schema/base/check.h"
 #include "schema/base/clock.h"
@@ -41,6 +43,20 @@ template <typename Message>
   return text;
 }
 
+/// What a caller has shown of itself, for methods that judge their callers (Method::open). A value.
+struct CallerProof {
+  /// Of its connection's certificate; nothing: it showed none. Not OK: what is wrong with that.
+  std::optional<absl::StatusOr<identity::PeerIdentity>> identity{};
+  /// What logs call the certificate's holder, and when the first of its chain expires.
+  std::string subject{};
+  SystemTime expiry{};
+  /// The metadata `authorization`; empty: there is none.
+  std::string authorization{};
+  /// Where it comes from, as SourceAddress says; for the log.
+  std::array<std::uint8_t, 16> source{};
+  std::string from{};
+};
+
 /// A message that several calls send, without its prefix. Immutable.
 using SharedMessage = std::shared_ptr<const std::string>;
 
@@ -65,8 +81,10 @@ class ServedCall {
   virtual void Cancel() = 0;
   /// Asks whether the peer is there. If it answers, the handler's OnPeerAnswered is called.
   virtual void AskPeer() = 0;
-  /// Who calls; it may call the method.
+  /// Who calls; it may call the method. Not of an open method.
   [[nodiscard]] virtual const identity::PeerIdentity& peer() const = 0;
+  /// What the caller has shown; while an open method's `serve` runs.
+  [[nodiscard]] virtual CallerProof proof() const { return {}; }
   /// The connection that it came by; null where there is no wire, as in simulation.
   [[nodiscard]] virtual PeerConnection* connection() { return nullptr; }
   /// The caller's deadline (grpc-timeout), at which the call ends by itself (Method::at_deadline).

@@ -16,12 +16,17 @@ absl::Status WrongRole(identity::Role role, std::string_view audience) {
 
 absl::Status MayCall(const absl::StatusOr<identity::PeerIdentity>& identity, const Methods& methods,
                      std::string_view path) {
+  const auto found = methods.find(path);
+  const auto is_open = [](const Methods::value_type& method) { return method.second.open; };
+  if (found != methods.end() ? is_open(*found)
+                             : std::any_of(methods.begin(), methods.end(), is_open)) {
+    return absl::OkStatus();
+  }
   if (!identity.ok()) return identity.status();
   const auto takes = [role = identity->role](const Methods::value_type& method) {
     const auto& roles = method.second.roles;
     return std::find(roles.begin(), roles.end(), role) != roles.end();
   };
-  const auto found = methods.find(path);
   if (found != methods.end()) {
     return takes(*found) ? absl::OkStatus() : WrongRole(identity->role, found->second.audience);
   }

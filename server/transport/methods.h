@@ -25,8 +25,10 @@ enum class MethodKind : std::uint8_t { kUnary, kServerStream, kBidirectional };
 struct Method {
   MethodKind kind = MethodKind::kUnary;
   /// The roles that may call it, and the same in words for those that may not.
-  std::vector<identity::Role> roles;
-  std::string_view audience;
+  std::vector<identity::Role> roles{};
+  std::string_view audience{};
+  /// Anyone may call it, also without a certificate: `serve` judges by ServedCall::proof.
+  bool open = false;
   /// The gate's bounds in which a call of it counts.
   Admission admission = Admission::kStream;
   /// The status of a call at its deadline (grpc-timeout).
@@ -42,7 +44,8 @@ using Methods = std::map<std::string, Method, std::less<>>;
 /// thread. `clock` is the thread's, and outlives them.
 using MethodsMaker = std::function<Methods(const Clock& clock)>;
 
-/// Whether this peer may call the method of this path.
+/// Whether this peer may call the method of this path. What is open is not judged here; beside it,
+/// an unknown path is no secret.
 ///
 /// Errors: kUnauthenticated with one sentence: what the certificate lacks, or that its role may not
 ///         call this; for an unknown path, that its role may call no method at all.

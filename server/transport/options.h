@@ -40,6 +40,8 @@ struct TlsRules {
   config::TlsVersion minimum = config::TlsConfig().min_version;
   /// As config::ServedGroups.
   std::string groups = config::ServedGroups(config::TlsConfig());
+  /// Peers must show a certificate. False: one that they show must be good.
+  bool certificate_required = true;
 };
 
 using KeyMaterial = std::variant<PemFiles, PemTexts>;
@@ -72,6 +74,12 @@ struct RelayOptions {
   std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
   /// limits.connection_age_max; zero: never.
   milliseconds connection_age_max = config::LimitsConfig().connection_age_max;
+  /// What its threads are called.
+  std::string name = "relay";
+  /// Robots' streams are served; false: other methods alone.
+  bool serves_relay = true;
+  /// Descriptors that its connections may have; 0: what the process may have, less those of others.
+  std::size_t descriptors_max = 0;
   /// Memory that the transport may use; 0: no bound. A quarter is for incomplete frames.
   std::size_t memory_bytes_max = 0;
 };

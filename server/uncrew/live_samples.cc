@@ -42,6 +42,7 @@ bool LiveSamples::IsOlder(const Sample& sample) const {
 }
 
 void LiveSamples::Forget(model::uncrew::SampleType type) {
+  ++changes_;
   std::vector<LiveSample>& held = by_type_[static_cast<std::size_t>(type)];
   for (const LiveSample& sample : held) bytes_ -= BytesOf(sample);
   held.clear();
@@ -59,6 +60,7 @@ void LiveSamples::NoteRequests(const Sample& sample) {
 }
 
 void LiveSamples::Apply(const Sample& sample) {
+  ++changes_;
   const model::uncrew::SampleType type = model::uncrew::TypeOf(sample.value);
   if (type == model::uncrew::SampleType::kOperatorRequests) NoteRequests(sample);
   std::vector<LiveSample>& held = by_type_[static_cast<std::size_t>(type)];

@@ -68,10 +68,13 @@ class LiveSamples final {
   /// Forgets the samples of this type: they are outdated.
   void Forget(model::uncrew::SampleType type);
   void Clear() {
+    ++changes_;
     by_type_ = {};
     requests_.clear();
     bytes_ = 0;
   }
+  /// Grows with each change of the samples.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
   /// About how much memory the samples take.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
@@ -84,6 +87,7 @@ class LiveSamples final {
   /// By request_id, since when it waits: at most kOperatorRequestsMax.
   std::map<std::string, SteadyTime> requests_;
   std::size_t bytes_ = 0;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace uplink::uncrew

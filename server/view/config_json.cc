@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 #include <google/protobuf/util/json_util.h>
 
-#include "server/view/message_printer.h"
+#include "server/view/json.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::view {
@@ -47,7 +47,7 @@ absl::Status Fill(const config::EffectiveKey& key, v1::ConfigKey& message) {
 
 }  // namespace
 
-absl::StatusOr<std::string> ToJson(const config::InEffect& in_effect) {
+absl::StatusOr<std::string> Encode(Form form, const config::InEffect& in_effect) {
   v1::ServerConfig message;
   message.set_file(in_effect.file());
   v1::ConfigSection* section = nullptr;
@@ -58,7 +58,7 @@ absl::StatusOr<std::string> ToJson(const config::InEffect& in_effect) {
     }
     if (absl::Status filled = Fill(key, *section->add_keys()); !filled.ok()) return filled;
   }
-  return MessagePrinter().Print(message);
+  return Encode(form, message, {});
 }
 
 }  // namespace uplink::view

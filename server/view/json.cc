@@ -8,6 +8,7 @@
 #include "schema/base/utf8.h"
 #include "server/view/list_text.h"
 #include "server/view/message_printer.h"
+#include "server/view/message_wire.h"
 #include "server/view/messages.h"
 
 namespace uplink::view {
@@ -28,16 +29,22 @@ std::string Quoted(std::string_view text) {
 
 }  // namespace
 
-absl::StatusOr<std::string> ToJson(const RobotView& robot, const PartSet& parts) {
-  return MessagePrinter().Print(ToMessage(robot), TextsOf(robot, parts));
+absl::StatusOr<std::string> Encode(Form form, const google::protobuf::Message& message,
+                                   const TextMembers& texts) {
+  if (form == Form::kWire) return WireOf(message, texts);
+  return MessagePrinter().Print(message, texts);
 }
 
-absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts) {
+absl::StatusOr<std::string> Encode(Form form, const RobotView& robot, const PartSet& parts) {
+  return Encode(form, ToMessage(robot), TextsOf(robot, parts));
+}
+
+absl::StatusOr<std::string> Encode(Form form, const RobotsPage& page, const PartSet& parts) {
   v1::ListRobotsResponse response;
   response.set_total(page.total);
   response.set_next_page_token(page.next_token);
   response.set_unjudged(page.unjudged);
-  ListText list;
+  ListText list(form);
   const RobotView* last = nullptr;
   for (const RobotView& robot : page.robots) {
     if (list.bytes() >= storage::kPageBytesMax) {
@@ -51,28 +58,28 @@ absl::StatusOr<std::string> ToJson(const RobotsPage& page, const PartSet& parts)
   return list.TakeIn(response);
 }
 
-absl::StatusOr<std::string> ToJson(const FleetsPage& page) {
+absl::StatusOr<std::string> Encode(Form form, const FleetsPage& page) {
   v1::ListFleetsResponse response;
   response.set_next_page_token(page.next_token);
-  ListText list;
+  ListText list(form);
   for (const FleetView& fleet : page.fleets) {
     if (absl::Status added = list.Add(ToMessage(fleet), {}); !added.ok()) return added;
   }
   return list.TakeIn(response);
 }
 
-absl::StatusOr<std::string> ToJson(const std::vector<fleet::TopSenders::Sender>& senders,
+absl::StatusOr<std::string> Encode(Form form, const std::vector<fleet::TopSenders::Sender>& senders,
                                    std::string_view by) {
   v1::ListTopResponse response;
   response.set_by(std::string(by));
-  ListText list;
+  ListText list(form);
   for (const fleet::TopSenders::Sender& sender : senders) {
     if (absl::Status added = list.Add(ToMessage(sender), {}); !added.ok()) return added;
   }
   return list.TakeIn(response);
 }
 
-absl::StatusOr<std::string> ToJson(const std::vector<fleet::Candidate>& candidates) {
+absl::StatusOr<std::string> Encode(Form form, const std::vector<fleet::Candidate>& candidates) {
   v1::ListCandidatesResponse response;
   ListText list;
   for (const fleet::Candidate& candidate : candidates) {
@@ -81,9 +88,9 @@ absl::StatusOr<std::string> ToJson(const std::vector<fleet::Candidate>& candidat
   return list.TakeIn(response);
 }
 
-absl::StatusOr<std::string> ToJson(const StatusView& status,
+absl::StatusOr<std::string> Encode(Form form, const StatusView& status,
                                    const std::vector<std::string>& degraded) {
-  return MessagePrinter().Print(ToMessage(status, degraded));
+  return Encode(form, ToMessage(status, degraded), {});
 }
 
 std::string WordsJson(std::string_view key, const std::vector<std::string>& words) {

@@ -6,14 +6,17 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "server/view/form.h"
 #include "server/view/message_printer.h"
 
 namespace uplink::view {
 
-/// An answer that is a list, written item by item: only one item at a time exists as a message
-/// beside its text. Confined to one thread.
+/// An answer that is a list, written item by item in one form: only one item at a time exists as a
+/// message beside its text. Confined to one thread.
 class ListText final {
  public:
+  explicit ListText(Form form = Form::kJson) : form_(form) {}
+
   /// Errors: as MessagePrinter.
   [[nodiscard]] absl::Status Add(const google::protobuf::Message& item, const TextMembers& texts);
   /// Bytes of all items so far.
@@ -22,6 +25,7 @@ class ListText final {
   [[nodiscard]] absl::StatusOr<std::string> TakeIn(const google::protobuf::Message& response);
 
  private:
+  const Form form_;
   MessagePrinter printer_;
   std::string text_;
 };

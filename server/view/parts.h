@@ -63,6 +63,9 @@ class PartSet {
   /// Whether one of them is live and large: many items, by key or joint.
   [[nodiscard]] bool AnyLarge() const;
 
+  /// Below 2 to the power of kParts, and another one for each set.
+  [[nodiscard]] std::size_t number() const { return bits_.to_ulong(); }
+
   friend bool operator==(const PartSet&, const PartSet&) = default;
 
  private:

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "server/fleet/robot_settings.h"
 #include "server/fleet/top_senders.h"
 #include "server/journal/shards.h"
+#include "server/loop/one_at_a_time.h"
 #include "server/robot/robot_sessions.h"
 #include "server/robot/robot_state.h"
 #include "server/uncrew/drones.h"
@@ -224,13 +226,25 @@ class Queries final {
   /// Never waits.
   [[nodiscard]] StatusView Status() const;
 
- private:
-  struct Lookup;
-  /// What a list looks at: it stays while the list is made.
+  // --- For watches (watches.h) ---
+
+  /// What filters look at: it stays while they do.
   struct Seen {
     std::shared_ptr<const GlanceMap> foreign;
     std::shared_ptr<const FaultCounts::Map> faults;
   };
+  /// As last read from the store, which is asked again if that is too old; waits for nothing.
+  /// `with_glances`: filters look at more than names and presence.
+  [[nodiscard]] Seen SeenNow(bool with_glances);
+  [[nodiscard]] FilterSources FilterSourcesOf(const Seen& seen) const;
+  /// The first of these robots, whose RURIs ascend, as they are now; all of them unless large parts
+  /// bring them to `bytes_max`. Waits for the store for kBriefLookWait, and only for robots of
+  /// other processes and for stored parts, which are left out if it does not answer.
+  [[nodiscard]] std::vector<RobotView> Now(std::span<const fleet::RobotPtr> robots,
+                                           const PartSet& parts, std::size_t bytes_max);
+
+ private:
+  struct Lookup;
 
   /// Whether the robot has one of these fleets now; nothing: it is not in memory. What is no robot
   /// has none.
@@ -241,7 +255,6 @@ class Queries final {
   [[nodiscard]] absl::Status Unknown(const std::string& ruri) const;
   /// Asks the store what is not in memory, if it answers soon; else as it was last read.
   [[nodiscard]] Seen See(bool with_faults);
-  [[nodiscard]] FilterSources FilterSourcesOf(const Seen& seen) const;
   /// One robot, with the parts that are in memory.
   [[nodiscard]] RobotView Look(const robot::Robot& robot, const PartSet& parts) const;
   /// Copies what twins and drones report. Returns about how many bytes the large parts take.
@@ -266,6 +279,7 @@ class Queries final {
   ForeignGlances foreign_;
   SortedRobots sorted_;
   BriefLook brief_look_;
+  loop::OneAtATime foreign_reads_;
 };
 
 }  // namespace uplink::view

@@ -55,9 +55,9 @@ std::optional<bool> Runs(const Glance& glance, const std::string& version) {
 }
 
 /// The process that has its stream knows.
-std::optional<bool> IsHeldBack(const robot::Robot& robot, const Glance& glance) {
-  if (glance.foreign) return std::nullopt;
-  return robot.sessions.held_back() != robot::HeldBack::kNone;
+std::optional<bool> IsHeldBack(const RobotFacts& facts) {
+  if (facts.glance.foreign) return std::nullopt;
+  return facts.held_back;
 }
 
 }  // namespace
@@ -75,32 +75,50 @@ FilteredRobots::FilteredRobots(const RobotsFilter& filter, bool with_glances)
 
 FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::string_view short_name,
                                            Glance& glance) {
-  if (!MatchesName(robot, short_name) || !MatchesPresence(robot)) return Match::kNo;
+  const storage::RobotRef id = robot.id();
+  if (!MatchesName(id->fleet, short_name)) return Match::kNo;
+  RobotFacts facts{
+      .ruri = robot.ruri(), .fleet = id->fleet, .short_name = short_name, .glance = glance};
+  if (AsksForPresence()) {
+    facts.presence = robot.state.presence();
+    facts.presence_since = robot.state.presence_since();
+    if (!MatchesPresence(facts.presence, facts.presence_since)) return Match::kNo;
+  }
   if (!looks_) return Match::kYes;
-  if (!MatchesSet(robot)) return Match::kNo;
+  if (!MatchesSet(robot.ruri())) return Match::kNo;
   glance = GlanceOf(robot, sources_.live);
-  return MatchesValues(robot, glance);
+  if (filter_.values.held_back) {
+    facts.held_back = robot.sessions.held_back() != robot::HeldBack::kNone;
+  }
+  return MatchesValues(facts);
 }
 
-bool FilteredRobots::MatchesName(const robot::Robot& robot, std::string_view short_name) const {
+FilteredRobots::Match FilteredRobots::Judge(const RobotFacts& facts) const {
+  if (!MatchesName(facts.fleet, facts.short_name)) return Match::kNo;
+  if (!MatchesPresence(facts.presence, facts.presence_since)) return Match::kNo;
+  if (!looks_) return Match::kYes;
+  if (!MatchesSet(facts.ruri)) return Match::kNo;
+  return MatchesValues(facts);
+}
+
+bool FilteredRobots::MatchesName(std::string_view fleet, std::string_view short_name) const {
   if (!q_.empty() && short_name.find(q_) == std::string_view::npos) return false;
-  return storage::LooksAt(filter_.fleets, robot.id()->fleet);
+  return storage::LooksAt(filter_.fleets, fleet);
 }
 
-bool FilteredRobots::MatchesPresence(const robot::Robot& robot) const {
-  if (!filter_.presence && !filter_.offline_before) return true;
-  const robot::Presence presence = robot.state.presence();
+bool FilteredRobots::AsksForPresence() const { return filter_.presence || filter_.offline_before; }
+
+bool FilteredRobots::MatchesPresence(robot::Presence presence, SystemTime since) const {
   if (filter_.presence && presence != *filter_.presence) return false;
   if (!filter_.offline_before) return true;
-  return presence == robot::Presence::kOffline &&
-         robot.state.presence_since() < *filter_.offline_before;
+  return presence == robot::Presence::kOffline && since < *filter_.offline_before;
 }
 
-bool FilteredRobots::MatchesSet(const robot::Robot& robot) const {
+bool FilteredRobots::MatchesSet(std::string_view ruri) const {
   const auto& [labels, blocked] = filter_.set;
   if (labels.empty() && !blocked) return true;
   const fleet::RobotSettingPtr set =
-      sources_.settings == nullptr ? nullptr : sources_.settings->Find(robot.ruri());
+      sources_.settings == nullptr ? nullptr : sources_.settings->Find(ruri);
   if (blocked && *blocked != (set != nullptr && set->blocked)) return false;
   return std::ranges::all_of(labels, [&set](const auto& label) {
     if (set == nullptr) return false;
@@ -109,30 +127,30 @@ bool FilteredRobots::MatchesSet(const robot::Robot& robot) const {
   });
 }
 
-FilteredRobots::Match FilteredRobots::MatchesValues(const robot::Robot& robot,
-                                                    const Glance& glance) const {
+FilteredRobots::Match FilteredRobots::MatchesValues(const RobotFacts& facts) const {
   // Names each condition: this does not compile while one is missing.
   const auto& [battery_below, bbox, software, held_back, estop, faulted, expires_before] =
       filter_.values;
-  const Vitals& vitals = glance.vitals;
+  const Vitals& vitals = facts.glance.vitals;
   Verdict verdict;
   if (battery_below) verdict.Add(IsBelow(vitals.battery_percent, *battery_below));
   if (bbox) verdict.Add(IsWithin(vitals.place, *bbox));
-  if (!software.empty()) verdict.Add(Runs(glance, software));
-  if (held_back) verdict.Add(Is(IsHeldBack(robot, glance), *held_back));
+  if (!software.empty()) verdict.Add(Runs(facts.glance, software));
+  if (held_back) verdict.Add(Is(IsHeldBack(facts), *held_back));
   if (estop) verdict.Add(Is(vitals.estop, *estop));
-  if (faulted) verdict.Add(Is(HasFaults(robot, glance), *faulted));
-  if (expires_before) verdict.Add(IsBelow(glance.certificate_not_after, *expires_before));
+  if (faulted) verdict.Add(Is(HasFaults(facts), *faulted));
+  if (expires_before) {
+    verdict.Add(IsBelow(facts.glance.certificate_not_after, *expires_before));
+  }
   if (verdict.no()) return Match::kNo;
   if (!verdict.unknown()) return Match::kYes;
-  return glance.foreign ? Match::kUnknown : Match::kNo;
+  return facts.glance.foreign ? Match::kUnknown : Match::kNo;
 }
 
-std::optional<bool> FilteredRobots::HasFaults(const robot::Robot& robot,
-                                              const Glance& glance) const {
+std::optional<bool> FilteredRobots::HasFaults(const RobotFacts& facts) const {
   // The store has the active faults of all robots.
-  if (sources_.faults != nullptr && sources_.faults->contains(robot.ruri())) return true;
-  return glance.faulted;
+  if (sources_.faults != nullptr && sources_.faults->contains(std::string(facts.ruri))) return true;
+  return facts.glance.faulted;
 }
 
 }  // namespace uplink::view

@@ -25,6 +25,19 @@ struct FilterSources {
 /// The last two segments of a RURI, in lower case: what RobotsFilter::q looks at. Pure.
 [[nodiscard]] std::string ShortNameOf(std::string_view ruri);
 
+/// What a filter judges a robot by. A view.
+struct RobotFacts {
+  std::string_view ruri;
+  std::string_view fleet;
+  /// As ShortNameOf.
+  std::string_view short_name;
+  robot::Presence presence = robot::Presence::kUnknown;
+  SystemTime presence_since{};
+  bool held_back = false;
+  /// For filters that look.
+  const Glance& glance;
+};
+
 /// One filter, for many robots.
 ///
 /// Thread: confined to one.
@@ -48,15 +61,17 @@ class FilteredRobots final {
   };
   /// Sets `glance` if looks().
   [[nodiscard]] Match Look(const robot::Robot& robot, std::string_view short_name, Glance& glance);
+  /// The same by facts that were taken before.
+  [[nodiscard]] Match Judge(const RobotFacts& facts) const;
 
  private:
-  [[nodiscard]] bool MatchesName(const robot::Robot& robot, std::string_view short_name) const;
-  [[nodiscard]] bool MatchesPresence(const robot::Robot& robot) const;
-  [[nodiscard]] bool MatchesSet(const robot::Robot& robot) const;
-  [[nodiscard]] Match MatchesValues(const robot::Robot& robot, const Glance& glance) const;
+  [[nodiscard]] bool MatchesName(std::string_view fleet, std::string_view short_name) const;
+  [[nodiscard]] bool AsksForPresence() const;
+  [[nodiscard]] bool MatchesPresence(robot::Presence presence, SystemTime since) const;
+  [[nodiscard]] Match MatchesValues(const RobotFacts& facts) const;
+  [[nodiscard]] bool MatchesSet(std::string_view ruri) const;
   /// Empty: unknown, as in all that it is judged by.
-  [[nodiscard]] std::optional<bool> HasFaults(const robot::Robot& robot,
-                                              const Glance& glance) const;
+  [[nodiscard]] std::optional<bool> HasFaults(const RobotFacts& facts) const;
 
   const RobotsFilter& filter_;
   const std::string q_;

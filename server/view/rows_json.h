@@ -58,10 +58,10 @@ namespace uplink::view {
 
 /// The page as the list of a response, which has none yet.
 template <typename Response, typename Row>
-[[nodiscard]] absl::StatusOr<std::string> RowsIn(Response response,
+[[nodiscard]] absl::StatusOr<std::string> RowsIn(Form form, Response response,
                                                  const storage::Page<Row>& page) {
   response.set_next_page_token(page.next_token);
-  ListText list;
+  ListText list(form);
   for (const Row& row : page.rows) {
     const absl::Status added = list.Add(ToMessage(row), TextsOf(row));
     if (!added.ok()) return added;
@@ -71,14 +71,14 @@ template <typename Response, typename Row>
 
 /// A list of the store's rows, of any kind that messages.h maps. Errors and thread: as json.h.
 template <typename Row>
-[[nodiscard]] absl::StatusOr<std::string> ToJson(const storage::Page<Row>& page) {
-  return RowsIn(ResponseOf(static_cast<const Row*>(nullptr)), page);
+[[nodiscard]] absl::StatusOr<std::string> Encode(Form form, const storage::Page<Row>& page) {
+  return RowsIn(form, ResponseOf(static_cast<const Row*>(nullptr)), page);
 }
 
-[[nodiscard]] inline absl::StatusOr<std::string> ToJson(const StoryPage& page) {
+[[nodiscard]] inline absl::StatusOr<std::string> Encode(Form form, const StoryPage& page) {
   v1::GetRobotStoryResponse response;
   response.set_next_page_token(page.next_token);
-  ListText list;
+  ListText list(form);
   for (const StoryEntry& entry : page.entries) {
     const absl::Status added = list.Add(ToMessage(entry), TextsOf(entry));
     if (!added.ok()) return added;
@@ -86,13 +86,14 @@ template <typename Row>
   return list.TakeIn(response);
 }
 
-[[nodiscard]] inline absl::StatusOr<std::string> ToJson(const QuarantineView& quarantine) {
+[[nodiscard]] inline absl::StatusOr<std::string> Encode(Form form,
+                                                        const QuarantineView& quarantine) {
   v1::ListQuarantineResponse response;
   for (const storage::DroppedRow& dropped : quarantine.dropped) {
     (*response.mutable_dropped_by_reason())[std::string(model::ToText(dropped.reason))] =
         Signed(dropped.count);
   }
-  return RowsIn(std::move(response), quarantine.page);
+  return RowsIn(form, std::move(response), quarantine.page);
 }
 
 }  // namespace uplink::view

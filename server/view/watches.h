@@ -16,6 +16,7 @@
 #include "server/view/parts.h"
 #include "server/view/queries.h"
 #include "server/view/robots_query.h"
+#include "server/view/watch_probe.h"
 
 namespace uplink::view {
 
@@ -75,8 +76,8 @@ using WatchChange = std::variant<RobotShown, RobotRemoved, SnapshotShown>;
 
 /// One reader's watch; ends with this object.
 ///
-/// Thread: Take by one thread at a time, which may wait for the store for kBriefLookWait (as
-///         Queries::Robots). Outlives neither its Watches nor their Queries.
+/// Thread: Take by one thread at a time, which may wait for the store for kBriefLookWait
+///         (Queries::Now), and not once the Watches are gone; the end by any.
 class Watch {
  public:
   virtual ~Watch() = default;
@@ -87,6 +88,8 @@ class Watch {
   ///         kUnavailable once the server stops. The message is a sentence for the client.
   [[nodiscard]] virtual absl::StatusOr<std::vector<WatchChange>> Take() = 0;
 };
+
+class WatchBook;
 
 /// All watches over the robots of the fleet. A sweep looks at each robot, by what is cheap to take
 /// of it, and notes for each watch which ones changed; robots' own threads do nothing for that. A
@@ -106,19 +109,19 @@ class Watches final {
     const Clock& clock;
     fleet::Fleet& fleet;
     Queries& queries;
+    WatchProbe& probe;
   };
   explicit Watches(const Context& context);
   Watches(const Watches&) = delete;
   Watches& operator=(const Watches&) = delete;
-  ~Watches();
+  ~Watches() { Stop(); }
 
   /// Begins a watch. Its first changes are a snapshot, then its end, then what changes. `ready` is
   /// called on the sweep's thread, with no lock held, whenever there is something to take after a
   /// Take that returned none, and when the watch is over; it must be short. One call may come after
   /// the watch was destroyed, so `ready` must own what it touches.
   ///
-  /// Errors: kResourceExhausted at a bound; kUnavailable while the store's robots are not in memory
-  ///         yet, or once the server stops.
+  /// Errors: kResourceExhausted at a bound; kUnavailable once the server stops.
   [[nodiscard]] absl::StatusOr<std::unique_ptr<Watch>> Begin(WatchQuery query,
                                                              std::function<void()> ready);
 
@@ -131,8 +134,8 @@ class Watches final {
   [[nodiscard]] std::size_t size() const;
 
  private:
-  struct Shared;
-  const std::shared_ptr<Shared> shared_;
+  /// Watches that are not over share it.
+  const std::shared_ptr<WatchBook> book_;
 };
 
 }  // namespace uplink::view

@@ -56,7 +56,9 @@ class Answer:
     def __init__(self, response):
         self.status = response.status
         self.headers = response.headers
-        self.body = response.read()
+        # That answer has no end.
+        events = response.headers.get_content_type() == "text/event-stream"
+        self.body = b"" if events else response.read()
 
     def error(self):
         return json.loads(self.body)["error"]

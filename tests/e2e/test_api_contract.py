@@ -32,8 +32,8 @@ COMMANDS = {
 }  # fmt: skip
 ALL = {**RPCS, **ADMIN_LISTS, **COMMANDS}
 # Texts that are no messages.
-FILES = {"openapi"}
-# Nothing answers by HTTP what is a stream.
+FILES = {"openapi", "watch"}
+# Its messages are events of /api/v1/watch.
 STREAMS = {"WatchRobots"}
 TIMESTAMP = "google.protobuf.Timestamp"
 # JSON of any form.

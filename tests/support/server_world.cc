@@ -13,6 +13,7 @@
 #include "server/session/samples.h"
 #include "server/store/samples.h"
 #include "server/uncrew/samples.h"
+#include "server/view/samples.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/records.h"
 
@@ -51,6 +52,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                .faults = &fault_counts,
                .top = &top,
                .settings = &settings}),
+      watches({clock, fleet, queries, watch_probe}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),
@@ -65,7 +67,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                   if (robot == nullptr) return std::nullopt;
                   return robot->id()->fleet;
                 }}),
-      site({queries, commands, monitor,
+      site({queries, watches, commands, monitor,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape, logger, in_effect}) {}
 
@@ -90,6 +92,7 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [this](auto& page) { forwarding.AddSamples(page); },
       [this](auto& page) { broker::AddSamples(broker, page); },
       [this](auto& page) { uncrew::AddSamples(drones, avatar_probe, clock.Steady(), page); },
+      [this](auto& page) { view::AddSamples(watch_probe, page); },
       [this](auto& page) { http::AddSamples(http_probe, kConnectionsMax, page); },
       [this](auto& page) { rcan::AddSamples(rcan_probe, rcan_config.series_max, page); },
       [this](auto& page) { health::AddSamples(monitor, page); },

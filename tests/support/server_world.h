@@ -28,6 +28,8 @@
 #include "server/uncrew/drones.h"
 #include "server/uncrew/probe.h"
 #include "server/view/queries.h"
+#include "server/view/watch_probe.h"
+#include "server/view/watches.h"
 #include "tests/support/fake_access_store.h"
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
@@ -111,6 +113,8 @@ class ServerWorld {
   fleet::RobotSettings settings{100};
   fleet::TopSenders top{clock, fleet};
   view::Queries queries;
+  view::WatchProbe watch_probe;
+  view::Watches watches;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;

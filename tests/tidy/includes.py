@@ -27,11 +27,11 @@ class Foreign:
 
 
 FOREIGN = (
-    Foreign("gRPC", re.compile(r"^grpc(pp)?/|\.grpc\.pb\.h$"), ("tools/", "tests/")),
+    Foreign("gRPC", re.compile(r"^grpc(pp)?/(?!health/|reflection/)|\.grpc\.pb\.h$"), ("tools/", "tests/")),
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("schema/uncrew/", "server/session/", "server/uncrew/", "server/view/", "server/admin/", "server/forward/", "server/front/", "server/http/", "server/run/process_setup.cc", "tools/", "tests/"),
+        ("schema/uncrew/", "server/session/", "server/uncrew/", "server/view/", "server/admin/", "server/forward/", "server/front/", "server/http/", "server/rpc/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/http2/", "server/front/call/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -76,7 +76,8 @@ ROOMS = (
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),
     ("front", "mqtt", "http"),  # the adapters: they translate and enqueue
-    ("broker",),  # what a broker delivers, over mqtt, becomes what robots say
+    # what a broker delivers, over mqtt, becomes what robots say; what HTTP answers, by gRPC
+    ("broker", "rpc"),
     ("store",),  # a store's life
     ("run",),  # the program: its parts, the way up and down
 )

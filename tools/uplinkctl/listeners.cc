@@ -31,6 +31,9 @@ sockaddr_storage StorageOf(const std::string& host) {
 std::vector<Listener> ListenersOf(const config::Config& config) {
   std::vector<Listener> listeners = {{"listen.relay", config.listen.relay},
                                      {"listen.http", config.listen.http}};
+  if (config::IsSet(config.listen.fleet)) {
+    listeners.push_back({"listen.fleet", config.listen.fleet});
+  }
   if (config::IsSet(config.listen.metrics)) {
     listeners.push_back({"listen.metrics", config.listen.metrics});
   }

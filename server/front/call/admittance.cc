@@ -6,8 +6,9 @@
 
 namespace uplink::front {
 
-absl::Status Admittance::Enter(const identity::PeerIdentity& peer, transport::Admission admission) {
-  transport::Entrant entrant = transport::EntrantOf(peer);
+absl::Status Admittance::Enter(const absl::StatusOr<identity::PeerIdentity>& peer,
+                               transport::Admission admission) {
+  transport::Entrant entrant = peer.ok() ? transport::EntrantOf(*peer) : transport::Entrant();
   if (absl::Status in = thread_.gate.Enter(entrant, admission); !in.ok()) {
     thread_.book.TellRefusal(in, origin_, thread_.clock.Steady());
     return in;

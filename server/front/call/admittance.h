@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "server/front/door/origin.h"
 #include "server/identity/peer_identity.h"
@@ -23,8 +24,9 @@ class Admittance final {
   Admittance(const Admittance&) = delete;
   Admittance& operator=(const Admittance&) = delete;
 
-  /// Call once. Errors: those of transport::Gate::Enter, which are logged.
-  [[nodiscard]] absl::Status Enter(const identity::PeerIdentity& peer,
+  /// Call once. `peer`: not OK for a caller of an open method. Errors: those of
+  /// transport::Gate::Enter, which are logged.
+  [[nodiscard]] absl::Status Enter(const absl::StatusOr<identity::PeerIdentity>& peer,
                                    transport::Admission admission);
   /// A message of ours went out.
   void NoteAnswered();

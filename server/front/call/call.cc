@@ -57,7 +57,7 @@ void Call::OnHeadersEnd() {
   owner_.Touch(*this);
 }
 
-void Call::Serve(const RequestHead& head) {
+void Call::Serve(RequestHead& head) {
   if (absl::Status good = head.Judge(); !good.ok()) {
     if (head.foreign_encoding()) response_.NameEncodings();
     return Refuse(good);
@@ -68,14 +68,15 @@ void Call::Serve(const RequestHead& head) {
     return Refuse(absl::UnimplementedError("no such method is served here"));
   }
   kind_ = method->second.kind;
-  if (absl::Status in = admittance_.Enter(peer(), method->second.admission); !in.ok()) {
-    return Finish(in);
-  }
+  const absl::Status in = admittance_.Enter(owner_.tls_peer().identity, method->second.admission);
+  if (!in.ok()) return Finish(in);
   if (head.timeout()) {
     give_up_at_ = thread_.clock.Steady() + std::min<milliseconds>(*head.timeout(), kFarAway);
     at_deadline_ = method->second.at_deadline;
   }
+  if (method->second.open) authorization_ = head.TakeAuthorization();
   auto handler = method->second.serve(*this);
+  authorization_.clear();
   if (!handler.ok()) return Finish(handler.status());
   handler_ = *std::move(handler);
   handler_->Start();
@@ -230,8 +231,6 @@ void Call::Fail(const absl::Status& status, transport::EndCause cause) {
   response_.DropMessage();
   Finish(status);
 }
-
-void Call::OnReset(std::uint32_t code) { reset_code_ = CodeOfReset(code); }
 
 void Call::Break() {
   if (handler_ != nullptr) {

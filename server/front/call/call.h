@@ -12,6 +12,8 @@
 
 #include "schema/base/check.h"
 #include "server/front/call/admittance.h"
+#include "server/front/call/caller_proof.h"
+#include "server/front/call/grpc_status.h"
 #include "server/front/call/inbound.h"
 #include "server/front/call/request_head.h"
 #include "server/front/call/response.h"
@@ -84,6 +86,9 @@ class Call final : public Http2Stream, public transport::ServedCall {
     UPLINK_CHECK(identity.ok(), "a call is served for who may call it");
     return *identity;
   }
+  [[nodiscard]] transport::CallerProof proof() const override {
+    return ProofOf(owner_.tls_peer(), owner_.origin(), authorization_);
+  }
   [[nodiscard]] transport::PeerConnection* connection() override { return &owner_.connection(); }
   [[nodiscard]] std::optional<SteadyTime> give_up_at() const override { return give_up_at_; }
   [[nodiscard]] loop::StreamRef self() const override;
@@ -131,7 +136,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
     Deliver();
     owner_.Touch(*this);
   }
-  void OnReset(std::uint32_t code) override;
+  void OnReset(std::uint32_t code) override { reset_code_ = CodeOfReset(code); }
   void OnClosed() override {
     closed_ = true;
     owner_.Touch(*this);
@@ -140,7 +145,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void OnBodyEnd() override { response_.SendTrailers(); }
 
  private:
-  void Serve(const RequestHead& head);
+  void Serve(RequestHead& head);
   /// Ends a call that its peer may not make.
   void TurnAway(const absl::Status& status);
   /// Ends a call to a method that we do not serve.
@@ -169,6 +174,8 @@ class Call final : public Http2Stream, public transport::ServedCall {
 
   /// Until the request's headers are whole.
   std::unique_ptr<RequestHead> head_;
+  /// While an open method's handler is made.
+  std::string authorization_;
   Inbound inbound_;
   bool wants_message_ = false;
   bool has_written_ = false;

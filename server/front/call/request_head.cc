@@ -67,6 +67,8 @@ bool RequestHead::Add(std::string_view name, std::string_view value) {
     takes_trailers_ = value == "trailers";
   } else if (name == "grpc-encoding") {
     encoding_ = value == "identity" ? "" : value.substr(0, kEncodingShownMax);
+  } else if (name == "authorization") {
+    authorization_ = value;
   } else if (name == "grpc-timeout") {
     timeout_ = ParseTimeout(value);
     bad_timeout_ = !timeout_;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -38,6 +39,8 @@ class RequestHead final {
   [[nodiscard]] bool foreign_encoding() const { return !encoding_.empty(); }
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// The metadata `authorization`; empty: there is none. It is not logged.
+  [[nodiscard]] std::string TakeAuthorization() { return std::move(authorization_); }
   [[nodiscard]] std::optional<milliseconds> timeout() const { return timeout_; }
 
  private:
@@ -48,6 +51,7 @@ class RequestHead final {
   bool takes_trailers_ = false;
   bool bad_timeout_ = false;
   std::string path_;
+  std::string authorization_;
   /// Anything but identity.
   std::string encoding_;
   std::optional<milliseconds> timeout_;

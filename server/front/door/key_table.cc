@@ -8,6 +8,13 @@
 
 namespace uplink::front {
 
+KeyDigest KeyOf(const SourceAddress& source) {
+  KeyDigest key{};
+  // The end of an address differs most, and tables look at the beginning of a key.
+  std::reverse_copy(source.bytes().begin(), source.bytes().end(), key.begin());
+  return key;
+}
+
 std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_t connection,
                                            std::size_t per_key_max, SteadyTime now) {
   const std::lock_guard lock(mutex_);

@@ -9,11 +9,15 @@
 #include <unordered_map>
 
 #include "schema/base/clock.h"
+#include "server/front/door/source_address.h"
 
 namespace uplink::front {
 
 /// SHA-256 of a certificate's SubjectPublicKeyInfo.
 using KeyDigest = std::array<std::uint8_t, 32>;
+
+/// Stands for the key of those from this source that have shown none. No SHA-256 is known to be so.
+[[nodiscard]] KeyDigest KeyOf(const SourceAddress& source);
 
 /// The open, proven connections of each public key.
 ///

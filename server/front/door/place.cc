@@ -19,8 +19,9 @@ std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& ori
                                           SteadyTime now) {
   KeyTable& keys = book_.keys();
   noted_at_ = now;
-  const auto evicted = keys.Add(
-      peer.key, connection_, peer.IsGateway() ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
+  const auto evicted =
+      keys.Add(peer.key, connection_,
+               peer.SharesItsKey() ? kGatewayConnectionsMax : kRobotConnectionsMax, now);
   if (!evicted || book_.evictions().Note(peer.key, now) < kEvictionsFlagged) return evicted;
   book_.Tell("connections_contested", "contested",
              "one certificate opens connections again and again", origin, now);

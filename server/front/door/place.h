@@ -10,7 +10,7 @@
 namespace uplink::front {
 
 /// Connections of one public key. A robot has more than one only until the old one is known to be
-/// gone; a gateway may spread its robots over several.
+/// gone; a gateway may spread its robots over several, and an operator's programs share a key.
 inline constexpr std::size_t kRobotConnectionsMax = 4;
 inline constexpr std::size_t kGatewayConnectionsMax = 16;
 

@@ -26,6 +26,8 @@ class SourceAddress final {
   /// "192.0.2.1", "2001:db8:1:2::/64" or "unknown".
   [[nodiscard]] std::string ToText() const;
 
+  [[nodiscard]] const std::array<std::uint8_t, 16>& bytes() const { return bytes_; }
+
   friend auto operator<=>(const SourceAddress&, const SourceAddress&) = default;
 
  private:

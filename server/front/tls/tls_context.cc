@@ -25,11 +25,11 @@ int ChooseProtocol(SSL* /*ssl*/, const unsigned char** chosen, unsigned char* ch
   return SSL_TLSEXT_ERR_OK;
 }
 
-void SetHandshake(SSL_CTX* context) {
+void SetHandshake(SSL_CTX* context, const transport::TlsRules& rules) {
   SSL_CTX_set_client_hello_cb(context, TlsEngine::OnClientHello, nullptr);
   SSL_CTX_set_alpn_select_cb(context, ChooseProtocol, nullptr);
-  SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
-                     TlsEngine::OnVerified);
+  const int required = rules.certificate_required ? SSL_VERIFY_FAIL_IF_NO_PEER_CERT : 0;
+  SSL_CTX_set_verify(context, SSL_VERIFY_PEER | required, TlsEngine::OnVerified);
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
   std::shared_ptr<const TlsContext> made(new TlsContext(context, rules, texts.rules));
-  SetHandshake(context);
+  SetHandshake(context, rules);
   if (!transport::SetProtocol(context, rules)) {
     ERR_clear_error();
     return absl::InternalError("OpenSSL: none of the suites or groups");

@@ -10,9 +10,9 @@
 
 namespace uplink::front {
 
-/// What handshakes need: certificate, key and authorities; only HTTP/2 by ALPN; a required client
-/// certificate; no tickets and no session cache, since robots do not resume sessions. Immutable;
-/// connections keep the context that they began with.
+/// What handshakes need: certificate, key and authorities; only HTTP/2 by ALPN; a client
+/// certificate, which the rules may leave to the peer; no tickets and no session cache, since
+/// robots do not resume sessions. Immutable; connections keep the context that they began with.
 ///
 /// A trusted chain with wrong dates or a wrong purpose passes the handshake: in TLS 1.3 the peer
 /// has finished by then, and would never learn why it was rejected. TlsEngine::Peer says what is

@@ -17,7 +17,8 @@ milliseconds TlsPeer::UntilExpiry(SystemTime now, bool vouched) const {
 TlsPeer PeerOf(const SSL* connection, int verify_error,
                const identity::AuthorityRules& authorities) {
   X509* certificate = SSL_get0_peer_certificate(connection);
-  TlsPeer peer{.identity = absl::UnauthenticatedError("client certificate: none was shown"),
+  TlsPeer peer{.anonymous = certificate == nullptr,
+               .identity = absl::UnauthenticatedError("client certificate: none was shown"),
                .ruri = {},
                .expiry = SystemTime{}};
   if (certificate == nullptr) return peer;

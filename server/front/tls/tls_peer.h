@@ -20,6 +20,8 @@ inline constexpr std::chrono::hours kFarAway{24 * 365 * 10};
 
 /// The peer that a finished handshake has shown. A value.
 struct TlsPeer {
+  /// It has shown no certificate.
+  bool anonymous = false;
   /// Not OK: what is wrong with the certificate; its peer is told, and not served.
   absl::StatusOr<identity::PeerIdentity> identity;
   /// The RURI in its certificate, if any, even if it has expired.
@@ -28,7 +30,7 @@ struct TlsPeer {
   std::string gateway = {};
   /// The same for a certificate that names neither a robot nor a gateway: its subject.
   std::string subject = {};
-  /// SHA-256 of its public key.
+  /// SHA-256 of its public key; without a certificate KeyOf its source.
   std::array<std::uint8_t, 32> key{};
   /// When the first certificate of its chain expires.
   SystemTime expiry;
@@ -39,6 +41,10 @@ struct TlsPeer {
 
   [[nodiscard]] bool IsGateway() const {
     return identity.ok() && identity->role == identity::Role::kGateway;
+  }
+  /// Several programs may come by its key: a gateway's, or an operator's; or it has none.
+  [[nodiscard]] bool SharesItsKey() const {
+    return anonymous || (identity.ok() && identity->role != identity::Role::kRobot);
   }
   /// The remaining life of its chain, at most kFarAway; kFarAway if the identity is bad or the
   /// clock is not vouched for.

@@ -28,6 +28,7 @@ class HttpServerTest : public ::testing::Test {
     metrics_.emplace(probe.metrics_waiting, probe.reads_refused, kMetricsThread,
                      loop::JobBounds{.waiting_max = kConnectionsMax});
     scrapes_.emplace(probe.scrapes_waiting, world_.rcan_probe.refused_total, kScrapeThread);
+    watches_.emplace(probe.watches_waiting, probe.reads_refused, kWatchThread);
     world_.to_store_thread = [this](auto job) {
       return reads_->TryPost(std::move(job)).has_value();
     };
@@ -37,6 +38,7 @@ class HttpServerTest : public ::testing::Test {
     world_.reader.Release();
     loop_.Stop();
     scrapes_.reset();
+    watches_.reset();
     metrics_.reset();
     memory_.reset();
     reads_.reset();
@@ -62,7 +64,7 @@ class HttpServerTest : public ::testing::Test {
 
   absl::StatusOr<std::unique_ptr<HttpServer>> TryListen(const HttpServer::Options& options) {
     return HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_,
-                               world_.http_probe, clock_, logger_},
+                               *watches_, world_.http_probe, clock_, logger_},
                               options);
   }
 
@@ -82,6 +84,7 @@ class HttpServerTest : public ::testing::Test {
   std::optional<loop::ReadThreads> reads_;
   std::optional<loop::ReadThreads> metrics_;
   std::optional<loop::ReadThreads> scrapes_;
+  std::optional<loop::ReadThreads> watches_;
   std::unique_ptr<HttpServer> server_;
 };
 

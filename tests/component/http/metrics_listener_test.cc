@@ -168,9 +168,10 @@ TEST_F(MetricsListenerTest, ASourceIsRefusedPastItsShareAndKeepsNoOtherOut) {
   constexpr int kLittle = 4096;
   AddRobotsOfManyWords(world_);
   // By a clock that stands still none of them is slow.
-  auto monitoring = HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_,
-                                        *scrapes_, world_.http_probe, world_.clock, logger_},
-                                       {ListenerId::kMetrics, {"::", 0}, kMetricsLimits});
+  auto monitoring =
+      HttpServer::Listen({loop_.io(), entrance_, *memory_, *reads_, *metrics_, *scrapes_, *watches_,
+                          world_.http_probe, world_.clock, logger_},
+                         {ListenerId::kMetrics, {"::", 0}, kMetricsLimits});
   ASSERT_TRUE(monitoring.ok()) << monitoring.status();
   monitoring_ = *std::move(monitoring);
   Serve();

@@ -124,7 +124,7 @@ class TlsListenerTest : public HttpServerTest {
     ListenerLimits limits = kHttpLimits;
     limits.connections_max = kConnectionsMax;
     auto server = HttpServer::Listen({loop_.io(), guarded_, *memory_, *reads_, *metrics_, *scrapes_,
-                                      world_.http_probe, clock_, logger_},
+                                      *watches_, world_.http_probe, clock_, logger_},
                                      {.listener = ListenerId::kHttp,
                                       .address = {"127.0.0.1", 0},
                                       .limits = limits,

@@ -176,10 +176,11 @@ Finding PortFinding(const PortFacts& port, const MachineFacts& machine, const Po
 std::size_t DescriptorsWanted(const config::Config& config) {
   const std::size_t of_metrics =
       config::IsSet(config.listen.metrics) ? config::kMetricsConnectionsMax : 0;
+  const std::size_t of_fleet = config::IsSet(config.listen.fleet) ? config::kFleetDescriptors : 0;
   transport::RelayOptions options;
   options.proxy_protocol_from = config.listen.proxy_protocol_from;
   options.descriptors_reserved =
-      transport::DescriptorsReserved(config.http.connections_max + of_metrics);
+      transport::DescriptorsReserved(config.http.connections_max + of_metrics) + of_fleet;
   options.streams_max = transport::kStreamsPerRobot * config.limits.robots_max;
   return transport::DescriptorsWanted(options);
 }

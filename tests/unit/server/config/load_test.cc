@@ -216,16 +216,6 @@ TEST(ParseConfigTest, NoKeyHasTheNameOfAServicesVariable) {
   }
 }
 
-TEST(ParseConfigTest, NotesKeysThatHaveNoEffectYet) {
-  const LoadResult result = ParseWith("[listen]\nfleet = \"127.0.0.1:9\"\n");
-  ASSERT_TRUE(result.ok());
-  EXPECT_EQ(result.config->listen.fleet.port, 9);
-  EXPECT_THAT(result.notes, ElementsAre(IsProblem("u.toml:6", "listen.fleet", "no effect")));
-  EXPECT_THAT(ParseWith("", {{"UPLINKD_LISTEN_FLEET", "127.0.0.1:9"}}).notes,
-              ElementsAre(IsProblem("environment", "listen.fleet", "no effect")));
-  EXPECT_THAT(ParseWith("").notes, IsEmpty());
-}
-
 std::string NoteOfUrl(const std::string& url) {
   const LoadResult result = ParseWith("[store]\nurl = \"" + url + "\"\n");
   EXPECT_THAT(result.problems, IsEmpty()) << url;
@@ -315,12 +305,14 @@ TEST(ParseConfigTest, TakesTheKeysOfPresenceThatWereRemovedOnce) {
   EXPECT_EQ(ParseWith("[presence]\nparked_max = \"8d\"\n").problems.size(), 1U);
 }
 
-TEST(PrintConfigTest, LeavesOutDefaultsOfKeysWithoutEffect) {
-  const LoadResult result = ParseWith("");
+TEST(ParseConfigTest, OperatorsHaveNoListenerUnlessTheyAskForOne) {
+  EXPECT_FALSE(IsSet(ParseWith("").config->listen.fleet));
+  const LoadResult result = ParseWith("[listen]\nfleet = \"127.0.0.1:9\"\n");
   ASSERT_TRUE(result.ok());
-  const std::string printed = PrintConfig(*result.config);
-  EXPECT_THAT(printed, Not(HasSubstr(":7444")));
-  EXPECT_THAT(ParseConfig(printed, "printed", {}).notes, IsEmpty());
+  EXPECT_EQ(result.config->listen.fleet.port, 9);
+  EXPECT_THAT(result.notes, IsEmpty());
+  EXPECT_EQ(ParseWith("[listen]\nfleet = \"[::]:7443\"\n").problems.size(), 1U)
+      << "the relay is there";
 }
 
 TEST(PrintConfigTest, ReadsBackToTheSameConfiguration) {

@@ -19,15 +19,15 @@ using ::testing::ElementsAre;
 TEST(Routes, HaveTheLabelsOfTheMetrics) {
   std::vector<std::string_view> names;
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
-  EXPECT_THAT(
-      names,
-      ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi", "config",
-                  "robots", "robot", "robot_by_ruri", "robot_story", "fleets", "top", "candidates",
-                  "events", "messages", "connections", "presence", "quarantine", "gaps",
-                  "scope_updates", "faults", "missions", "mission_reports", "operator_requests",
-                  "shapes", "objects", "audit", "revocations", "robot_block", "robot_unblock",
-                  "robot_disconnect", "robot_note", "robot_add", "fault_acknowledge",
-                  "certificate_revoke", "certificate_unrevoke", "reload", "other"));
+  EXPECT_THAT(names,
+              ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
+                          "config", "robots", "robot", "robot_by_ruri", "robot_story", "watch",
+                          "fleets", "top", "candidates", "events", "messages", "connections",
+                          "presence", "quarantine", "gaps", "scope_updates", "faults", "missions",
+                          "mission_reports", "operator_requests", "shapes", "objects", "audit",
+                          "revocations", "robot_block", "robot_unblock", "robot_disconnect",
+                          "robot_note", "robot_add", "fault_acknowledge", "certificate_revoke",
+                          "certificate_unrevoke", "reload", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {

@@ -175,8 +175,9 @@ TEST(Scopes, EachPathOfRobotsIsAskedAndTheOthersSpeakOfTheWholeServer) {
     // Commands: commands_test.cc.
     if (!questions.contains(route.name) && route.action.empty()) others.push_back(route.name);
   }
+  // WatchesTest shows the scope of watches.
   EXPECT_THAT(others, ::testing::ElementsAre("livez", "readyz", "metrics", "status", "openapi",
-                                             "config", "audit", "revocations"));
+                                             "config", "watch", "audit", "revocations"));
 }
 
 TEST(Scopes, WhatIsOutOfScopeIsAsIfItWereNotThere) {

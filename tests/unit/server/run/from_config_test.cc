@@ -250,6 +250,22 @@ TEST(FromConfig, TheRelayWantsTheDescriptorsOfThePage) {
   EXPECT_EQ(transport::DescriptorsWanted(RelayOptionsOf(config, 0)), 47'300U);
 }
 
+TEST(FromConfig, TheListenerForOperatorsAsksForNoCertificateAndHasItsOwnPartOfTheDescriptors) {
+  config::Config config;
+  config.listen.fleet = {"127.0.0.1", 7444};
+  config.tls.client_ca_file = "robots.crt";
+  const std::size_t alone = RelayOptionsOf(config::Config(), 0).descriptors_reserved;
+  EXPECT_EQ(RelayOptionsOf(config, 0).descriptors_reserved, alone + config::kFleetDescriptors);
+  config.tls.operator_ca_file = "operators.crt";
+  const transport::RelayOptions options = FleetOptionsOf(config, 0);
+  EXPECT_EQ(options.address.port, 7444);
+  EXPECT_FALSE(options.tls.certificate_required);
+  EXPECT_FALSE(options.serves_relay);
+  EXPECT_EQ(options.descriptors_max, config::kFleetDescriptors);
+  EXPECT_EQ(std::get<transport::PemFiles>(options.key_material).client_ca, "operators.crt");
+  EXPECT_TRUE(RelayOptionsOf(config, 0).tls.certificate_required);
+}
+
 TEST(FromConfig, TheRelayGetsTwiceTheRobotsAndHalfTheMemory) {
   config::Config config;
   config.limits.robots_max = 10;

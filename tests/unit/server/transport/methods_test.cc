@@ -42,6 +42,15 @@ TEST_F(MayCallTest, WhetherThereIsAMethodIsToldToThoseWhoMayCallAny) {
             "UNAUTHENTICATED: the certificate is of role admin; nothing here takes it");
 }
 
+TEST_F(MayCallTest, AnOpenMethodTakesThoseWithoutACertificateToo) {
+  methods_.emplace("/a.A/Open", Method{.open = true});
+  const absl::Status none = absl::UnauthenticatedError("client certificate: none was shown");
+  EXPECT_TRUE(MayCall(none, methods_, "/a.A/Open").ok());
+  EXPECT_TRUE(MayCall(none, methods_, "/a.A/Nothing").ok());
+  EXPECT_EQ(MayCall(none, methods_, "/a.A/Viewers"), none);
+  EXPECT_EQ(Ask(Role::kRobot, "/a.A/Open"), "OK");
+}
+
 TEST_F(MayCallTest, AFlawOfTheCertificateIsAllThatIsTold) {
   const absl::Status flaw = absl::UnauthenticatedError("client certificate: it has expired");
   for (const char* path : {"/a.A/Robots", "/a.A/Nothing", ""}) {

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "server/health/monitor.h"
+#include "server/http/guard.h"
+#include "server/http/site.h"
+#include "server/rpc/unary_call.h"
+#include "server/transport/methods.h"
+#include "server/view/watches.h"
+
+namespace uplink::rpc {
+
+/// A method of FleetView, and the path of HTTP that answers the same. Immutable.
+struct ViewMethod {
+  std::string_view name;
+  std::string_view path;
+};
+
+/// The unary methods of FleetView.
+inline constexpr auto kViewMethods = std::to_array<ViewMethod>({
+    {"ListRobots", "/api/v1/robots"},
+    {"GetRobot", "/api/v1/robot"},
+    {"ListFaults", "/api/v1/faults"},
+    {"ListEvents", "/api/v1/events"},
+    {"ListMessages", "/api/v1/messages"},
+    {"ListMissions", "/api/v1/missions"},
+    {"ListMissionReports", "/api/v1/mission-reports"},
+    {"ListOperatorRequests", "/api/v1/operator-requests"},
+    {"ListShapes", "/api/v1/shapes"},
+    {"ListObjects", "/api/v1/objects"},
+    {"ListConnections", "/api/v1/connections"},
+    {"GetRobotStory", "/api/v1/robot/story"},
+    {"ListPresenceChanges", "/api/v1/presence"},
+    {"ListQuarantine", "/api/v1/quarantine"},
+    {"ListGaps", "/api/v1/gaps"},
+    {"ListScopeUpdates", "/api/v1/scope-updates"},
+    {"ListFleets", "/api/v1/fleets"},
+    {"ListTop", "/api/v1/top"},
+    {"GetStatus", "/api/v1/status"},
+    {"GetConfig", "/api/v1/config"},
+});
+
+/// What the methods use. All of it outlives the listener.
+struct RpcContext {
+  const http::Site& site;
+  http::Guard& guard;
+  const health::Monitor& monitor;
+  view::Watches& watches;
+  UnaryCalls& calls;
+};
+
+/// The methods for operators, made for each thread: FleetView, and gRPC's own health and
+/// reflection. Each call is judged by the guard and the row of the table of rights that counts for
+/// the same question by HTTP; health is open to anyone, as the probes are.
+[[nodiscard]] transport::MethodsMaker FleetMethods(const RpcContext& context);
+
+}  // namespace uplink::rpc

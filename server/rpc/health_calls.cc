@@ -1,0 +1,111 @@
+#include "server/rpc/health_calls.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "grpc/health/v1/health.pb.h"
+
+namespace uplink::rpc {
+namespace {
+
+namespace health_v1 = ::grpc::health::v1;
+using Response = health_v1::HealthCheckResponse;
+
+/// What the listener serves; empty: the server.
+constexpr std::array<std::string_view, 3> kServices{"", "uplink.v1.FleetView",
+                                                    "grpc.health.v1.Health"};
+
+/// Nothing: no such service is served.
+std::optional<Response::ServingStatus> StatusOfService(const health::Monitor& monitor,
+                                                       std::string_view service) {
+  if (std::ranges::find(kServices, service) == kServices.end()) return std::nullopt;
+  return monitor.readiness().ready() ? Response::SERVING : Response::NOT_SERVING;
+}
+
+absl::StatusOr<std::string> ServiceOf(std::string_view bytes) {
+  health_v1::HealthCheckRequest request;
+  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return absl::InvalidArgumentError("the request is no grpc.health.v1.HealthCheckRequest");
+  }
+  return request.service();
+}
+
+absl::StatusOr<std::string> Check(const health::Monitor& monitor, const std::string& service) {
+  const auto status = StatusOfService(monitor, service);
+  if (!status) return absl::NotFoundError("no such service is served here");
+  Response response;
+  response.set_status(*status);
+  return response.SerializeAsString();
+}
+
+}  // namespace
+
+transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& calls,
+                                 const Clock& clock) {
+  using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
+  const Ask ask = [&monitor](std::string_view bytes) -> absl::StatusOr<Work> {
+    auto service = ServiceOf(bytes);
+    if (!service.ok()) return service.status();
+    return Work{http::Lane::kIo,
+                [&monitor, service = *std::move(service)] { return Check(monitor, service); }};
+  };
+  transport::Methods methods;
+  methods.emplace("/grpc.health.v1.Health/Check",
+                  transport::Method{
+                      .open = true,
+                      .admission = transport::Admission::kCall,
+                      .serve = [&calls, &clock, ask](transport::ServedCall& call) -> CallHandlerOr {
+                        return UnaryCall::Make(calls, call, clock, ask);
+                      }});
+  methods.emplace(
+      "/grpc.health.v1.Health/Watch",
+      transport::Method{.kind = transport::MethodKind::kServerStream,
+                        .open = true,
+                        .serve = [&monitor, &clock](transport::ServedCall& call) -> CallHandlerOr {
+                          return std::make_unique<HealthWatch>(monitor, call, clock);
+                        }});
+  return methods;
+}
+
+void HealthWatch::Start() {
+  look_at_ = clock_.Steady() + kRequestWait;
+  call_.RequestMessage();
+}
+
+void HealthWatch::OnMessage(std::string_view bytes) {
+  auto service = ServiceOf(bytes);
+  if (!service.ok()) return call_.Finish(service.status());
+  service_ = *std::move(service);
+  Look();
+}
+
+void HealthWatch::OnTooLarge(std::uint64_t /*bytes*/) {
+  call_.Finish(absl::ResourceExhaustedError("the request is too large"));
+}
+
+void HealthWatch::OnTimer() {
+  if (clock_.Steady() < look_at_) return;
+  if (!service_) {
+    return call_.Finish(absl::DeadlineExceededError("the request did not come whole in time"));
+  }
+  Look();
+}
+
+void HealthWatch::Look() {
+  look_at_ = clock_.Steady() + kHealthLook;
+  const int status = StatusOfService(monitor_, *service_).value_or(Response::SERVICE_UNKNOWN);
+  if (writing_ || told_ == status) return;
+  told_ = status;
+  Response response;
+  response.set_status(static_cast<Response::ServingStatus>(status));
+  writing_ = true;
+  call_.Write(transport::WithPrefix(response));
+}
+
+void HealthWatch::OnDrain(milliseconds /*grace*/) {
+  call_.Finish(absl::UnavailableError("the connection ends; ask again"));
+}
+
+}  // namespace uplink::rpc
