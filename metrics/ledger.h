@@ -41,6 +41,8 @@ enum class Became : std::uint8_t {
   kObserved,
   /// It is none of ours: of a broker a retained one, or one on a topic that we do not know.
   kIgnored,
+  /// Dropped unread: an operator blocked its robot, or did not add it (identity.registration).
+  kBlocked,
 };
 
 /// What happened to messages: the columns of the conservation law
@@ -55,6 +57,7 @@ struct MessageCounts {
   std::uint64_t refused = 0;
   std::uint64_t observed = 0;
   std::uint64_t ignored = 0;
+  std::uint64_t blocked = 0;
   /// Change of the number of messages that were received and are not settled: counted from what
   /// waits, never from the other columns, so that a lost settlement shows.
   std::int64_t in_flight = 0;
@@ -91,6 +94,7 @@ inline constexpr auto kBecame = std::to_array<BecameColumn>({
     {"refused", &MessageCounts::refused},
     {"observed", &MessageCounts::observed},
     {"ignored", &MessageCounts::ignored},
+    {"blocked", &MessageCounts::blocked},
 });
 
 inline void MessageCounts::Count(Became became) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -18,14 +19,23 @@ namespace uplink::storage {
 
 /// Certificates and keys that are revoked at a time.
 inline constexpr std::size_t kRevocationsMax = 100'000;
+/// Robots for which operators have set something, at a time.
+inline constexpr std::size_t kSettingsMax = 100'000;
 /// Rows that one answer of the readers below names.
 inline constexpr std::size_t kAccessPageMax = 10'000;
+/// How long the row stays of what was taken back, so that every server learns it. One that starts
+/// reads from version 0.
+inline constexpr std::chrono::days kTakenBackKept{30};
 /// Labels of one robot, and bytes of each name and value.
 inline constexpr std::size_t kLabelsMax = 16;
 inline constexpr std::size_t kLabelBytesMax = 64;
 inline constexpr std::size_t kNoteBytesMax = 1'024;
+/// Bytes of a reason, and of what a revocation names.
+inline constexpr std::size_t kReasonBytesMax = 512;
+inline constexpr std::size_t kRevokedValueBytesMax = 2'048;
 
-/// Counts the changes of what AccessStore keeps, over all of it. 0: nothing was ever changed.
+/// Ascends with the changes of what AccessStore keeps, over all of it. 0: nothing was ever changed.
+/// One below what a server has seen: the store went back, and the server reads from 0.
 using AccessVersion = std::uint64_t;
 
 /// What a revocation names. Closed; stored by number.
@@ -54,8 +64,7 @@ struct Revocation {
   friend bool operator==(const Revocation&, const Revocation&) = default;
 };
 
-/// What operators set of one robot, known or not. A value. With nothing set, everything was taken
-/// back.
+/// What operators set of one robot, known or not. A value; with nothing set, all was taken back.
 struct RobotSetting {
   std::string ruri;
   bool blocked = false;
@@ -82,10 +91,11 @@ struct SettingChange {
   /// Labels by name; an empty value removes the label.
   std::map<std::string, std::string> labels{};
   std::optional<std::string> note{};
+  /// Its streams end (disconnect_at).
   bool disconnect = false;
 };
 
-/// An active fault that an operator has seen.
+/// A fault that an operator has seen: all active rows of the robot with that id, of any source.
 struct Acknowledgement {
   std::string ruri;
   std::string fault_id;
@@ -97,7 +107,9 @@ struct Acknowledgement {
 /// `audit.who` who made it. A change that changes nothing still leaves its audit row.
 ///
 /// Errors: as in Store: a status means that nothing of the call is known. Calling again is right.
-///         kResourceExhausted: a bound is reached. kNotFound: no such active fault.
+///         kResourceExhausted: a bound is reached. kInvalidArgument, naming the field: a text is
+///         empty, too long, or no UTF-8. kNotFound: no such active fault. Of these three nothing is
+///         kept, not even the audit row.
 /// Thread: confined to one thread at a time, together with what shares its connection.
 class AccessStore {
  public:

@@ -12,7 +12,8 @@ struct HistoryTable {
   std::string_view time_column;
 };
 
-/// Tables of both stores, by `ruri`, of what a robot is and has now. They go with it at once.
+/// Tables of both stores, by `ruri`, of what a robot is and has now. They go with it at once. Not
+/// among them: robot_settings, whose rows outlive their robots (RobotRemoval).
 inline constexpr auto kRobotTables = std::to_array<std::string_view>(
     {"robots", "sessions", "faults_active", "mission_runs", "shapes", "objects", "latest",
      "presence_latest", "gaps", "live", "quarantine_dropped", "kept_rejects", "drone_claims",

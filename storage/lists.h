@@ -57,6 +57,8 @@ enum class PageKind : std::uint8_t {
 #define UPLINK_LIST(Name, number, Row, Query, retained) k##Name = (number),
   UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
+  /// Reader::Audit, whose rows are no robot's and which no batch writes.
+  kAudit = 15,
 };
 
 /// What the table above says of a list. A value.
@@ -83,6 +85,7 @@ inline constexpr auto kLists = std::to_array<ListEntry>({UPLINK_LISTS(UPLINK_LIS
     for (std::size_t j = 0; j < i; ++j) {
       if (kLists[i].kind == kLists[j].kind) return false;
     }
+    if (kLists[i].kind == PageKind::kAudit) return false;
   }
   return true;
 }

@@ -42,6 +42,14 @@ model::ConnectionEnd ConnectionEndOf(std::int64_t column) {
   return model::ConnectionEnd::kBroken;
 }
 
+AuditProof AuditProofOf(std::int64_t column) {
+  for (const AuditProof proof :
+       {AuditProof::kLocal, AuditProof::kToken, AuditProof::kCertificate, AuditProof::kStore}) {
+    if (static_cast<std::int64_t>(proof) == column) return proof;
+  }
+  return AuditProof::kServer;
+}
+
 model::RejectReason ReasonOf(std::int64_t column) {
   for (const model::RejectReason reason : model::kAllRejectReasons) {
     if (static_cast<std::int64_t>(reason) == column) return reason;

@@ -10,6 +10,7 @@
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/scope_update.h"
+#include "storage/audit.h"
 #include "storage/rows.h"
 
 // How enumerations stand in columns, in every store.
@@ -49,7 +50,10 @@ template <model::WireEnum E>
 /// kBroken for a number that this program does not know.
 [[nodiscard]] model::ConnectionEnd ConnectionEndOf(std::int64_t column);
 
-/// The same by the type: one of the seven above.
+/// kServer for a number that this program does not know.
+[[nodiscard]] AuditProof AuditProofOf(std::int64_t column);
+
+/// The same by the type: one of the eight above.
 template <typename E>
 [[nodiscard]] E KnownMemberOf(std::int64_t column) {
   if constexpr (std::is_same_v<E, RunClosed>) {
@@ -64,6 +68,8 @@ template <typename E>
     return OperatorRequestKindOf(column);
   } else if constexpr (std::is_same_v<E, model::ConnectionEnd>) {
     return ConnectionEndOf(column);
+  } else if constexpr (std::is_same_v<E, AuditProof>) {
+    return AuditProofOf(column);
   } else {
     static_assert(std::is_same_v<E, model::MessageSource>, "no column holds such a number");
     return MessageSourceOf(column);

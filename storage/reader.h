@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,145 +18,20 @@
 #include "schema/model/presence.h"
 #include "schema/model/rejection.h"
 #include "schema/model/reports.h"
-#include "storage/fleets.h"
+#include "storage/audit.h"
 #include "storage/identity.h"
 #include "storage/latest_kind.h"
 #include "storage/lists.h"
 #include "storage/live_row.h"
+#include "storage/queries.h"
 #include "storage/rejects.h"
 #include "storage/rows.h"
 
 namespace uplink::storage {
 
-inline constexpr std::uint32_t kPageSizeDefault = 100;
-inline constexpr std::uint32_t kPageSizeMax = 1'000;
 /// Bytes of texts and payloads after which a page ends early, with a token: a thousand rows can be
 /// as many quarter megabytes.
 inline constexpr std::size_t kPageBytesMax = 16U * 1024 * 1024;
-
-/// Robots that one query names at most: each is a search of its own in an index.
-inline constexpr std::size_t kRurisMax = 100;
-
-enum class ListOrder : std::uint8_t { kNewestFirst, kOldestFirst };
-
-/// Which rows, and which part of them. Empty texts and lists match everything.
-struct HistoryQuery {
-  /// At most kRurisMax; rows of any of them.
-  std::vector<std::string> ruris;
-  /// At most kFleetsMax; rows of any of them.
-  std::vector<std::string> fleets;
-  /// Without rows of no robot (origin.h).
-  bool robots_alone = false;
-  /// Arrival times, both inclusive.
-  std::optional<SystemTime> from;
-  std::optional<SystemTime> to;
-  ListOrder order = ListOrder::kNewestFirst;
-  /// 1 to kPageSizeMax.
-  std::uint32_t page_size = kPageSizeDefault;
-  /// next_token of the page before, which had the same order; empty for the first.
-  std::string page_token;
-};
-
-/// Robots or fleets of a query, each once, ascending.
-[[nodiscard]] inline std::vector<std::string_view> Distinct(const std::vector<std::string>& names) {
-  std::vector<std::string_view> distinct(names.begin(), names.end());
-  std::ranges::sort(distinct);
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  return distinct;
-}
-
-/// Which faults. Empty texts match everything.
-struct FaultsQuery {
-  HistoryQuery rows;
-  std::optional<model::FaultSeverity> severity{};
-  std::string fault_id{};
-  /// The robot's own word.
-  std::string source{};
-};
-
-/// Which events.
-struct EventsQuery {
-  HistoryQuery rows;
-  /// As EventRow.kind; empty: every kind.
-  std::string kind{};
-};
-
-/// Which messages.
-struct MessagesQuery {
-  HistoryQuery rows;
-  std::optional<model::MessageLevel> level{};
-};
-
-/// Which mission runs. Empty texts match everything.
-struct MissionsQuery {
-  HistoryQuery rows;
-  std::string mission_id{};
-  std::string run_id{};
-  std::optional<model::MissionStatus> status{};
-  /// Only runs whose latest status is not terminal and that the server did not close; no meaning
-  /// for their reports.
-  bool open = false;
-};
-
-/// Which shapes or objects.
-struct PresentQuery {
-  HistoryQuery rows;
-  /// What expired at or before this time is left out.
-  SystemTime now;
-  /// Also those that expired and are not yet swept.
-  bool include_expired = false;
-};
-
-/// Which requests to operators.
-struct OperatorRequestsQuery {
-  HistoryQuery rows;
-  /// Only those that wait for an operator.
-  bool open = false;
-};
-
-/// Which connections.
-struct ConnectionsQuery {
-  HistoryQuery rows;
-  /// Only those that have not ended.
-  bool open = false;
-  /// Nothing: whatever way they came.
-  std::optional<model::MessageSource> source{};
-  /// Only those that ended for this reason.
-  std::optional<model::ConnectionEnd> why{};
-};
-
-/// Which rows of quarantine.
-struct QuarantineQuery {
-  HistoryQuery rows;
-  /// Nothing: whatever way they came.
-  std::optional<model::MessageSource> source{};
-  /// Nothing: for whatever reason.
-  std::optional<model::RejectReason> reason{};
-};
-
-/// Which updates of what is no robot. Empty texts match everything.
-struct ScopeUpdatesQuery {
-  HistoryQuery rows;
-  /// Nothing: of every scope.
-  std::optional<model::ScopeKind> scope{};
-  std::string id{};
-};
-
-/// Which rows of the audit. Empty texts match everything; `rows.ruris` has no meaning.
-struct AuditQuery {
-  HistoryQuery rows;
-  /// As in AuditRow, all of it.
-  std::string who{};
-  std::string action{};
-  std::string target{};
-};
-
-// Which rows, of any query.
-[[nodiscard]] inline const HistoryQuery& RowsOf(const HistoryQuery& query) { return query; }
-template <typename Query>
-[[nodiscard]] const HistoryQuery& RowsOf(const Query& query) {
-  return query.rows;
-}
 
 /// A row's place in its list, and where a page ended: the next one begins with the row that follows
 /// it in the order of the walk. `entry` is the number that the store gave the row when it wrote it,
@@ -261,6 +135,9 @@ class Reader {
   UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
+  /// What operators and servers changed, or tried to. A row whose target belongs to no fleet is
+  /// found by queries of all fleets alone.
+  [[nodiscard]] virtual absl::StatusOr<Page<AuditRow>> Audit(const AuditQuery& query) = 0;
 
   /// How many rows of a robot's quarantine went for its bound, by reason, ascending; reasons for
   /// which none did are left out.

@@ -60,8 +60,8 @@ class RobotRemoval {
 
   // --- Removing ---
 
-  /// Deletes what the robot is and has now (kRobotTables), in one transaction, if its epoch is that
-  /// (0: if it has no row). Returns the bound of its histories: every entry of the robot that was
+  /// Deletes what the robot is and has now (kRobotTables), and its labels and note, in one
+  /// transaction, if its epoch is that (0: if it has no row). Returns the bound of its histories: every entry of the robot that was
   /// removed is below it, and none of one that comes later. Nothing: it spoke meanwhile, and
   /// nothing was deleted.
   [[nodiscard]] virtual absl::StatusOr<std::optional<EntryBound>> Remove(std::string_view ruri,

@@ -27,6 +27,10 @@ struct FaultRow {
   SystemTime received_at;
   /// First raise since it was last clear; only in rows of the active set.
   std::optional<SystemTime> raised_at;
+  /// When an operator acknowledged it since it was raised last; only in rows of the active set.
+  std::optional<SystemTime> acknowledged_at{};
+  std::string acknowledged_by{};
+  std::string acknowledged_note{};
 };
 
 struct QuarantineRow {

@@ -19,6 +19,8 @@ struct StoreRules {
   milliseconds retain_quarantine{std::chrono::days(14)};
   /// The same of connections that have ended.
   milliseconds retain_connections{std::chrono::days(90)};
+  /// The same of the audit.
+  milliseconds retain_audit{std::chrono::days(400)};
   /// Vouches for the civil clock; outlives the store. Until it does, nothing is deleted for its age
   /// or its expiry, and nothing has expired for an upsert.
   const ClockTrust* clock = nullptr;

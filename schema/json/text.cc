@@ -53,6 +53,27 @@ std::string Text(const model::RcanState& state, std::string_view ruri) {
   return boost::json::serialize(Render(state, ruri));
 }
 
+std::string TextsText(const std::map<std::string, std::string>& texts) {
+  boost::json::object object;
+  for (const auto& [name, text] : texts) object[name] = text;
+  return boost::json::serialize(object);
+}
+
+std::map<std::string, std::string> TextsIn(std::string_view text) {
+  std::map<std::string, std::string> texts;
+  boost::json::error_code error;
+  const boost::json::value body =
+      boost::json::parse(boost::json::string_view(text.data(), text.size()), error);
+  if (error || !body.is_object()) return texts;
+  for (const auto& member : body.get_object()) {
+    if (!member.value().is_string()) continue;
+    const boost::json::string& value = member.value().get_string();
+    const auto name = member.key();
+    texts.emplace(std::string(name.data(), name.size()), std::string(value.data(), value.size()));
+  }
+  return texts;
+}
+
 std::optional<double> NumberIn(std::string_view text, std::string_view name) {
   const boost::json::value value = MemberIn(text, name);
   if (!value.is_number()) return std::nullopt;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,10 @@ namespace uplink::json {
 [[nodiscard]] std::string Text(const model::RcanState& state, std::string_view ruri);
 /// An array of texts, each well-formed UTF-8.
 [[nodiscard]] std::string ArrayText(std::span<const std::string> texts);
+/// An object of texts, each well-formed UTF-8.
+[[nodiscard]] std::string TextsText(const std::map<std::string, std::string>& texts);
+/// The same again; members that are no texts are left out.
+[[nodiscard]] std::map<std::string, std::string> TextsIn(std::string_view text);
 /// A number that such a text holds at its top; nothing if there is none of that name.
 [[nodiscard]] std::optional<double> NumberIn(std::string_view text, std::string_view name);
 /// The same of a text.

@@ -38,6 +38,8 @@ class AuditTrail final {
   const log::Logger& logger_;
   mutable std::mutex mutex_;
   std::deque<storage::AuditRow> waiting_;
+  /// Rows that left the queue, written or lost; and those lost since the last line about them.
+  std::uint64_t gone_ = 0;
   std::uint64_t lost_ = 0;
 };
 

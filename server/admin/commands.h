@@ -4,12 +4,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
 #include "server/admin/asker.h"
+#include "server/admin/audit_rows.h"
 #include "server/admin/audit_trail.h"
 #include "server/admin/shared_store.h"
 #include "storage/reader.h"
@@ -17,10 +19,22 @@
 
 namespace uplink::admin {
 
-/// The service FleetAdmin, once for every transport: what operators decide, and the audit. Whoever
-/// calls has judged the caller's role by the table of rights; the commands judge its scope. A robot
-/// that is out of scope is unknown, and a caller without all fleets decides only about robots that
-/// are known.
+/// What became of a configuration that was read again. A value.
+struct Reloaded {
+  /// Keys that were taken over.
+  std::vector<std::string> taken_over;
+  /// Keys that changed and need a restart.
+  std::vector<std::string> needs_restart;
+  /// Why nothing was taken over; none: it was.
+  std::vector<std::string> problems;
+};
+/// As the audit's detail: the keys that were taken over, or the first problem.
+[[nodiscard]] std::string DetailOf(const Reloaded& reloaded);
+
+/// The service FleetAdmin, once for every transport: what operators decide, and the audit. The
+/// transport has judged the caller's role by the table of rights; the commands judge its scope. A
+/// robot that is out of scope is unknown, and a caller without all fleets decides only about robots
+/// that are known.
 ///
 /// Each command leaves an audit row and a line `audit`, also where it is refused.
 ///
@@ -46,7 +60,7 @@ class Commands final {
     std::function<void()> changed{};
     /// Reads the configuration again, and waits for the outcome. kUnavailable: the server starts or
     /// stops. Empty: there is no server.
-    std::function<absl::StatusOr<v1::ReloadResponse>()> reload{};
+    std::function<absl::StatusOr<Reloaded>()> reload{};
   };
   explicit Commands(Context context);
   Commands(const Commands&) = delete;
@@ -81,22 +95,22 @@ class Commands final {
                                                           const v1::ReloadRequest& request);
 
   /// Something that its role or scope forbids was asked: `action` is that of the command, `target`
-  /// what it was about, as far as that was read. Never waits.
+  /// what it was about, if that was read. Never waits.
   void NoteForbidden(const Asker& asker, std::string_view action, std::string_view target);
 
  private:
-  struct Deed;
-  /// What the caller may decide about, if its RURI is one; sets the deed's fleet.
-  [[nodiscard]] absl::Status Judge(const Asker& asker, Deed& deed) const;
-  [[nodiscard]] storage::AuditRow RowOf(const Asker& asker, const Deed& deed,
-                                        const absl::Status& outcome) const;
-  /// Writes by `write`, unless `verdict` forbids it; tells and notes what came of it.
+  /// Sets the fleet of the deed's robot. Errors: its RURI is none, or the caller must not know it.
+  [[nodiscard]] absl::Status JudgeRobot(const Asker& asker, Deed& deed) const;
+  /// Writes by `write`, unless the verdict forbids it; tells and notes what came of it.
   template <typename Answer, typename Write>
   [[nodiscard]] absl::StatusOr<Answer> Do(const Asker& asker, const Deed& deed,
-                                          absl::Status verdict, const Write& write);
+                                          const absl::Status& verdict, const Write& write);
+  /// The same of one robot's setting. `verdict` is that of the request's other fields.
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> Change(const Asker& asker, Deed deed,
-                                                        const storage::SettingChange& change,
-                                                        absl::Status verdict);
+                                                        storage::SettingChange change,
+                                                        absl::Status verdict = absl::OkStatus());
+  [[nodiscard]] absl::StatusOr<v1::Revocation> Revoke(
+      const Asker& asker, Deed deed, absl::StatusOr<storage::Revocation> revocation);
 
   const Context context_;
 };

@@ -142,12 +142,18 @@ void Commits::OnWake(std::uint64_t id) {
   // First report what was settled before the robot was lost.
   Settle(*stream, stream->robot->sessions.Take(stream->session));
   if (standing == robot::Standing::kEnded) stream->ended = true;
-  if (standing != robot::Standing::kCurrent && !stream->ended) return Fence(*stream);
+  // What was taken before is stored; its next message finds that it is blocked.
+  if (standing == robot::Standing::kBlocked) stream->ending = true;
+  const bool goes_on =
+      standing == robot::Standing::kCurrent || standing == robot::Standing::kBlocked;
+  if (!goes_on && !stream->ended) return Fence(*stream);
   if (!stream->waiting.empty()) return;
   if (stream->ended) {
     context_.streams.Drop(*stream);
   } else if (stream->ending) {
-    context_.streams.Close(*stream);
+    const bool blocked = standing == robot::Standing::kBlocked;
+    context_.streams.Close(
+        *stream, blocked ? transport::EndCause::kBlocked : transport::EndCause::kSuperseded);
   }
 }
 

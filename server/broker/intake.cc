@@ -109,6 +109,10 @@ Intake::Processed Intake::Judge(Processing& processing) {
     Settle(processing, metrics::Became::kObserved);
     return Processed::kDone;
   }
+  if (place->blocked) {
+    Settle(processing, metrics::Became::kBlocked);
+    return Processed::kDone;
+  }
   if (place->stream == nullptr) return HandleUnplaced(processing, *place);
   if (!processing.held_back &&
       limits_.ExceedsUnknownSenderBudget({.judgement = processing.judgement,

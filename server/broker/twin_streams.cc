@@ -47,6 +47,7 @@ TwinStream* TwinStreams::FindById(std::uint64_t id) {
 }
 
 TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
+  if (context_.fleet.entry().IsBlocked(named.ruri)) return {.blocked = true};
   if (TwinStream* stream = Find(named.ruri)) {
     if (stream->ended) return {};
     if (!Revive(*stream)) return {.too_many = true};
@@ -61,7 +62,8 @@ TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
   auto robot = context_.fleet.FindOrAdmit({.ruri = named.ruri, .fleet = context_.fleet_name});
   if (!robot.ok()) {
     context_.twins.Remove(named.ruri);
-    return {.too_many = true};
+    return {.too_many = absl::IsResourceExhausted(robot.status()),
+            .blocked = absl::IsPermissionDenied(robot.status())};
   }
   TwinStream* stream = Open(*std::move(robot), std::move(twin));
   if (stream != nullptr) stream->rates = RatesOf(named);
@@ -73,8 +75,10 @@ std::optional<TwinStreams::Opened> TwinStreams::PlaceOf(const cyberwave::Judgeme
   if (cyberwave::RobotOf(judgement).has_value()) {
     const std::string ruri = cyberwave::RuriOf(judgement);
     if (TwinStream* stream = Find(ruri); stream != nullptr && !stream->ending && !stream->ended) {
+      if (stream->robot->blocked()) return Opened{.blocked = true};
       return Opened{.stream = stream};
     }
+    if (context_.fleet.entry().IsBlocked(ruri)) return Opened{.blocked = true};
     const bool durable = judgement.message_class == cyberwave::MessageClass::kDurable;
     const bool speaks = cyberwave::SignOfLifeOf(judgement) == cyberwave::RobotOf(judgement) ||
                         (durable && judgement.rejection() == nullptr);
@@ -175,8 +179,8 @@ void TwinStreams::OpenKnown(const std::vector<std::string>& prefixes, Which whic
   }
 }
 
-void TwinStreams::Close(TwinStream& stream) {
-  EndConnections(stream, EndCause::kSuperseded);
+void TwinStreams::Close(TwinStream& stream, EndCause cause) {
+  EndConnections(stream, cause);
   robot::Robot& robot = *stream.robot;
   robot.NoteHeard(context_.clock.System());
   static_cast<void>(robot.sessions.Detach(stream.self, context_.clock.Steady()));

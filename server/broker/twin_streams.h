@@ -67,6 +67,8 @@ class TwinStreams final {
     /// stream was ended and is not gone yet or went just now.
     TwinStream* stream = nullptr;
     bool too_many = false;
+    /// An operator blocked the robot, or did not add it: its messages are dropped.
+    bool blocked = false;
   };
   /// As Find, but opens a stream if the robot has none.
   [[nodiscard]] Opened FindOrOpen(const Named& named);
@@ -79,8 +81,8 @@ class TwinStreams final {
   /// Opens streams for the known twins under these prefixes that have none: this process holds them
   /// from now on. kNotHeld: only those that it does not hold yet.
   void OpenKnown(const std::vector<std::string>& prefixes, Which which);
-  /// Ends a stream without waiting messages.
-  void Close(TwinStream& stream);
+  /// Ends a stream without waiting messages. Its connections end for `cause`.
+  void Close(TwinStream& stream, transport::EndCause cause = transport::EndCause::kSuperseded);
   /// An operator ended the stream to forget the robot, so its faults are forgotten too. The robot
   /// gets no new stream within kRestAfterDrop, even if it speaks.
   void Drop(TwinStream& stream);

@@ -25,8 +25,13 @@ inline constexpr std::size_t kMiB = 1024 * kKiB;
 
 /// Lowest TLS version that the relay listener accepts.
 enum class TlsVersion : std::uint8_t { k12, k13 };
-/// Who may open a stream: every robot with a certificate, or only enrolled ones.
+/// Which new robots come in: all with a certificate, or only those that an operator added.
 enum class Registration : std::uint8_t { kOpen, kClosed };
+/// Which gateways may speak for robots: also those whose certificate names no robots, or only those
+/// whose certificate does.
+enum class Gateways : std::uint8_t { kAny, kNamed };
+/// What a certificate of another fleet does: it moves its robot, or is refused.
+enum class FleetMoves : std::uint8_t { kFollow, kRefuse };
 /// The version of MQTT that the broker is spoken to in.
 enum class MqttVersion : std::uint8_t { k5, k311 };
 /// What is done with Cyberwave's depth frames and point clouds: not asked for, or counted.
@@ -66,6 +71,8 @@ struct TlsConfig {
 
 struct IdentityConfig {
   Registration registration = Registration::kOpen;
+  Gateways gateways = Gateways::kAny;
+  FleetMoves fleet_moves = FleetMoves::kFollow;
 };
 
 struct StoreConfig {
@@ -92,6 +99,7 @@ struct StoreConfig {
   milliseconds retain_history = storage::StoreRules().retain_history;
   milliseconds retain_quarantine = storage::StoreRules().retain_quarantine;
   milliseconds retain_connections = storage::StoreRules().retain_connections;
+  milliseconds retain_audit = storage::StoreRules().retain_audit;
 };
 
 struct JournalConfig {

@@ -165,10 +165,6 @@ std::vector<Breach> CheckRelations(const Config& config) {
   Breaches breaches;
   CheckListen(config.listen, breaches);
   CheckTls(config.tls, breaches);
-  if (config.identity.registration == Registration::kClosed) {
-    breaches.Add("identity", "registration",
-                 "this version does not serve \"closed\"; it must be \"open\"");
-  }
   CheckStore(config.store, breaches);
   CheckJournal(config.journal, breaches);
   CheckLimits(config.limits, breaches);

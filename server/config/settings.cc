@@ -74,6 +74,8 @@ constexpr std::uint64_t kRobotSeriesMaxMin = 64;
 
 constexpr std::array<string_view, 2> kTlsVersions = {"1.2", "1.3"};
 constexpr std::array<string_view, 2> kRegistrations = {"open", "closed"};
+constexpr std::array<string_view, 2> kGateways = {"any", "named"};
+constexpr std::array<string_view, 2> kFleetMoves = {"follow", "refuse"};
 constexpr std::array<string_view, 2> kMqttVersions = {"5", "3.1.1"};
 constexpr std::array<string_view, 2> kCyberwaveMedia = {"off", "count"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
@@ -191,9 +193,26 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "registration",
      .kind = Kind::kChoice,
      .choices = kRegistrations,
-     .allowed = "\"open\", the only value that this version serves",
-     .text = "\"open\": every robot whose certificate an authority of tls.client_ca_file signed.",
+     .text = "Which new robots come in. \"open\": every robot whose certificate an authority of "
+             "tls.client_ca_file signed. \"closed\": only those that an operator added (`uplinkctl "
+             "robots add`), twins and drones too; others are refused, and listed as candidates. "
+             "Robots that the server knows already come in either way.",
      UPLINK_BIND(identity, IdentityConfig, registration)},
+    {.section = "identity",
+     .key = "gateways",
+     .kind = Kind::kChoice,
+     .choices = kGateways,
+     .text = "\"named\": a gateway speaks only for the robots that its certificate names. \"any\": "
+             "one whose certificate names no robots speaks for its whole fleet; the server warns "
+             "of the first that does.",
+     UPLINK_BIND(identity, IdentityConfig, gateways)},
+    {.section = "identity",
+     .key = "fleet_moves",
+     .kind = Kind::kChoice,
+     .choices = kFleetMoves,
+     .text = "What a certificate does that names a known robot and another fleet. \"follow\": it "
+             "moves the robot. \"refuse\": it is refused.",
+     UPLINK_BIND(identity, IdentityConfig, fleet_moves)},
 
     {.section = "store",
      .key = "url",
@@ -292,6 +311,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "How long a robot's connections are kept after their end; at most the last 64 of a "
              "robot.",
      UPLINK_BIND(store, StoreConfig, retain_connections)},
+    {.section = "store",
+     .key = "retention.audit",
+     .kind = Kind::kDuration,
+     .min = kDay,
+     .max = 10'000 * kDay,
+     .zero = "for ever",
+     .text = "How long is kept what operators and servers changed.",
+     UPLINK_BIND(store, StoreConfig, retain_audit)},
 
     {.section = "journal",
      .key = "bytes_max",
@@ -751,6 +778,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {.section = "http",
      .key = "hosts",
      .kind = Kind::kList,
+     .effect = Effect::kReload,
      .text = "Names under which /api may be asked for, beside addresses and localhost, without a "
              "port: those that a proxy in front passes on as Host. Probes are answered under any "
              "name, and so are scrapes, unless http.hosts_cover_metrics is true.",

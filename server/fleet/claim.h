@@ -40,6 +40,19 @@ enum class Refusal : std::uint8_t {
   kOddFleet,
   /// The same, but the store was not read yet: it may have such a robot.
   kFleetsUnread,
+  // Of Entry; StatusOfEntry says them.
+  /// An operator blocked the robot.
+  kBlocked,
+  /// It is new, and no operator added it.
+  kNotRegistered,
+  /// A gateway's certificate names no robots.
+  kGatewayUnnamed,
+  /// The certificate is of another fleet than the robot, and does not move it.
+  kFleetStays,
+  /// It is new, and its RURI is not in the one form that new robots have (identity::FlawOfForm).
+  kNotCanonical,
+  /// The same, but the store was not read yet: it may have such a robot.
+  kRobotsUnread,
 };
 
 }  // namespace uplink::fleet

@@ -28,9 +28,11 @@ const Fleet::Shard& Fleet::ShardOf(std::string_view ruri) const {
 }
 
 absl::StatusOr<RobotPtr> Fleet::FindOrAdmit(const model::RobotId& id) {
-  Admission admission = FindOrAdmitBy({.robot = id});
-  if (admission.robot == nullptr) return Full();
-  return std::move(admission.robot);
+  const Claim claim{.robot = id};
+  Admission admission = FindOrAdmitBy(claim);
+  if (admission.robot != nullptr) return std::move(admission.robot);
+  if (absl::Status status = StatusOfEntry(admission.refusal, claim); !status.ok()) return status;
+  return Full();
 }
 
 Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
@@ -38,10 +40,16 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
-  if (found == shard.robots.end()) return AdmitBy(shard, claim);
+  const bool is_known = found != shard.robots.end();
+  const storage::RobotRef known = is_known ? found->second->id() : nullptr;
+  const Refusal refusal = entry_.Judge(
+      claim, {.fleet = is_known ? &known->fleet : nullptr, .store_read = odd_fleets_.is_read()},
+      clock_.System());
+  if (refusal != Refusal::kNone) return {.robot = nullptr, .refusal = refusal};
+  if (!is_known) return AdmitBy(shard, claim);
   if (claim.grant != Grant::kFleet) {
     gateway_robots_.Remove(id.ruri);
-  } else if (found->second->id()->fleet != id.fleet) {
+  } else if (known->fleet != id.fleet) {
     return {.robot = nullptr, .refusal = Refusal::kOtherFleet};
   }
   // If another robot got its place meanwhile, there is one more than robots_max; kLeavingMax bounds
@@ -85,6 +93,7 @@ RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
   auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id),
                                               started_.load(), clock_, changed_);
   robot->state.CountIn(live_total_);
+  robot->SetBlocked(entry_.IsBlocked(id.ruri));
   shard.robots.emplace(id.ruri, robot);
   const std::lock_guard lock(admitted_mutex_);
   admitted_.push_back(robot);
@@ -110,6 +119,27 @@ std::vector<RobotPtr> Fleet::Sorted() const {
   std::ranges::sort(robots, {},
                     [](const RobotPtr& robot) -> const std::string& { return robot->ruri(); });
   return robots;
+}
+
+void Fleet::OnSettings(std::span<const RobotSettings::Change> changes) {
+  for (const RobotSettings::Change& change : changes) {
+    RobotPtr robot;
+    {
+      Shard& shard = ShardOf(change.ruri);
+      const std::lock_guard lock(shard.mutex);
+      const auto found = shard.robots.find(change.ruri);
+      if (found == shard.robots.end()) continue;
+      robot = found->second;
+      // By the settings, not by the change, which may be older than what an admission saw.
+      robot->SetBlocked(entry_.IsBlocked(change.ruri));
+    }
+    if (robot->blocked()) {
+      robot->sessions.EndStream(robot::Standing::kBlocked).Wake();
+    } else if (change.disconnect && !IsTwin(*robot) &&
+               clock_.System() - change.disconnect_at <= kDisconnectCounts) {
+      robot->sessions.EndStream(robot::Standing::kDisconnected).Wake();
+    }
+  }
 }
 
 void Fleet::SetRoom(std::vector<std::weak_ptr<robot::Robot>> room) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -18,9 +19,11 @@
 #include "schema/base/clock.h"
 #include "server/config/config.h"
 #include "server/fleet/claim.h"
+#include "server/fleet/entry.h"
 #include "server/fleet/fleet_tallies.h"
 #include "server/fleet/gateway_robots.h"
 #include "server/fleet/odd_fleets.h"
+#include "server/fleet/robot_settings.h"
 #include "server/robot/robot.h"
 
 namespace uplink::fleet {
@@ -38,6 +41,9 @@ using RobotPtr = std::shared_ptr<robot::Robot>;
 /// Robots beyond `robots_max` that may be leaving memory: so many new robots may enter a full fleet
 /// at once.
 inline constexpr std::size_t kLeavingMax = 1'024;
+/// An ask to disconnect counts so long: this process may learn of it late, after the robot came
+/// again.
+inline constexpr std::chrono::minutes kDisconnectCounts{1};
 
 /// All robots by RURI: at most `robots_max`, and those that are leaving memory. Thread-safe.
 class Fleet final {
@@ -56,7 +62,8 @@ class Fleet final {
   void ShowFleets(std::size_t fleets_max) { shown_fleets_ = ShownFleets(fleets_max); }
 
   /// Finds a robot that speaks. It is admitted if it is new, and stays if it was leaving. At
-  /// robots_max another one leaves for it (SetRoom); kResourceExhausted if none can.
+  /// robots_max another one leaves for it (SetRoom); kResourceExhausted if none can, and Entry's
+  /// statuses.
   [[nodiscard]] absl::StatusOr<RobotPtr> FindOrAdmit(const model::RobotId& id);
   struct Admission {
     /// Null if the robot is refused.
@@ -95,6 +102,14 @@ class Fleet final {
     return gateway_robots_.of(gateway);
   }
   [[nodiscard]] std::size_t gateway_robots_max() const { return gateway_robots_.per_gateway_max(); }
+
+  /// Who may come in.
+  [[nodiscard]] Entry& entry() { return entry_; }
+  [[nodiscard]] const Entry& entry() const { return entry_; }
+  /// Operators changed settings (RobotSettings::OnChange): ends the streams of blocked robots, and
+  /// of those that are disconnected. A twin has no connection of its own here: the broker's reader
+  /// takes no message of a blocked one, and none is disconnected.
+  void OnSettings(std::span<const RobotSettings::Change> changes);
 
   // --- Leaving memory ---
 
@@ -218,6 +233,7 @@ class Fleet final {
   std::array<Shard, kShards> shards_;
   GatewayRobots gateway_robots_;
   OddFleets odd_fleets_;
+  Entry entry_;
   /// Taken places: admitted robots, and those about to be.
   std::atomic<std::size_t> all_{0};
   std::atomic<std::size_t> leaving_{0};

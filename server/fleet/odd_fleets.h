@@ -34,6 +34,10 @@ class OddFleets final {
   void Know(std::string_view fleet);
   /// Know was called for all fleets of the store: a further odd name is new.
   void SetRead();
+  [[nodiscard]] bool is_read() const {
+    const std::lock_guard lock(mutex_);
+    return read_;
+  }
   [[nodiscard]] Verdict Judge(std::string_view fleet) const;
 
  private:

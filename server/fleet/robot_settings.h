@@ -45,6 +45,8 @@ class RobotSettings final {
     RobotSettingPtr now;
     /// An operator asked that its streams end, since the last Apply.
     bool disconnect = false;
+    /// When that was.
+    SystemTime disconnect_at = {};
   };
   using Changed = std::function<void(std::span<const Change>)>;
 

@@ -14,7 +14,8 @@ namespace {
 
 Response AnswerOfStart(const Request& request, RouteId route) {
   if (route.index >= Routes().size()) return Starting();
-  if (request.method == Method::kOther) return MethodNotAllowed();
+  const Route& asked = Routes()[route.index];
+  if (!Takes(asked, request.method)) return MethodNotAllowed(!asked.action.empty());
   const Target target = SplitTarget(request.target);
   const std::string query(target.query);
   if (target.path == "/livez") return StartingLivez(query);
@@ -29,10 +30,11 @@ std::optional<Response> Entrance::Refusal(const Request& request, RouteId route)
   const bool data = !IsMonitoring(route);
   const bool covered =
       data || (covered_ == Covered::kDataAndScrapes && IsScrape(Routes()[route.index].lane));
-  if (covered && request.host && !hosts_.Has(*request.host)) return MisdirectedRequest();
+  const std::shared_ptr<const KnownHosts> known = hosts();
+  if (covered && request.host && !known->Has(*request.host)) return MisdirectedRequest();
   if (!data) return std::nullopt;
   if (SameWord(request.fetch_site, "cross-site")) return ForeignPage();
-  if (request.origin && !hosts_.HasOrigin(*request.origin, request.host.value_or(""))) {
+  if (request.origin && !known->HasOrigin(*request.origin, request.host.value_or(""))) {
     return ForeignPage();
   }
   if (request.monitoring_only) return TooManyConnections();
@@ -60,12 +62,15 @@ Resolved Entrance::Resolve(Request request) const {
   if (std::optional<Response> refusal = Refusal(request, route)) {
     return AtOnce(route, *std::move(refusal));
   }
+  const Site* const site = site_.load();
   if (guard_ != nullptr) {
     Guard::Answer answer = guard_->Ask(request, route);
-    if (answer.refusal) return AtOnce(route, *std::move(answer.refusal));
     request.caller = std::move(answer.caller);
+    if (answer.refusal) {
+      if (site != nullptr && answer.known) site->NoteForbidden(request, route);
+      return AtOnce(route, *std::move(answer.refusal));
+    }
   }
-  const Site* site = site_.load();
   if (site == nullptr) return AtOnce(route, AnswerOfStart(request, route));
   return site->Resolve(request);
 }

@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -36,12 +38,21 @@ class Entrance final {
   /// Null: every caller is identity::LocalCaller. The guard outlives it.
   explicit Entrance(KnownHosts hosts = KnownHosts(), Covered covered = Covered::kData,
                     Guard* guard = nullptr)
-      : hosts_(std::move(hosts)), covered_(covered), guard_(guard) {}
+      : hosts_(std::make_shared<const KnownHosts>(std::move(hosts))),
+        covered_(covered),
+        guard_(guard) {}
   Entrance(const Entrance&) = delete;
   Entrance& operator=(const Entrance&) = delete;
 
   /// The server has started: the site answers from now on.
   void Open(const Site& site) { site_.store(&site); }
+
+  /// The names count from the next request on.
+  void SetHosts(KnownHosts hosts) {
+    auto next = std::make_shared<const KnownHosts>(std::move(hosts));
+    const std::lock_guard lock(mutex_);
+    hosts_ = std::move(next);
+  }
 
   /// A connection was not served, for a reason that shows before its first request.
   void NoteDenied(Denied why, const Peer& peer) const {
@@ -55,7 +66,13 @@ class Entrance final {
   /// The answer for what is not shown, if it is not.
   [[nodiscard]] std::optional<Response> Refusal(const Request& request, RouteId route) const;
 
-  const KnownHosts hosts_;
+  [[nodiscard]] std::shared_ptr<const KnownHosts> hosts() const {
+    const std::lock_guard lock(mutex_);
+    return hosts_;
+  }
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const KnownHosts> hosts_;
   const Covered covered_;
   Guard* const guard_;
   std::atomic<const Site*> site_{nullptr};

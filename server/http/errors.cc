@@ -76,10 +76,26 @@ Response NoSuchPath(std::string_view path) {
   return Answer(404, {"NOT_FOUND", fmt::format("there is nothing at {}", path)});
 }
 
-Response MethodNotAllowed() {
-  Response response = Answer(405, {"UNIMPLEMENTED", "this path takes GET and HEAD"});
-  response.allow = "GET, HEAD";
+Response CommandError(const absl::Status& status) {
+  const std::string message(status.message());
+  if (status.code() == absl::StatusCode::kInvalidArgument) {
+    return Answer(400, {"INVALID_ARGUMENT", message, message.substr(0, message.find(' '))});
+  }
+  if (status.code() == absl::StatusCode::kResourceExhausted) {
+    return Answer(409, {"RESOURCE_EXHAUSTED", message});
+  }
+  return ErrorResponse(status);
+}
+
+Response MethodNotAllowed(bool changes) {
+  Response response = Answer(
+      405, {"UNIMPLEMENTED", changes ? "this path takes POST" : "this path takes GET and HEAD"});
+  response.allow = changes ? "POST" : "GET, HEAD";
   return response;
+}
+
+Response NotJson() {
+  return Answer(415, {"INVALID_ARGUMENT", "the body must be application/json", "Content-Type"});
 }
 
 Response TooBusy() {

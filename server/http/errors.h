@@ -19,8 +19,13 @@ namespace uplink::http {
 [[nodiscard]] Response ErrorResponse(const BadParameter& problem);
 /// 404 for a path that is none of ours.
 [[nodiscard]] Response NoSuchPath(std::string_view path);
-/// 405; the path takes GET and HEAD.
-[[nodiscard]] Response MethodNotAllowed();
+/// The same for a command: its kInvalidArgument begins with the field and is shown whole, as a
+/// bound is that was reached (409).
+[[nodiscard]] Response CommandError(const absl::Status& status);
+/// 405; the path takes GET and HEAD, or POST if it changes something.
+[[nodiscard]] Response MethodNotAllowed(bool changes = false);
+/// 415: the body is no JSON.
+[[nodiscard]] Response NotJson();
 /// 503: too many requests wait already.
 [[nodiscard]] Response TooBusy();
 /// 503: too many scrapes wait, or too many of their texts are sent.

@@ -132,7 +132,10 @@ Guard::Answer Guard::Judge(identity::Caller caller, const Request& request, Rout
   NoteCaller(caller, request.from);
   if (IsKnown(route)) {
     if (const auto forbidden = WhyForbidden(Routes()[route.index], caller)) {
-      return Deny(forbidden->why, Forbid(forbidden->text), caller.name, request, route);
+      Answer answer = Deny(forbidden->why, Forbid(forbidden->text), caller.name, request, route);
+      answer.caller = std::move(caller);
+      answer.known = true;
+      return answer;
     }
   }
   return {.caller = std::move(caller)};
@@ -180,6 +183,7 @@ void Guard::NoteCaller(const identity::Caller& caller, const std::string& from) 
                                        {"role", identity::ToText(caller.role)},
                                        {"proof", proof},
                                        {"from", from}});
+  if (options_.first_use) options_.first_use(caller, from);
 }
 
 }  // namespace uplink::http

@@ -45,6 +45,9 @@ class Guard final {
     /// As they are now, never null; empty: there are none. Where there is one for scrapes,
     /// listen.metrics asks for it, whatever `asks` says, and it opens nothing else.
     std::function<std::shared_ptr<const Tokens>()> tokens{};
+    /// Gets each caller with its first request, and where that came from; may be empty. Any thread,
+    /// with no lock held.
+    std::function<void(const identity::Caller& caller, const std::string& from)> first_use{};
   };
   /// The references outlive it.
   struct Context {
@@ -60,6 +63,8 @@ class Guard final {
     identity::Caller caller{};
     /// It may not ask; or it has not shown who it is.
     std::optional<Response> refusal{};
+    /// It has shown who it is, though it may not ask this.
+    bool known = false;
   };
   [[nodiscard]] Answer Ask(const Request& request, RouteId route);
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "metrics/format.h"
+#include "server/admin/commands.h"
 #include "server/config/effective.h"
 #include "server/health/monitor.h"
 #include "server/http/listeners.h"
@@ -20,6 +21,7 @@ namespace uplink::http {
 /// on one lane alone.
 struct Sources {
   view::Queries& queries;
+  admin::Commands& commands;
   health::Monitor& monitor;
   /// The text of our own scrape: every metric of the catalogue.
   std::function<std::string(metrics::Format)> metrics;
@@ -46,6 +48,11 @@ struct RoutedRequest {
   ListenerId listener = ListenerId::kHttp;
   /// Answers show what is in its scope, as if there were nothing else.
   identity::Caller caller = identity::LocalCaller();
+  /// Where it asks from.
+  std::string from{};
+  /// Of a command: its body, and the header Content-Type.
+  std::string content_type{};
+  std::string body{};
 };
 
 // The handlers of Routes(). Errors are answers too.
@@ -91,5 +98,18 @@ struct RoutedRequest {
 [[nodiscard]] Response GetOperatorRequests(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetShapes(const Sources& sources, const RoutedRequest& request);
 [[nodiscard]] Response GetObjects(const Sources& sources, const RoutedRequest& request);
+
+// commands.cc: what operators decide, and the audit of it.
+[[nodiscard]] Response PostBlock(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostUnblock(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostDisconnect(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostNote(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostAdd(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostAcknowledge(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostRevoke(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostUnrevoke(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response PostReload(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetRevocations(const Sources& sources, const RoutedRequest& request);
+[[nodiscard]] Response GetAudit(const Sources& sources, const RoutedRequest& request);
 
 }  // namespace uplink::http

@@ -15,9 +15,9 @@
 namespace uplink::http {
 
 /// The methods of requests that we distinguish.
-enum class Method : std::uint8_t { kGet, kHead, kOther };
+enum class Method : std::uint8_t { kGet, kHead, kPost, kOther };
 
-/// A request as handlers see it; a body is never looked at. A value.
+/// A request as handlers see it. A value.
 struct Request {
   Method method = Method::kGet;
   /// Path and query as they came: `/api/v1/robots?fleet=a`; or the whole address (absolute-form).
@@ -37,6 +37,9 @@ struct Request {
   bool host_required = false;
   /// The header Authorization; nothing: there is none.
   std::optional<std::string> authorization{};
+  /// Of POST: the header Content-Type, and the body; a body of others is never looked at.
+  std::string content_type{};
+  std::string body{};
   /// Null: the connection has shown none.
   std::shared_ptr<const PeerCertificate> certificate{};
   /// Where it comes from: the connection's peer, or the one for whom that says to ask.

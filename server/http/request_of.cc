@@ -38,6 +38,7 @@ void AddOrigin(const Message& message, const Peer& peer, bool trusted, Request& 
 Method MethodOf(const Message& message) {
   if (message.method() == bhttp::verb::get) return Method::kGet;
   if (message.method() == bhttp::verb::head) return Method::kHead;
+  if (message.method() == bhttp::verb::post) return Method::kPost;
   return Method::kOther;
 }
 
@@ -54,6 +55,10 @@ Request RequestOf(const Message& message, const Peer& peer, bool trusted) {
   request.fetch_site = std::string(message["Sec-Fetch-Site"]);
   if (message.count(bhttp::field::authorization) > 0) {
     request.authorization = Listed(message, bhttp::field::authorization);
+  }
+  if (request.method == Method::kPost) {
+    request.content_type = Listed(message, bhttp::field::content_type);
+    request.body = message.body();
   }
   AddOrigin(message, peer, trusted, request);
   return request;

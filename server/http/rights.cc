@@ -42,10 +42,11 @@ std::string Shown(const std::string& name) { return PrintableUtf8(name, kNameByt
 bool Has(Role role, Right right) {
   switch (role) {
     case Role::kAdmin:
-    case Role::kOperator:
       return true;
+    case Role::kOperator:
+      return right != Right::kAdminister;
     case Role::kViewer:
-      return right != Right::kOperate;
+      return right == Right::kRead || right == Right::kScrape || right == Right::kAnyone;
     case Role::kMetrics:
       return right == Right::kScrape || right == Right::kAnyone;
     case Role::kRobot:

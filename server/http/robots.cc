@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -17,6 +18,7 @@
 #include "server/view/json.h"
 #include "server/view/parts.h"
 #include "server/view/robots_order.h"
+#include "storage/access_store.h"
 
 namespace uplink::http {
 namespace {
@@ -50,6 +52,22 @@ view::PartSet ReadParts(Parameters& parameters) {
     }
   }
   return parts;
+}
+
+/// `label=NAME=VALUE`, several times.
+std::vector<std::pair<std::string, std::string>> ReadLabels(Parameters& parameters) {
+  std::vector<std::pair<std::string, std::string>> labels;
+  for (const std::string& text : parameters.Texts("label")) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      parameters.Reject("label", "must be NAME=VALUE");
+    } else if (labels.size() == storage::kLabelsMax) {
+      parameters.Reject("label", fmt::format("is given more than {} times", storage::kLabelsMax));
+    } else {
+      labels.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    }
+  }
+  return labels;
 }
 
 std::optional<double> ReadPercent(Parameters& parameters, std::string_view name) {
@@ -92,6 +110,8 @@ view::RobotsFilter ReadFilter(Parameters& parameters, const identity::Scope& sco
   filter.q = parameters.Text("q");
   filter.presence = ReadPresence(parameters);
   filter.offline_before = parameters.Time("offlineBefore");
+  filter.set.labels = ReadLabels(parameters);
+  filter.set.blocked = parameters.MaybeFlag("blocked");
   filter.values.battery_below = ReadPercent(parameters, "batteryBelow");
   filter.values.bbox = ReadBox(parameters);
   filter.values.software = parameters.Text("software");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/admin/actions.h"
 #include "server/http/handlers.h"
 #include "server/http/target.h"
 
@@ -16,6 +17,16 @@ constexpr Needs kScrapeServer{Right::kScrape, true};
 constexpr Needs kReadFleets{Right::kRead};
 constexpr Needs kReadServer{Right::kRead, true};
 constexpr Needs kOperateServer{Right::kOperate, true};
+constexpr Needs kCommandRobot{Right::kCommand};
+constexpr Needs kCommandServer{Right::kCommand, true};
+constexpr Needs kAdminister{Right::kAdminister, true};
+
+/// A path that changes something.
+constexpr Route Command(std::string_view pattern, std::string_view name, Needs needs,
+                        Response (*handler)(const Sources&, const RoutedRequest&),
+                        std::string_view action) {
+  return {pattern, name, Lane::kRead, needs, handler, nullptr, false, action};
+}
 
 constexpr auto kRoutes = std::to_array<Route>({
     {"/livez", "livez", Lane::kIo, kProbe, GetLivez},
@@ -45,6 +56,22 @@ constexpr auto kRoutes = std::to_array<Route>({
      GetOperatorRequests},
     {"/api/v1/shapes", "shapes", Lane::kRead, kReadFleets, GetShapes},
     {"/api/v1/objects", "objects", Lane::kRead, kReadFleets, GetObjects},
+    {"/api/v1/audit", "audit", Lane::kRead, kAdminister, GetAudit},
+    {"/api/v1/certificates/revocations", "revocations", Lane::kRead, kAdminister, GetRevocations},
+    Command("/api/v1/robot/block", "robot_block", kCommandRobot, PostBlock, admin::kRobotBlock),
+    Command("/api/v1/robot/unblock", "robot_unblock", kCommandRobot, PostUnblock,
+            admin::kRobotUnblock),
+    Command("/api/v1/robot/disconnect", "robot_disconnect", kCommandRobot, PostDisconnect,
+            admin::kRobotDisconnect),
+    Command("/api/v1/robot/note", "robot_note", kCommandRobot, PostNote, admin::kRobotNote),
+    Command("/api/v1/robot/add", "robot_add", kCommandServer, PostAdd, admin::kRobotAdd),
+    Command("/api/v1/faults/acknowledge", "fault_acknowledge", kCommandRobot, PostAcknowledge,
+            admin::kFaultAcknowledge),
+    Command("/api/v1/certificates/revoke", "certificate_revoke", kAdminister, PostRevoke,
+            admin::kCertificateRevoke),
+    Command("/api/v1/certificates/unrevoke", "certificate_unrevoke", kAdminister, PostUnrevoke,
+            admin::kCertificateUnrevoke),
+    Command("/api/v1/reload", "reload", kAdminister, PostReload, admin::kReload),
 });
 
 }  // namespace
@@ -59,6 +86,11 @@ FoundRoute FindRoute(std::string_view path) {
     if (match) return {RouteId{place}, std::move(match->segment)};
   }
   return {};
+}
+
+bool Takes(const Route& route, Method method) {
+  if (!route.action.empty()) return method == Method::kPost;
+  return method == Method::kGet || method == Method::kHead;
 }
 
 bool IsMonitoring(RouteId route) {

@@ -28,6 +28,10 @@ enum class Right : std::uint8_t {
   kRead,
   /// How the server is set up.
   kOperate,
+  /// What is decided about robots.
+  kCommand,
+  /// What is decided about certificates and the server, and who decided what.
+  kAdminister,
 };
 
 /// What a path needs of its caller. A value.
@@ -50,6 +54,9 @@ struct Route {
   bool (*reads_store)(const RoutedRequest&) = nullptr;
   /// Answers have an ETag, since clients ask again and again for what often has not changed.
   bool tagged = false;
+  /// It changes something: it takes POST alone. The audit knows it by this word; empty: it takes
+  /// GET and HEAD.
+  std::string_view action{};
 };
 
 /// All paths: the only list of them.
@@ -70,6 +77,8 @@ struct FoundRoute {
 };
 /// OtherRoute() for a path that is none of ours.
 [[nodiscard]] FoundRoute FindRoute(std::string_view path);
+/// Whether a path takes the method.
+[[nodiscard]] bool Takes(const Route& route, Method method);
 /// A probe or a scrape: it shows no data of the store, and is answered under any name.
 [[nodiscard]] bool IsMonitoring(RouteId route);
 /// Whether requests of this lane are scrapes.

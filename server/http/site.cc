@@ -6,6 +6,7 @@
 #include "server/http/errors.h"
 #include "server/http/form.h"
 #include "server/http/negotiate.h"
+#include "server/http/parameters.h"
 #include "server/http/target.h"
 
 namespace uplink::http {
@@ -20,7 +21,10 @@ Resolved Site::Resolve(const Request& request) const {
   const Target target = SplitTarget(request.target);
   FoundRoute found = FindRoute(target.path);
   if (found.id.index >= Routes().size()) return AtOnce(found.id, NoSuchPath(target.path));
-  if (request.method == Method::kOther) return AtOnce(found.id, MethodNotAllowed());
+  const Route& route = Routes()[found.id.index];
+  if (!Takes(route, request.method)) {
+    return AtOnce(found.id, MethodNotAllowed(!route.action.empty()));
+  }
   return Resolve(found.id, {.segment = std::move(found.segment),
                             .query = std::string(target.query),
                             .format = FormatFor(request.accept),
@@ -28,7 +32,10 @@ Resolved Site::Resolve(const Request& request) const {
                             .lines = PrefersLines(request.accept),
                             .if_none_match = request.if_none_match,
                             .listener = request.listener,
-                            .caller = request.caller});
+                            .caller = request.caller,
+                            .from = request.from,
+                            .content_type = request.content_type,
+                            .body = request.body});
 }
 
 Resolved Site::Resolve(RouteId id, RoutedRequest request) const {
@@ -36,6 +43,14 @@ Resolved Site::Resolve(RouteId id, RoutedRequest request) const {
   const bool reads = route.reads_store != nullptr && route.reads_store(request);
   return {id, reads ? Lane::kRead : route.lane,
           [this, &route, request = std::move(request)] { return Run(route, request); }};
+}
+
+void Site::NoteForbidden(const Request& request, RouteId route) const {
+  const std::string_view action = Routes()[route.index].action;
+  if (action.empty()) return;
+  Parameters parameters(SplitTarget(request.target).query);
+  sources_.commands.NoteForbidden(admin::AskerOf(request.caller, request.from), action,
+                                  parameters.Text("ruri"));
 }
 
 Response Site::Run(const Route& route, const RoutedRequest& request) const {

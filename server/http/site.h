@@ -31,6 +31,9 @@ class Site final {
   [[nodiscard]] Resolved Resolve(const Request& request) const;
   /// The same of a question that came another way: its route is one of Routes().
   [[nodiscard]] Resolved Resolve(RouteId id, RoutedRequest request) const;
+  /// The caller, which showed who it is, may not ask for the route: the audit tells it of a
+  /// command. Never waits.
+  void NoteForbidden(const Request& request, RouteId route) const;
 
  private:
   /// Answers, and logs what failed.

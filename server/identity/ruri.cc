@@ -30,6 +30,19 @@ std::optional<std::string> FlawOfRuri(std::string_view ruri) {
                      PrintableUtf8(ruri, kShownBytesMax));
 }
 
+std::optional<std::string> FlawOfForm(std::string_view ruri) {
+  if (ruri.find('?') != std::string_view::npos) return "holds a query";
+  if (ruri.find('#') != std::string_view::npos) return "holds a fragment";
+  std::string_view host = ruri.substr(std::min(kRuriScheme.size(), ruri.size()));
+  host = host.substr(0, host.find('/'));
+  host = host.substr(0, host.find(':'));
+  if (host.ends_with('.')) return "has a host that ends with a dot";
+  if (std::ranges::any_of(host, [](char c) { return c >= 'A' && c <= 'Z'; })) {
+    return "has a host with capital letters";
+  }
+  return std::nullopt;
+}
+
 bool NamesTwin(std::string_view ruri) { return cyberwave::IsTwinRuri(schema::NormalRuri(ruri)); }
 
 }  // namespace uplink::identity

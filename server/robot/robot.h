@@ -62,6 +62,10 @@ class Robot final : public CommitClient {
   /// start: who brought restored state is unknown.
   [[nodiscard]] std::optional<std::string> speaker() const;
 
+  /// An operator blocked it: no message of it is taken. Fleet alone sets it.
+  [[nodiscard]] bool blocked() const { return blocked_.load(); }
+  void SetBlocked(bool blocked) { blocked_.store(blocked); }
+
   // --- Leaving memory ---
 
   /// When a stream of it last came or ended, also before the server's start.
@@ -133,6 +137,7 @@ class Robot final : public CommitClient {
   std::atomic<std::int64_t> heard_at_ms_{0};
   std::atomic<Leaving> leaving_{Leaving::kNo};
   std::atomic<bool> leaves_at_once_{false};
+  std::atomic<bool> blocked_{false};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
   std::optional<std::string> speaker_;

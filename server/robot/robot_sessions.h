@@ -85,10 +85,10 @@ class RobotSessions final {
     const std::lock_guard lock(mutex_);
     return takeover_.current();
   }
-  /// Ends the robot's stream. Returns it, to be woken; none if there is none.
-  loop::StreamRef EndStream() {
+  /// Ends the robot's stream, as Takeover::End. Returns it, to be woken; none if there is none.
+  loop::StreamRef EndStream(Standing standing = Standing::kEnded) {
     const std::lock_guard lock(mutex_);
-    takeover_.End();
+    takeover_.End(standing);
     return takeover_.current();
   }
 

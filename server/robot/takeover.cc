@@ -61,8 +61,8 @@ void Takeover::Refuse(loop::StreamRef stream) {
   if (current_ && current_ == stream) current_standing_ = Standing::kOtherFleet;
 }
 
-void Takeover::End() {
-  if (current_ && current_standing_ == Standing::kCurrent) current_standing_ = Standing::kEnded;
+void Takeover::End(Standing standing) {
+  if (current_ && current_standing_ == Standing::kCurrent) current_standing_ = standing;
 }
 
 void Takeover::Sweep(SteadyTime now) { contested_ = takeovers_.IsFull(now, kMinute); }

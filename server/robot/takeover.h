@@ -19,8 +19,11 @@ enum class Standing : std::uint8_t {
   kWaiting,
   /// A newer stream took over, or another process holds the robot: it must stop and Detach.
   kSuperseded,
-  /// It was ended on request: it must stop and Detach.
+  /// An operator forgets the robot: it must stop and Detach.
   kEnded,
+  /// An operator blocked the robot, or disconnects it: it must stop and Detach.
+  kBlocked,
+  kDisconnected,
   /// The store went back and lacks what it confirmed of the robot: it must stop and Detach.
   kWentBack,
   /// The store has the robot in another fleet than its gateway: it must stop and Detach.
@@ -53,8 +56,9 @@ class Takeover final {
   void Stop(Standing standing);
   /// The store does not let the stream speak for the robot: it must stop if it is current.
   void Refuse(loop::StreamRef stream);
-  /// The current stream must stop without a successor.
-  void End();
+  /// The current stream must stop on request, without a successor: kEnded, kBlocked or
+  /// kDisconnected.
+  void End(Standing standing);
   /// Forgets old takeovers, so that a robot that calmed down is no longer contested.
   void Sweep(SteadyTime now);
 

@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "server/admin/actions.h"
+#include "server/admin/asker.h"
+#include "server/admin/audit_rows.h"
 #include "server/identity/expiry.h"
 #include "server/transport/options.h"
 
@@ -27,7 +30,9 @@ AccessSide::AccessSide(const Context& context)
               context.logger),
       guard_({context.clock, context.logger, context.probe},
              {.asks = config::AsksForProof(context.http),
-              .tokens = [this] { return tokens_.tokens(); }}) {
+              .tokens = [this] { return tokens_.tokens(); },
+              .first_use = [this](const identity::Caller& caller,
+                                  const std::string& from) { NoteFirstUse(caller, from); }}) {
   if (config::SpeaksTls(context.http)) tls_.emplace(FilesOf(context), RulesOf(context.tls));
 }
 
@@ -39,9 +44,12 @@ absl::Status AccessSide::Open() {
   return LookAtTokens();
 }
 
-void AccessSide::Look() {
-  if (tls_) LookAtTls();
-  static_cast<void>(LookAtTokens());  // the files have a line of their own
+std::vector<std::string> AccessSide::Look() {
+  std::vector<std::string> problems;
+  for (const absl::Status& looked : {tls_ ? LookAtTls() : absl::OkStatus(), LookAtTokens()}) {
+    if (!looked.ok()) problems.emplace_back(looked.message());
+  }
+  return problems;
 }
 
 absl::Status AccessSide::LookAtTokens() {
@@ -50,23 +58,31 @@ absl::Status AccessSide::LookAtTokens() {
   return looked;
 }
 
-void AccessSide::LookAtTls() {
+void AccessSide::NoteFirstUse(const identity::Caller& caller, const std::string& from) {
+  context_.audit.Note(admin::RowOf(
+      admin::AskerOf(caller, from),
+      {.action = admin::kFirstUse, .target = std::string(identity::ToText(caller.role))},
+      absl::OkStatus(), context_.clock.System()));
+}
+
+absl::Status AccessSide::LookAtTls() {
   const transport::FilesLook look = tls_->Refresh();
   const std::string before = std::exchange(tls_why_, std::string(look.status.message()));
   if (!look.status.ok()) {
     if (before != tls_why_) {
       context_.logger.Error("http_certificate_mismatch", {{"why", tls_why_}});
     }
-    return;
+    return look.status;
   }
   const std::string& digest = look.served.certificate_sha256;
   const bool is_same = std::exchange(certificate_sha256_, digest) == digest;
-  if (before.empty() && is_same) return;
+  if (before.empty() && is_same) return absl::OkStatus();
   context_.logger.Info("http_certificate_served",
                        {{"expires", identity::ExpiryText(look.served.expiry)},
                         {"authorities", look.served.authorities},
                         {"certificate_sha256", digest},
                         {"client_ca_sha256", look.served.client_ca_sha256}});
+  return absl::OkStatus();
 }
 
 }  // namespace uplink::run

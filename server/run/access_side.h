@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/admin/audit_trail.h"
 #include "server/config/config.h"
 #include "server/http/guard.h"
 #include "server/http/probe.h"
@@ -28,6 +30,7 @@ class AccessSide final {
     const config::HttpConfig& http;
     const config::TlsConfig& tls;
     http::HttpProbe& probe;
+    admin::AuditTrail& audit;
   };
   explicit AccessSide(const Context& context);
   AccessSide(const AccessSide&) = delete;
@@ -36,8 +39,8 @@ class AccessSide final {
   /// Reads the files. Errors: kFailedPrecondition names the file that cannot be used.
   [[nodiscard]] absl::Status Open();
   /// Reads the files again; the last good ones stay where one cannot be used. Each change is a
-  /// line.
-  void Look();
+  /// line. Returns what is wrong with them.
+  std::vector<std::string> Look();
 
   /// Whether a file of tokens on disk is not what is used.
   [[nodiscard]] bool tokens_unread() const { return tokens_.unread(); }
@@ -47,7 +50,8 @@ class AccessSide final {
 
  private:
   [[nodiscard]] absl::Status LookAtTokens();
-  void LookAtTls();
+  absl::Status LookAtTls();
+  void NoteFirstUse(const identity::Caller& caller, const std::string& from);
 
   const Context context_;
   std::optional<http::ServedTls> tls_;

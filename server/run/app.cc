@@ -1,17 +1,21 @@
 #include "server/run/app.h"
 
+#include <span>
 #include <utility>
 
 #include "metrics/ledger.h"
 #include "server/config/address.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
 #include "server/run/broker_side.h"
+#include "server/run/command_side.h"
 #include "server/run/drain.h"
 #include "server/run/early_services.h"
 #include "server/run/fleet_side.h"
+#include "server/run/followed_file.h"
 #include "server/run/from_config.h"
 #include "server/run/greeting.h"
 #include "server/run/health_side.h"
@@ -35,6 +39,7 @@ class App::Impl {
         fleet_(options_.clock, options_.config.limits.robots_max,
                PresenceLimitsOf(options_.config.presence), TwinPresenceLimitsOf(options_.config),
                &options_.boot_clock),
+        settings_(fleet::RobotSettingsMax(options_.config.limits.robots_max)),
         store_(ContextOfStore(), std::move(stores)),
         reports_({.clock = options_.clock,
                   .logger = options_.logger,
@@ -53,10 +58,24 @@ class App::Impl {
         health_({options_.clock, options_.logger, options_.config, fleet_, store_, relay_, broker_,
                  early.loop(), certificate_expiry, [this] { return view_.series_left_out(); },
                  [&early] { return early.access().tokens_unread(); }}),
+        commands_({options_.clock, early.audit(), fleet_, store_.stores(), early.loop(),
+                   [this] { return ReadAgain(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
-               early, store_, uncrew_, relay_, broker_, health_, options_.random, in_effect_}),
-        reload_(options_.config, {options_.read_config, allowances_, options_.logger, in_effect_}) {
+               early, store_, uncrew_, relay_, broker_, health_, commands_.commands(), settings_,
+               options_.random, in_effect_}),
+        reload_(options_.config,
+                {.read = options_.read_config,
+                 .allowances = allowances_,
+                 .logger = options_.logger,
+                 .in_effect = in_effect_,
+                 .look_at_files = [&early] { return early.access().Look(); },
+                 .took_over =
+                     [&early](const config::Config& running) { early.TakeOver(running.http); }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
+    fleet_.entry().Set(EntryRulesOf(options_.config.identity), settings_);
+    settings_.OnChange([this](std::span<const fleet::RobotSettings::Change> changes) {
+      fleet_.OnSettings(changes);
+    });
   }
 
   ~Impl() { Stop(); }
@@ -70,7 +89,8 @@ class App::Impl {
                        .answer_http =
                            [this] {
                              early_.Open(view_.site());
-                             early_.OnReload([this] { reload_.Run(); });
+                             early_.OnReload(
+                                 [this] { commands_.NoteReload(ReadAgain(), "SIGHUP"); });
                            },
                        .tell_ready = [this] { TellReady(); },
                        .begin_work =
@@ -83,7 +103,10 @@ class App::Impl {
   int Run() {
     early_.stop_signal().Wait();
     Supervisor::NoteStopping();
+    commands_.NoteStop();
     Drain(ContextOfDrain()).Run();
+    // What the server's thread for it has not written any more.
+    commands_.Flush();
     return early_.stop_signal().exit_code();
   }
 
@@ -123,7 +146,10 @@ class App::Impl {
   absl::Status ListenForRobots() {
     if (absl::Status listens = relay_.Listen(); !listens.ok()) return listens;
     if (absl::Status listens = operators_.Listen(); !listens.ok()) return listens;
-    reports_.SetServer(config::ToText({.host = store::HostName(), .port = relay_.server().port()}));
+    const std::string name =
+        config::ToText({.host = store::HostName(), .port = relay_.server().port()});
+    reports_.SetServer(name);
+    commands_.NoteStart(name, options_.version);
     health_.BeginListening();
     store_.StartRounds(relay_.server().port());
     relay_.StartForwarding();
@@ -148,6 +174,11 @@ class App::Impl {
     Supervisor::NoteReady();
   }
 
+  admin::Reloaded ReadAgain() {
+    config_file_.NoteRead();
+    return reload_.Run();
+  }
+
   /// Ends the greeting after the first round of the periodic work, whose info events belong to the
   /// start. A job that waits on the loop already posts that round; hence two posts.
   void EndGreeting() {
@@ -160,12 +191,27 @@ class App::Impl {
     store_.AddWork(early_.OnReads(), work);
     health_.AddWork(work);
     view_.AddWork(work);
+    commands_.AddWork(early_.OnReads(), work);
     work.look_at_drones = [this] { uncrew_.Round(); };
     work.look_at_access = [this] {
-      early_.access().Look();
+      static_cast<void>(early_.access().Look());
       operators_.Look();
+      WarnOfUnnamed();
+    };
+    work.look_at_config = [this] {
+      if (config_file_.Look()) commands_.NoteReload(reload_.Run(), "the file");
     };
     return work;
+  }
+
+  void WarnOfUnnamed() {
+    if (const auto gateway = fleet_.entry().TakeUnnamed()) {
+      options_.logger.Warn("gateway_unnamed",
+                           {{"gateway", *gateway},
+                            {"why",
+                             "its certificate names no robots, so it speaks for any of its "
+                             "fleet; from 1.0 on identity.gateways is \"named\""}});
+    }
   }
 
   void Stop() {
@@ -189,6 +235,7 @@ class App::Impl {
   ingest::Allowances allowances_{AllowanceOf(options_.config)};
   metrics::LedgerBook ledgers_;
   fleet::Fleet fleet_;
+  fleet::RobotSettings settings_;
   StoreSide store_;
   robot::ConnectionReports reports_;
   UncrewSide uncrew_;
@@ -196,9 +243,11 @@ class App::Impl {
   BrokerSide broker_;
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
+  CommandSide commands_;
   ViewSide view_;
   FleetSide operators_{{options_.logger, options_.config, early_, relay_, health_, view_.site()}};
   Reload reload_;
+  FollowedFile config_file_{options_.config_file};
 };
 
 App::App(std::unique_ptr<EarlyServices> early, std::unique_ptr<Impl> impl)

@@ -32,7 +32,8 @@ http::ListenerLimits HttpLimitsOf(const config::ListenAddress& address,
 
 EarlyServices::EarlyServices(Context context)
     : context_(std::move(context)),
-      access_({context_.clock, context_.logger, context_.http, context_.tls, http_probe_}),
+      audit_(context_.logger),
+      access_({context_.clock, context_.logger, context_.http, context_.tls, http_probe_, audit_}),
       entrance_(http::KnownHosts(context_.http.hosts),
                 context_.http.hosts_cover_metrics ? http::Entrance::Covered::kDataAndScrapes
                                                   : http::Entrance::Covered::kData,

@@ -9,6 +9,7 @@
 #include <absl/status/status.h>
 
 #include "schema/base/clock.h"
+#include "server/admin/audit_trail.h"
 #include "server/config/config.h"
 #include "server/http/entrance.h"
 #include "server/http/probe.h"
@@ -61,6 +62,11 @@ class EarlyServices final {
   /// StopLoop.
   void OnReload(std::function<void()> reload);
 
+  /// What a reload brings to HTTP. On the loop's thread.
+  void TakeOver(const config::HttpConfig& http) {
+    entrance_.SetHosts(http::KnownHosts(http.hosts));
+  }
+
   /// Begins the periodic work, on the loop's thread. Its parts live until StopLoop.
   void Repeat(PeriodicWork work);
 
@@ -94,6 +100,8 @@ class EarlyServices final {
     auto& threads = lane == http::Lane::kMemory ? memory_ : reads_;
     return threads->TryPost(std::move(job)).has_value();
   }
+  /// What the audit tells, beside the commands. Any thread.
+  [[nodiscard]] admin::AuditTrail& audit() { return audit_; }
   /// Who may ask by HTTP. Look on the loop's thread.
   [[nodiscard]] AccessSide& access() { return access_; }
   [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
@@ -109,6 +117,7 @@ class EarlyServices final {
   const Context context_;
   http::HttpProbe http_probe_;
   rcan::RcanProbe rcan_probe_;
+  admin::AuditTrail audit_;
   AccessSide access_;
   http::Entrance entrance_;
   StopSignal stop_signal_;

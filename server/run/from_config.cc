@@ -85,6 +85,12 @@ schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits) {
           .extras_items_max = limits.extras_items_max};
 }
 
+fleet::EntryRules EntryRulesOf(const config::IdentityConfig& identity) {
+  return {.only_registered = identity.registration == config::Registration::kClosed,
+          .only_named = identity.gateways == config::Gateways::kNamed,
+          .fleets_stay = identity.fleet_moves == config::FleetMoves::kRefuse};
+}
+
 ingest::Allowance AllowanceOf(const config::Config& config) {
   const config::LimitsConfig& limits = config.limits;
   const config::RatesConfig& rates = config.rates;

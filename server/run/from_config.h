@@ -7,6 +7,7 @@
 #include "schema/cyberwave/topic_kinds.h"
 #include "schema/limits.h"
 #include "server/config/config.h"
+#include "server/fleet/entry.h"
 #include "server/http/limits.h"
 #include "server/ingest/allowances.h"
 #include "server/journal/limits.h"
@@ -26,6 +27,7 @@ namespace uplink::run {
 [[nodiscard]] robot::PresenceLimits TwinPresenceLimitsOf(const config::Config& config);
 [[nodiscard]] schema::JudgeLimits JudgeLimitsOf(const config::LimitsConfig& limits);
 [[nodiscard]] ingest::Allowance AllowanceOf(const config::Config& config);
+[[nodiscard]] fleet::EntryRules EntryRulesOf(const config::IdentityConfig& identity);
 [[nodiscard]] session::SessionLimits SessionLimitsOf(const config::Config& config,
                                                      const std::string& version);
 /// `memory_max`: what the process may use; 0 if that is not known.

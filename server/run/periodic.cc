@@ -16,6 +16,9 @@ constexpr std::chrono::seconds kSweepEvery{1};
 constexpr std::chrono::seconds kStoreEvery{1};
 constexpr milliseconds kRobotsEvery{500};
 constexpr std::chrono::seconds kDronesEvery{1};
+constexpr std::chrono::seconds kAuditEvery{1};
+/// A change counts at the second look.
+constexpr std::chrono::seconds kConfigEvery{2};
 /// A third of the unit's WatchdogSec.
 constexpr std::chrono::seconds kFeedEvery{10};
 /// One short statement. An age of minutes is what counts.
@@ -41,6 +44,8 @@ void DoPeriodically(const std::function<void(milliseconds, std::function<void()>
   every(fleet::kTopEvery, std::move(work.look_at_top));
   every(kDronesEvery, std::move(work.look_at_drones));
   every(fleet::kHandshakeEvery, std::move(work.ask_relay));
+  every(kConfigEvery, std::move(work.look_at_config));
+  every(kAuditEvery, std::move(work.write_audit));
   every(kFeedEvery, std::move(work.feed_watchdog));
 }
 

@@ -34,6 +34,10 @@ struct PeriodicWork {
   std::function<void()> look_at_drones;
   /// Asks our own relay for a handshake.
   std::function<void()> ask_relay;
+  /// Looks whether the configuration file was changed.
+  std::function<void()> look_at_config;
+  /// Writes the rows of the audit that wait.
+  std::function<void()> write_audit;
   /// Tells the service manager that the server is well.
   std::function<void()> feed_watchdog;
 };

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/admin/commands.h"
 #include "server/config/config.h"
 #include "server/config/effective.h"
 #include "server/config/load.h"
@@ -12,19 +13,12 @@
 
 namespace uplink::run {
 
-/// What a configuration that was read again asks for. A value.
-struct Changes {
-  /// Keys that changed and are taken over at once.
-  std::vector<std::string> taken_over;
-  /// Keys that changed and count only after a restart.
-  std::vector<std::string> needs_restart;
-};
-
 /// Compares what runs with what was read. Pure.
-[[nodiscard]] Changes CompareConfigs(const config::Config& running, const config::Config& read);
+[[nodiscard]] admin::Reloaded CompareConfigs(const config::Config& running,
+                                             const config::Config& read);
 
-/// What SIGHUP does: reads the configuration again, takes over what may change while the server
-/// runs, and names the rest in the log. Confined to one thread.
+/// What SIGHUP, a change of the file and a command do: reads the configuration again, takes over
+/// what may change while the server runs, and names the rest in the log. Confined to one thread.
 class Reload final {
  public:
   struct Context {
@@ -33,12 +27,17 @@ class Reload final {
     ingest::Allowances& allowances;
     log::Logger& logger;
     config::InEffect& in_effect;
+    /// What is wrong with the other files that are followed, such as those of tokens and TLS: then
+    /// nothing is taken over. Empty: there are none.
+    std::function<std::vector<std::string>()> look_at_files{};
+    /// Gets what is in effect from now on; may be empty.
+    std::function<void(const config::Config& running)> took_over{};
   };
   /// `running`: what the server was started with.
   Reload(config::Config running, Context context);
 
   /// A configuration with a problem changes nothing.
-  void Run();
+  admin::Reloaded Run();
 
  private:
   config::Config running_;

@@ -21,7 +21,8 @@ view::Queries::Sources QuerySources(const ViewSide::Context& context, view::Faul
           .broker = [&broker = context.broker] { return broker.status(); },
           .drones = &context.uncrew.drones(),
           .faults = &faults,
-          .top = &top};
+          .top = &top,
+          .settings = &context.settings};
 }
 
 std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context) {
@@ -70,7 +71,7 @@ ViewSide::ViewSide(const Context& context)
                       .drones = &context.uncrew.drones(),
                       .drones_stale_after = context.config.uncrew.stale_after,
                       .top = &top_}),
-      site_({queries_, context.health.monitor(),
+      site_({queries_, context.commands, context.health.monitor(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
              robots_scrape_, context.logger, context.in_effect}) {}
 

@@ -8,9 +8,11 @@
 #include "metrics/exposition.h"
 #include "metrics/ledger.h"
 #include "schema/base/clock.h"
+#include "server/admin/commands.h"
 #include "server/config/config.h"
 #include "server/config/effective.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/http/site.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
@@ -44,6 +46,8 @@ class ViewSide final {
     RelaySide& relay;
     BrokerSide& broker;
     HealthSide& health;
+    admin::Commands& commands;
+    const fleet::RobotSettings& settings;
     /// Evenly drawn numbers.
     const std::function<std::uint64_t()>& random;
     const config::InEffect& in_effect;

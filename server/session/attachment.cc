@@ -19,6 +19,10 @@ absl::Status Attachment::EndOf(robot::Standing standing) const {
       return absl::UnavailableError("the store lost what it had of the robot: resume from Welcome");
     case robot::Standing::kOtherFleet:
       return Refused(fleet::Refusal::kOtherFleet);
+    case robot::Standing::kBlocked:
+      return fleet::StatusOfEntry(fleet::Refusal::kBlocked, terms_.claim);
+    case robot::Standing::kDisconnected:
+      return absl::UnavailableError("disconnected by an operator");
     case robot::Standing::kWaiting:
     case robot::Standing::kCurrent:
       break;
@@ -34,6 +38,10 @@ transport::EndCause Attachment::CauseOf(robot::Standing standing) {
       return transport::EndCause::kStoreLost;
     case robot::Standing::kOtherFleet:
       return transport::EndCause::kNotAllowed;
+    case robot::Standing::kBlocked:
+      return transport::EndCause::kBlocked;
+    case robot::Standing::kDisconnected:
+      return transport::EndCause::kDisconnected;
     case robot::Standing::kSuperseded:
     case robot::Standing::kWaiting:
     case robot::Standing::kCurrent:
@@ -58,6 +66,7 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
           fmt::format("gateway {} has brought in {} robots, and may bring in no more",
                       claim.gateway, context_.fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
+      if (claim.grant != fleet::Grant::kFleet) return Refused(fleet::Refusal::kFleetStays);
       context_.probe.refused_identity_total.Add();
       return absl::PermissionDeniedError(
           fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}: the "
@@ -74,6 +83,16 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
       return absl::UnavailableError(
           "client certificate: its O holds an invisible character, and the server has not "
           "read yet whether the store has robots of that fleet");
+    case fleet::Refusal::kBlocked:
+    case fleet::Refusal::kNotRegistered:
+      context_.probe.refused_operator_total.Add();
+      return fleet::StatusOfEntry(refusal, claim);
+    case fleet::Refusal::kGatewayUnnamed:
+    case fleet::Refusal::kFleetStays:
+    case fleet::Refusal::kNotCanonical:
+    case fleet::Refusal::kRobotsUnread:
+      context_.probe.refused_identity_total.Add();
+      return fleet::StatusOfEntry(refusal, claim);
   }
   return absl::OkStatus();
 }
@@ -142,19 +161,21 @@ robot::Standing Attachment::Attach() {
 
 bool Attachment::ClaimFleet() {
   const fleet::Claim& claim = terms_.claim;
-  if (claim.grant == fleet::Grant::kFleet) return robot_->id()->fleet == claim.robot.fleet;
+  if (!context_.fleet.entry().Moves(claim)) return robot_->id()->fleet == claim.robot.fleet;
   // A gateway may have moved it between Admit and now.
   robot_->SetFleet(claim.robot.fleet);
   return true;
 }
 
 absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
+  // It may have been blocked during the wait, before its stream was visible.
+  if (robot_->blocked()) return Refused(fleet::Refusal::kBlocked);
   if (!ClaimFleet()) return Refused(fleet::Refusal::kOtherFleet);
   const auto begun = robot_->sessions.Begin(
       terms_.session, now,
       {.fleet = terms_.claim.robot.fleet,
-       .word = terms_.claim.grant == fleet::Grant::kFleet ? storage::FleetWord::kMatches
-                                                          : storage::FleetWord::kMoves});
+       .word = context_.fleet.entry().Moves(terms_.claim) ? storage::FleetWord::kMoves
+                                                          : storage::FleetWord::kMatches});
   if (!begun) {
     return absl::ResourceExhaustedError(
         fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax));

@@ -31,7 +31,8 @@ class Attachment final {
   /// Errors: kResourceExhausted if the server admits no more robots, or no more of the gateway's,
   ///         or no more streams of this one may wait; kPermissionDenied if the robot is of another
   ///         fleet than the gateway that speaks for it; kUnauthenticated if the fleet's name is odd
-  ///         and new (fleet::OddFleets), kUnavailable while the store was not read for that.
+  ///         and new (fleet::OddFleets), kUnavailable while the store was not read for that; those
+  ///         of fleet::StatusOfEntry.
   [[nodiscard]] absl::StatusOr<milliseconds> Admit(HelloTerms terms);
   /// The status with which a stream of this standing must end; OK if it goes on.
   [[nodiscard]] absl::Status EndOf(robot::Standing standing) const;
@@ -46,7 +47,7 @@ class Attachment final {
   /// appends.
   ///
   /// Errors: kResourceExhausted if all sessions of the robot wait for the store; kPermissionDenied
-  ///         if the robot came into another fleet than its gateway's since Admit.
+  ///         if the robot came into another fleet than its gateway's since Admit, or was blocked.
   [[nodiscard]] absl::StatusOr<journal::AppendedBy> Open(SteadyTime now);
   /// The contents of Welcome.
   [[nodiscard]] robot::Resume Resume();
@@ -95,8 +96,8 @@ class Attachment final {
   [[nodiscard]] robot::Progress TakeProgress() { return robot_->sessions.Take(terms_.session); }
 
  private:
-  /// Puts the robot into the fleet of its certificate. False if a gateway speaks for it and the
-  /// robot is in another fleet by now: a gateway does not move robots.
+  /// Puts the robot into the fleet of its certificate. False if the claim does not move robots
+  /// (fleet::Entry::Moves), and the robot is in another fleet by now.
   [[nodiscard]] bool ClaimFleet();
   /// Whether a stream may name this fleet (fleet::OddFleets).
   [[nodiscard]] fleet::Refusal JudgeFleet() const;

@@ -49,6 +49,8 @@ struct SessionProbe {
   metrics::Cell refused_identity_total;
   /// Streams of gateways that may bring in no more robots.
   metrics::Cell refused_gateway_total;
+  /// Streams of robots that an operator blocked, or did not add.
+  metrics::Cell refused_operator_total;
   /// A Hello was refused with this status.
   void CountRefusedHello(const absl::Status& status) {
     const bool identity = absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);

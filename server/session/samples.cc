@@ -66,6 +66,7 @@ void AddSamples(const transport::RelayProbe& probe, const SessionProbe& sessions
   page.Add(kStreamsRefused,
            probe.refused_gateway_total.value() + sessions.refused_gateway_total.value(),
            {"gateway"});
+  page.Add(kStreamsRefused, sessions.refused_operator_total, {"operator"});
   page.Add(kGatewayStreams, probe.gateway_streams);
   page.Add(kHandshakesFailed, probe.handshakes_failed_total);
   for (std::size_t cause = 0; cause < transport::kTurnedAwayTexts.size(); ++cause) {

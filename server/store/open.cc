@@ -21,6 +21,7 @@ storage::StoreRules RulesOf(const config::Config& config, const VouchedClock& cl
   rules.retain_history = config.store.retain_history;
   rules.retain_quarantine = config.store.retain_quarantine;
   rules.retain_connections = config.store.retain_connections;
+  rules.retain_audit = config.store.retain_audit;
   return rules;
 }
 
@@ -80,6 +81,8 @@ absl::StatusOr<Stores> OpenSqlite(const config::Config& config, const storage::P
   Keep(storage::sqlite::OpenClockMarks(path, damage), stores.marks, status);
   Keep(storage::sqlite::OpenForgetStore(path, damage), stores.forget, status);
   Keep(storage::sqlite::OpenSharedItems(path, damage), stores.shared, status);
+  Keep(storage::sqlite::OpenAccessStore(path, damage), stores.access, status);
+  Keep(storage::sqlite::OpenAccessStore(path, damage), stores.access_writes, status);
   if (!config.mqtt.url.empty()) {
     Keep(storage::sqlite::OpenTopicLeases(path, process, damage), stores.topic_leases, status);
   }
@@ -138,10 +141,14 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   Keep(storage::postgres::MakeClockMarks(options, clock), stores.marks, status);
   Keep(storage::postgres::MakeForgetStore(options, clock), stores.forget, status);
   Keep(storage::postgres::MakeSharedItems(options, clock), stores.shared, status);
+  Keep(storage::postgres::MakeAccessStore(options, clock), stores.access, status);
+  Keep(storage::postgres::MakeAccessStore(options, clock), stores.access_writes, status);
   if (!config.mqtt.url.empty()) {
     Keep(storage::postgres::MakeTopicLeases(options, clock), stores.topic_leases, status);
   }
   Keep(storage::postgres::MakeChangeSignal(options, clock), stores.change_signal, status);
+  Keep(storage::postgres::MakeChangeSignal(options, clock, storage::postgres::Channel::kAccess),
+       stores.access_signal, status);
   if (!status.ok()) return status;
   storage::postgres::ReaderOptions reading;
   reading.url = config.store.url;

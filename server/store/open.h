@@ -14,6 +14,7 @@
 #include "server/log/logger.h"
 #include "server/store/oldest_snapshot.h"
 #include "server/store/vouched_clock.h"
+#include "storage/access_store.h"
 #include "storage/change_signal.h"
 #include "storage/clock_marks.h"
 #include "storage/disk_space.h"
@@ -33,6 +34,9 @@ struct Stores {
   std::unique_ptr<VouchedClock> clock;
   std::unique_ptr<storage::ClockMarks> marks;
   std::unique_ptr<storage::ForgetStore> forget;
+  /// What operators decide: for the thread that follows it, and for those who change it.
+  std::unique_ptr<storage::AccessStore> access;
+  std::unique_ptr<storage::AccessStore> access_writes;
   std::vector<std::unique_ptr<storage::Store>> writers;
   std::unique_ptr<storage::Reader> reader;
   /// Null for a store of one process at a time.
@@ -43,6 +47,8 @@ struct Stores {
   std::unique_ptr<storage::SharedItems> shared;
   /// Null for a store of one process at a time.
   std::unique_ptr<storage::ChangeSignal> change_signal;
+  /// The same of what operators decide.
+  std::unique_ptr<storage::ChangeSignal> access_signal;
   /// Why the store cannot be reached now; it will be tried again. OK if it can.
   absl::Status away;
   /// As they are now. Any thread, while the writers live.

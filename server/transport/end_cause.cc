@@ -27,6 +27,8 @@ model::ConnectionEnd WhyOf(EndCause cause) {
     case EndCause::kUnconfirmed:
     case EndCause::kNotAllowed:
     case EndCause::kForgotten:
+    case EndCause::kBlocked:
+    case EndCause::kDisconnected:
     case EndCause::kStoreLost:
       return ConnectionEnd::kRefused;
     case EndCause::kServerStops:
@@ -65,6 +67,10 @@ std::string_view SentenceOf(EndCause cause) {
       return "its certificate may not speak for the robot";
     case EndCause::kForgotten:
       return "an operator ended the stream";
+    case EndCause::kBlocked:
+      return "blocked";
+    case EndCause::kDisconnected:
+      return "disconnected by an operator";
     case EndCause::kStoreLost:
       return "the store lost what it had of the robot";
     case EndCause::kServerStops:

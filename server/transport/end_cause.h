@@ -41,6 +41,10 @@ enum class EndCause : std::uint8_t {
   kNotAllowed,
   /// An operator forgets the robot.
   kForgotten,
+  /// An operator blocked the robot.
+  kBlocked,
+  /// An operator asked that it ends; the robot may come again.
+  kDisconnected,
   /// The store lost what it had of the robot.
   kStoreLost,
   /// The server ended without a drain.
@@ -49,10 +53,11 @@ enum class EndCause : std::uint8_t {
 
 /// Every cause, in number order.
 inline constexpr std::array kAllEndCauses = {
-    EndCause::kClosed,     EndCause::kReset,      EndCause::kCut,       EndCause::kUnanswered,
-    EndCause::kSuperseded, EndCause::kDrain,      EndCause::kAge,       EndCause::kExpired,
-    EndCause::kNotRead,    EndCause::kBrokeRules, EndCause::kBound,     EndCause::kUnconfirmed,
-    EndCause::kNotAllowed, EndCause::kForgotten,  EndCause::kStoreLost, EndCause::kServerStops,
+    EndCause::kClosed,     EndCause::kReset,       EndCause::kCut,     EndCause::kUnanswered,
+    EndCause::kSuperseded, EndCause::kDrain,       EndCause::kAge,     EndCause::kExpired,
+    EndCause::kNotRead,    EndCause::kBrokeRules,  EndCause::kBound,   EndCause::kUnconfirmed,
+    EndCause::kNotAllowed, EndCause::kForgotten,   EndCause::kBlocked, EndCause::kDisconnected,
+    EndCause::kStoreLost,  EndCause::kServerStops,
 };
 
 /// The reason that lists of connections show. Pure.

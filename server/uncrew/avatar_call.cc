@@ -124,6 +124,8 @@ void AvatarCall::Take(Drone::Offered offered) {
       return Fail(absl::PermissionDeniedError(
                       "the drone is of another fleet, and the certificate does not name it"),
                   Outcome::kRefused);
+    case Drone::Offered::Is::kBlocked:
+      return Fail(absl::PermissionDeniedError("blocked"), Outcome::kRefused);
   }
 }
 

@@ -21,8 +21,7 @@ Drone::Drone(const Context& context, fleet::RobotPtr robot)
 
 Drone::~Drone() { robot_->calls.End(this); }
 
-bool Drone::SetSpeaker(const fleet::Claim& claim) {
-  const bool moves = claim.grant != fleet::Grant::kFleet;
+bool Drone::SetSpeaker(const fleet::Claim& claim, bool moves) {
   const bool same = robot_->id()->fleet == claim.robot.fleet;
   if (!same && !moves) return false;
   const std::lock_guard lock(mutex_);
@@ -60,6 +59,11 @@ Drone::Offered Drone::Offer(ingest::Port& port, const Sample& sample, loop::Stre
 }
 
 Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::StreamRef caller) {
+  // Since the call began.
+  if (robot_->blocked()) {
+    static_cast<void>(Settle(port, sample, metrics::Became::kBlocked));
+    return {.is = Offered::Is::kBlocked};
+  }
   // An operator wants to forget it. The sample comes again, to a new Drone.
   if (robot_->calls.asked_to_end(context_.clock.Steady()))
     return Settle(port, sample, metrics::Became::kRefused);

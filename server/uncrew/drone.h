@@ -61,9 +61,9 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   Drone(const Drone&) = delete;
   Drone& operator=(const Drone&) = delete;
 
-  /// Sets the speaker at each call. If the fleet changed, a new claim tells the store. False if the
-  /// robot is of another fleet, and the certificate may not move it.
-  [[nodiscard]] bool SetSpeaker(const fleet::Claim& claim);
+  /// Sets the speaker at each call; `moves`: as fleet::Entry::Moves. If the fleet changed, a new
+  /// claim tells the store. False if the robot is of another fleet, and the claim does not move it.
+  [[nodiscard]] bool SetSpeaker(const fleet::Claim& claim, bool moves);
   /// A call begins; Leave must follow. False if there are kCallsInFlightMax already.
   [[nodiscard]] bool Enter(SystemTime now);
   void Leave() { calls_.fetch_sub(1); }
@@ -79,6 +79,8 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
       kNoRoom,
       /// The store has the robot in another fleet.
       kOtherFleet,
+      /// An operator blocked the robot.
+      kBlocked,
     };
     Is is = Is::kAnswer;
     /// With kAnswer: the answer. With kWaits: the answer once it is committed.

@@ -21,6 +21,9 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
           fmt::format("gateway {} has brought in {} robots, and may bring in no more",
                       claim.gateway, fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
+      if (claim.grant != fleet::Grant::kFleet) {
+        return fleet::StatusOfEntry(fleet::Refusal::kFleetStays, claim);
+      }
       return absl::PermissionDeniedError(
           fmt::format("the certificate of gateway {} may not speak for {}: the robot is of another "
                       "fleet, and the certificate does not name it",
@@ -33,6 +36,13 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
       return absl::UnavailableError(
           "client certificate: its O holds an invisible character, and the server has not "
           "read yet whether the store has robots of that fleet");
+    case fleet::Refusal::kBlocked:
+    case fleet::Refusal::kNotRegistered:
+    case fleet::Refusal::kGatewayUnnamed:
+    case fleet::Refusal::kFleetStays:
+    case fleet::Refusal::kNotCanonical:
+    case fleet::Refusal::kRobotsUnread:
+      return fleet::StatusOfEntry(refusal, claim);
   }
   return absl::OkStatus();
 }
@@ -60,6 +70,9 @@ absl::StatusOr<fleet::RobotPtr> Drones::Admit(const fleet::Claim& claim) {
 
 absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
   const DronePtr known = Find(claim.robot.ruri);
+  if (known != nullptr && known->robot()->blocked()) {
+    return Refused(fleet::Refusal::kBlocked, claim, context_.fleet);
+  }
   if (known == nullptr || known->robot()->id()->fleet != claim.robot.fleet) {
     if (const auto refusal = JudgeFleet(context_.fleet, claim); refusal != fleet::Refusal::kNone) {
       return Refused(refusal, claim, context_.fleet);
@@ -88,7 +101,7 @@ absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
                                 robot);
     context_.fleet.Keep(*robot);
   }
-  if (!drone->SetSpeaker(claim)) {
+  if (!drone->SetSpeaker(claim, context_.fleet.entry().Moves(claim))) {
     return Refused(fleet::Refusal::kOtherFleet, claim, context_.fleet);
   }
   // Under the lock, so that Round drops no drone that has a call.

@@ -49,7 +49,7 @@ class Drones final {
   /// Errors: kResourceExhausted if the drone may have no more calls, or the server or the gateway
   ///         no more robots; kPermissionDenied if the robot is of another fleet than its gateway;
   ///         kUnauthenticated if the fleet's name is odd and new, kUnavailable while that is
-  ///         unknown.
+  ///         unknown; those of fleet::StatusOfEntry.
   [[nodiscard]] absl::StatusOr<DronePtr> Enter(const fleet::Claim& claim);
   /// Null if it does not call here.
   [[nodiscard]] DronePtr Find(std::string_view ruri) const;

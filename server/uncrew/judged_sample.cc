@@ -96,6 +96,7 @@ Outcome OutcomeOf(metrics::Became became) {
     case metrics::Became::kRefused:
     case metrics::Became::kObserved:
     case metrics::Became::kIgnored:
+    case metrics::Became::kBlocked:
       break;
   }
   return Outcome::kUnavailable;

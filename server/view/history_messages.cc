@@ -19,6 +19,12 @@ v1::Fault ToMessage(const storage::FaultRow& row) {
   SetTimeMs(message, &v1::Fault::mutable_sampled_at, row.fault.unix_time_ms);
   SetTime(message, &v1::Fault::mutable_received_at, row.received_at);
   SetTime(message, &v1::Fault::mutable_raised_at, row.raised_at);
+  if (row.acknowledged_at) {
+    v1::FaultAcknowledgement& seen = *message.mutable_acknowledgement();
+    SetTime(seen, &v1::FaultAcknowledgement::mutable_at, row.acknowledged_at);
+    seen.set_by(row.acknowledged_by);
+    seen.set_note(row.acknowledged_note);
+  }
   return message;
 }
 

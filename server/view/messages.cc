@@ -62,6 +62,14 @@ void SetVitals(const Vitals& vitals, v1::Robot& message) {
   }
 }
 
+/// What operators set of it.
+void SetDecided(const storage::RobotSetting& set, v1::Robot& message) {
+  message.mutable_labels()->insert(set.labels.begin(), set.labels.end());
+  message.set_note(set.note);
+  message.set_blocked(set.blocked);
+  message.set_registered(set.registered);
+}
+
 void AddStoredParts(const StoredParts& stored, const PartSet& wanted, TextMembers& texts) {
   if (wanted.Has(Part::kAgentInfo) && stored.agent_info) {
     texts.AddStored("agentInfo", *stored.agent_info);
@@ -138,6 +146,7 @@ v1::Robot ToMessage(const RobotView& robot) {
   SetVitals(robot.glance.vitals, message);
   message.set_agent_version(robot.glance.agent_version);
   SetTime(message, &v1::Robot::mutable_certificate_not_after, robot.glance.certificate_not_after);
+  if (robot.set != nullptr) SetDecided(*robot.set, message);
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));
   message.set_fields_dropped(robot.state.fields_dropped);

@@ -19,6 +19,7 @@
 #include "schema/model/ids.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
+#include "server/fleet/robot_settings.h"
 #include "server/fleet/top_senders.h"
 #include "server/journal/shards.h"
 #include "server/robot/robot_sessions.h"
@@ -70,6 +71,8 @@ struct RobotView {
   std::shared_ptr<const uncrew::LiveSamples> drone{};
   /// As lists filter by it.
   Glance glance{};
+  /// What operators set of it. Null: nothing.
+  fleet::RobotSettingPtr set{};
   /// Of the page after the one that ends with it.
   std::string next_token{};
 };
@@ -180,6 +183,8 @@ class Queries final {
     FaultCounts* faults = nullptr;
     /// Null: no robot is named.
     fleet::TopSenders* top = nullptr;
+    /// What operators set of robots; null: nothing.
+    const fleet::RobotSettings* settings = nullptr;
   };
   explicit Queries(Sources sources);
 

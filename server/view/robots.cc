@@ -79,6 +79,7 @@ RobotView Queries::Look(const robot::Robot& robot, const PartSet& parts) const {
   const auto foreign = view.state.foreign ? foreign_.glances() : nullptr;
   view.glance = GlanceOf(
       robot, {.twins = sources_.twins, .drones = sources_.drones, .foreign = foreign.get()});
+  if (sources_.settings != nullptr) view.set = sources_.settings->Find(robot.ruri());
   return view;
 }
 
@@ -100,7 +101,8 @@ Queries::Seen Queries::See(bool with_faults) {
 FilterSources Queries::FilterSourcesOf(const Seen& seen) const {
   return {
       .live = {.twins = sources_.twins, .drones = sources_.drones, .foreign = seen.foreign.get()},
-      .faults = seen.faults.get()};
+      .faults = seen.faults.get(),
+      .settings = sources_.settings};
 }
 
 std::size_t Queries::CopyLarge(RobotView& view, const PartSet& parts) const {

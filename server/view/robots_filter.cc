@@ -71,12 +71,13 @@ std::string ShortNameOf(std::string_view ruri) {
 FilteredRobots::FilteredRobots(const RobotsFilter& filter, bool with_glances)
     : filter_(filter),
       q_(LowerOf(filter.q)),
-      looks_(with_glances || filter.values != ValuesFilter()) {}
+      looks_(with_glances || filter.values != ValuesFilter() || filter.set != SetFilter()) {}
 
 FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::string_view short_name,
                                            Glance& glance) {
   if (!MatchesName(robot, short_name) || !MatchesPresence(robot)) return Match::kNo;
   if (!looks_) return Match::kYes;
+  if (!MatchesSet(robot)) return Match::kNo;
   glance = GlanceOf(robot, sources_.live);
   return MatchesValues(robot, glance);
 }
@@ -93,6 +94,19 @@ bool FilteredRobots::MatchesPresence(const robot::Robot& robot) const {
   if (!filter_.offline_before) return true;
   return presence == robot::Presence::kOffline &&
          robot.state.presence_since() < *filter_.offline_before;
+}
+
+bool FilteredRobots::MatchesSet(const robot::Robot& robot) const {
+  const auto& [labels, blocked] = filter_.set;
+  if (labels.empty() && !blocked) return true;
+  const fleet::RobotSettingPtr set =
+      sources_.settings == nullptr ? nullptr : sources_.settings->Find(robot.ruri());
+  if (blocked && *blocked != (set != nullptr && set->blocked)) return false;
+  return std::ranges::all_of(labels, [&set](const auto& label) {
+    if (set == nullptr) return false;
+    const auto found = set->labels.find(label.first);
+    return found != set->labels.end() && found->second == label.second;
+  });
 }
 
 FilteredRobots::Match FilteredRobots::MatchesValues(const robot::Robot& robot,

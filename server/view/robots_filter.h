@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/fleet/robot_settings.h"
 #include "server/robot/robot.h"
 #include "server/view/fault_counts.h"
 #include "server/view/glance.h"
@@ -17,6 +18,8 @@ struct FilterSources {
   LiveSources live{};
   /// Null: unknown.
   const FaultCounts::Map* faults = nullptr;
+  /// Null: nothing is set of any robot.
+  const fleet::RobotSettings* settings = nullptr;
 };
 
 /// The last two segments of a RURI, in lower case: what RobotsFilter::q looks at. Pure.
@@ -49,6 +52,7 @@ class FilteredRobots final {
  private:
   [[nodiscard]] bool MatchesName(const robot::Robot& robot, std::string_view short_name) const;
   [[nodiscard]] bool MatchesPresence(const robot::Robot& robot) const;
+  [[nodiscard]] bool MatchesSet(const robot::Robot& robot) const;
   [[nodiscard]] Match MatchesValues(const robot::Robot& robot, const Glance& glance) const;
   /// Empty: unknown, as in all that it is judged by.
   [[nodiscard]] std::optional<bool> HasFaults(const robot::Robot& robot,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "schema/base/clock.h"
@@ -63,6 +64,15 @@ struct ValuesFilter {
   friend bool operator==(const ValuesFilter&, const ValuesFilter&) = default;
 };
 
+/// Robots by what operators set of them. What is empty matches every robot. A value.
+struct SetFilter {
+  /// A robot has all of these: names and values.
+  std::vector<std::pair<std::string, std::string>> labels{};
+  std::optional<bool> blocked{};
+
+  friend bool operator==(const SetFilter&, const SetFilter&) = default;
+};
+
 /// Which robots: by names and presence, which are known of every robot, and by values. What is
 /// empty matches every robot. A value.
 struct RobotsFilter {
@@ -72,6 +82,7 @@ struct RobotsFilter {
   std::optional<robot::Presence> presence{};
   /// Offline since before that.
   std::optional<SystemTime> offline_before{};
+  SetFilter set{};
   ValuesFilter values{};
 };
 

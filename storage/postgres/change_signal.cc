@@ -20,11 +20,19 @@
 namespace uplink::storage::postgres {
 namespace {
 
-// A channel is the database's, so those of other databases need no other name.
-constexpr std::string_view kListen = "LISTEN uplinkd_changes";
+/// What one channel is listened to and told by. A channel is the database's, so those of other
+/// databases need no other name.
+struct ChannelSql {
+  std::string_view listen;
+  std::string_view notify;
+};
+/// In the order of Channel.
+constexpr std::array<ChannelSql, 2> kChannels = {{
+    {"LISTEN uplinkd_changes", "NOTIFY uplinkd_changes"},
+    {"LISTEN uplinkd_access", "NOTIFY uplinkd_access"},
+}};
 // Asked of the server: a pooler tells clients numbers of its own.
 constexpr std::string_view kOwnSession = "SELECT pg_backend_pid()";
-constexpr std::string_view kNotify = "NOTIFY uplinkd_changes";
 
 /// Waits until the socket or the eventfd is ready, or the time has come; empties the eventfd.
 void AwaitEither(int socket, int wake, SteadyTime until, const Clock& clock) {
@@ -39,8 +47,9 @@ void AwaitEither(int socket, int wake, SteadyTime until, const Clock& clock) {
 
 class PostgresChangeSignal final : public ChangeSignal {
  public:
-  PostgresChangeSignal(Link::Options options, const Clock& clock, int eventfd)
-      : link_(std::move(options), clock), clock_(clock), wake_(eventfd) {}
+  PostgresChangeSignal(Link::Options options, const Clock& clock, const ChannelSql& sql,
+                       int eventfd)
+      : link_(std::move(options), clock), clock_(clock), sql_(sql), wake_(eventfd) {}
   ~PostgresChangeSignal() override { ::close(wake_); }
   PostgresChangeSignal(const PostgresChangeSignal&) = delete;
   PostgresChangeSignal& operator=(const PostgresChangeSignal&) = delete;
@@ -78,9 +87,9 @@ class PostgresChangeSignal final : public ChangeSignal {
     listening_ = nullptr;
     const absl::StatusOr<Connection*> connection = link_.Get();
     if (!connection.ok()) return connection.status();
-    const auto answers =
-        (*connection)
-            ->Run(PipelineOf(StoreCallOf(kListen), StoreCallOf(kOwnSession)), "listen for changes");
+    const auto answers = (*connection)
+                             ->Run(PipelineOf(StoreCallOf(sql_.listen), StoreCallOf(kOwnSession)),
+                                   "listen for changes");
     if (!answers.ok()) return answers.status();
     own_session_ = answers->back().Int(0, 0);
     listening_ = *connection;
@@ -90,13 +99,14 @@ class PostgresChangeSignal final : public ChangeSignal {
   absl::Status TellWhenDue(Connection& connection) {
     if (clock_.Steady() < tell_from_ || !to_tell_.exchange(false)) return absl::OkStatus();
     tell_from_ = clock_.Steady() + kTellEvery;
-    absl::Status told = connection.RunOne(StoreCallOf(kNotify), "tell of changes").status();
+    absl::Status told = connection.RunOne(StoreCallOf(sql_.notify), "tell of changes").status();
     if (!told.ok()) to_tell_ = true;
     return told;
   }
 
   Link link_;
   const Clock& clock_;
+  const ChannelSql sql_;
   const int wake_;
   std::atomic<bool> to_tell_ = false;
   std::atomic<bool> ended_ = false;
@@ -110,7 +120,8 @@ class PostgresChangeSignal final : public ChangeSignal {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<ChangeSignal>> MakeChangeSignal(const StoreOptions& options,
-                                                               const Clock& clock) {
+                                                               const Clock& clock,
+                                                               Channel channel) {
   absl::StatusOr<Link::Options> link = LinkOptionsOf(options);
   if (!link.ok()) return link.status();
   // It writes no row, but goes where the writers go: a standby takes neither statement.
@@ -122,7 +133,8 @@ absl::StatusOr<std::unique_ptr<ChangeSignal>> MakeChangeSignal(const StoreOption
   link->connection.session_settings += " SET synchronous_commit = off;";
   const int wake = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake < 0) return absl::ResourceExhaustedError("no descriptor for an eventfd");
-  return std::make_unique<PostgresChangeSignal>(*std::move(link), clock, wake);
+  return std::make_unique<PostgresChangeSignal>(
+      *std::move(link), clock, kChannels.at(static_cast<std::size_t>(channel)), wake);
 }
 
 }  // namespace uplink::storage::postgres

@@ -11,6 +11,7 @@
 
 #include "storage/kept_tables.h"
 #include "storage/leases.h"
+#include "storage/postgres/access_sql.h"
 #include "storage/postgres/own_connection.h"
 #include "storage/postgres/parts.h"
 #include "storage/read_row.h"
@@ -186,6 +187,7 @@ class PostgresRobotRemoval final : public RobotRemoval {
     calls.push_back(StoreCallOf(kRemoveRow, ruri, epoch));
     calls.push_back(StoreCallOf(kFirstEntryAfter));
     for (const std::string& sql : removals_) calls.push_back(StoreCallOf(sql, ruri));
+    calls.push_back(StoreCallOf(kDropNotesSql.view(), ruri));
     const auto answers = connection_.Write(std::move(calls), "forget a robot");
     if (!answers.ok()) return answers.status();
     if ((*answers)[row].rows() == 0) return std::nullopt;

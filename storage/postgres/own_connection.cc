@@ -36,6 +36,26 @@ absl::StatusOr<Result> OwnConnection::Write(StoreCall call, std::string_view doi
   return std::move(results->front());
 }
 
+absl::StatusOr<std::vector<Result>> OwnConnection::ReadAndWrite(std::vector<StoreCall> read,
+                                                                const Decide& decide,
+                                                                std::string_view doing) {
+  const absl::StatusOr<Connection*> connection = link_.Get();
+  if (!connection.ok()) return connection.status();
+  std::vector<StoreCall> calls = BeginCalls();
+  const auto before = static_cast<std::ptrdiff_t>(calls.size());
+  for (StoreCall& call : read) calls.push_back(std::move(call));
+  auto answers = (*connection)->Run(calls, doing);
+  if (!answers.ok()) return answers.status();
+  answers->erase(answers->begin(), answers->begin() + before);
+  absl::StatusOr<std::vector<StoreCall>> work = decide(*answers);
+  if (!work.ok()) {
+    // A connection on which that fails is broken, and the server ends the transaction with it.
+    static_cast<void>((*connection)->RollBack());
+    return work.status();
+  }
+  return RunAndCommitFor(**connection, *std::move(work), doing, {});
+}
+
 absl::StatusOr<std::vector<Result>> OwnConnection::Read(const std::vector<StoreCall>& calls,
                                                         std::string_view doing) {
   const absl::StatusOr<Connection*> connection = link_.Get();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,6 +37,14 @@ class OwnConnection final {
                                                           std::string_view doing);
   /// The same for one statement.
   [[nodiscard]] absl::StatusOr<Result> Write(StoreCall call, std::string_view doing);
+  /// What is written, by what was read.
+  using Decide =
+      std::function<absl::StatusOr<std::vector<StoreCall>>(const std::vector<Result>& read)>;
+  /// Two round trips of one transaction: `read`, then what `decide` makes of the answers, and the
+  /// commit. The answers to the second; what `decide` refuses rolls back and is the answer.
+  [[nodiscard]] absl::StatusOr<std::vector<Result>> ReadAndWrite(std::vector<StoreCall> read,
+                                                                 const Decide& decide,
+                                                                 std::string_view doing);
   /// The answers to statements that change nothing.
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);

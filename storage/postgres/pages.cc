@@ -87,7 +87,8 @@ void AddSelect(Builder& builder, const Select& of, const Holds& ruri, const Hold
   builder.Text(" WHERE TRUE");
   AddHolds(builder, ruri);
   AddHolds(builder, fleet);
-  if (of.query.robots_alone) builder.Text(" AND " + std::string(kOfARobotSql));
+  if (of.query.robots_alone && of.shape.of_robots())
+    builder.Text(" AND " + std::string(kOfARobotSql));
   if (of.query.from) {
     builder.Text(" AND " + time + " >= " + builder.Add(*of.query.from, "timestamptz"));
   }
@@ -116,7 +117,7 @@ void AddSelect(Builder& builder, const Select& of, const Holds& ruri, const Hold
 OwnedStoreCall PageCall(const ListShape& shape, const HistoryQuery& query, const ListFilter& filter,
                         const std::optional<PagePosition>& start, std::int64_t rows_max) {
   const Select of{shape, query, filter, start, rows_max};
-  Holds ruri{.column = "ruri", .names = Distinct(query.ruris)};
+  Holds ruri{.column = shape.ruri_column, .names = Distinct(query.ruris)};
   Holds fleet{.column = "fleet", .names = Distinct(query.fleets)};
   // A search in the index for each robot, or else for each fleet unless another index leaves fewer
   // rows: by a list of them the database would sort all their rows.

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include <absl/status/statusor.h>
 
 #include "schema/base/clock.h"
+#include "storage/access_store.h"
 #include "storage/change_signal.h"
 #include "storage/clock_marks.h"
 #include "storage/forget_store.h"
@@ -33,6 +35,10 @@ namespace uplink::storage::postgres {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ClockMarks>> MakeClockMarks(
     const StoreOptions& options, const Clock& clock);
 
+/// A commit that changes a version wakes those who listen to Channel::kAccess.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<AccessStore>> MakeAccessStore(
+    const StoreOptions& options, const Clock& clock);
+
 /// Requests go by the time of the database.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ForgetStore>> MakeForgetStore(
     const StoreOptions& options, const Clock& clock);
@@ -44,12 +50,20 @@ namespace uplink::storage::postgres {
 /// waits for one that is under way, and nothing is lost by giving one up.
 inline constexpr milliseconds kSignalCallMax{2'000};
 
+/// What a change signal is of.
+enum class Channel : std::uint8_t {
+  /// Shared items.
+  kItems,
+  /// Versions of AccessStore. Its writes tell it themselves, also those of other programs.
+  kAccess,
+};
+
 /// LISTEN and NOTIFY. A NOTIFY is a transaction of its own and never part of a batch's: PostgreSQL
 /// lets those that notify commit one after the other, in the whole cluster.
 ///
 /// Errors: kResourceExhausted as well, if there is no descriptor. Of a call: the caller pauses
 ///         (schema/base/backoff.h).
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ChangeSignal>> MakeChangeSignal(
-    const StoreOptions& options, const Clock& clock);
+    const StoreOptions& options, const Clock& clock, Channel channel = Channel::kItems);
 
 }  // namespace uplink::storage::postgres

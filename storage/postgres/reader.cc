@@ -269,6 +269,7 @@ absl::StatusOr<std::vector<OpenRequestCount>> PostgresReader::OpenRequestCounts(
     });                                                                \
   }
 UPLINK_LISTS(UPLINK_LIST)
+UPLINK_LIST(Audit, 15, AuditRow, AuditQuery, kAsAudit)
 #undef UPLINK_LIST
 // NOLINTEND(bugprone-macro-parentheses)
 

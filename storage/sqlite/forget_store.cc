@@ -10,6 +10,7 @@
 
 #include "storage/kept_tables.h"
 #include "storage/read_row.h"
+#include "storage/sqlite/access_sql.h"
 #include "storage/sqlite/connections.h"
 #include "storage/sqlite/parts.h"
 
@@ -99,6 +100,13 @@ class SqliteRobotRemoval final : public RobotRemoval {
         " AND coalesce((SELECT last_used FROM drone_claims WHERE ruri = r.ruri) < ?1, 1)"
         " AND substr(ruri, 1, 10) <> 'cyberwave:'"
         " AND ruri > ?2 ORDER BY ruri LIMIT ?3");
+    prepare.Into(next_version_, kNextVersionSql);
+    prepare.Into(is_noted_,
+                 "SELECT count(*) FROM robot_settings WHERE ruri = ?"
+                 " AND (labels <> '{}' OR note <> '')");
+    prepare.Into(drop_notes_,
+                 WithNow("UPDATE robot_settings SET labels = '{}', note = '', changed_at = 1000 * ",
+                         ", version = ?2 WHERE ruri = ?1"));
     prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
     const auto of_robot = [](std::string_view doing, std::string_view table) {
       return std::string(doing).append(" FROM ").append(table).append(" WHERE ruri = ?");
@@ -148,6 +156,8 @@ class SqliteRobotRemoval final : public RobotRemoval {
         absl::Status removed = removal->Run(ruri);
         if (!removed.ok()) return removed;
       }
+      absl::Status dropped = DropNotes(ruri);
+      if (!dropped.ok()) return dropped;
       const absl::StatusOr<std::int64_t> next_entry = next_entry_->Select().OnlyInt();
       if (!next_entry.ok()) return next_entry.status();
       return EntryBound{*next_entry};
@@ -169,8 +179,17 @@ class SqliteRobotRemoval final : public RobotRemoval {
  private:
   using Statements = std::vector<std::unique_ptr<Statement>>;
 
+  /// Labels and note go with the robot. A block and a registration stay: they are of its name.
+  absl::Status DropNotes(std::string_view ruri) {
+    const absl::StatusOr<std::int64_t> noted = is_noted_->Select(ruri).OnlyInt();
+    if (!noted.ok() || *noted == 0) return noted.status();
+    const absl::StatusOr<std::int64_t> version = next_version_->Select().OnlyInt();
+    if (!version.ok()) return version.status();
+    return drop_notes_->Run(ruri, *version);
+  }
+
   Database& database_;
-  std::unique_ptr<Statement> hold_, silent_, next_entry_;
+  std::unique_ptr<Statement> hold_, silent_, next_entry_, next_version_, is_noted_, drop_notes_;
   Statements counts_, removals_, history_removals_;
 };
 

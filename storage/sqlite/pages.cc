@@ -58,10 +58,12 @@ std::string SelectOne(const Select& of, std::size_t part) {
   const bool newest = of.query.order == ListOrder::kNewestFirst;
   std::string sql(SelectSql(of.shape, "").view());
   sql += " WHERE TRUE";
-  if (!of.ruris.empty()) sql += " AND ruri = " + Parameter(1 + part);
+  if (!of.ruris.empty()) {
+    sql.append(" AND ").append(of.shape.ruri_column).append(" = ").append(Parameter(1 + part));
+  }
   std::size_t next = of.ruris.size() + 1;
   sql += FleetsSql(of, part, next);
-  if (of.query.robots_alone) sql += " AND " + std::string(kOfARobotSql);
+  if (of.query.robots_alone && of.shape.of_robots()) sql += " AND " + std::string(kOfARobotSql);
   if (of.query.from) sql += " AND " + time + " >= " + Parameter(next++);
   if (of.query.to) sql += " AND " + time + " <= " + Parameter(next++);
   if (!of.query.page_token.empty()) {

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "storage/access_store.h"
 #include "storage/clock_marks.h"
 #include "storage/forget_store.h"
 #include "storage/shared_items.h"
@@ -21,6 +22,10 @@
 namespace uplink::storage::sqlite {
 
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ClockMarks>> OpenClockMarks(
+    const std::string& path, DamagePtr damage = nullptr);
+
+/// Its program reads each second: nothing wakes it.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<AccessStore>> OpenAccessStore(
     const std::string& path, DamagePtr damage = nullptr);
 
 /// Requests go by the time of the machine.

@@ -238,6 +238,7 @@ absl::StatusOr<std::vector<OpenRequestCount>> SqliteReader::OpenRequestCounts(
         [&query](Database& database) { return ReadList<PageKind::k##Name>(database, query); }); \
   }
 UPLINK_LISTS(UPLINK_LIST)
+UPLINK_LIST(Audit, 15, AuditRow, AuditQuery, kAsAudit)
 #undef UPLINK_LIST
 // NOLINTEND(bugprone-macro-parentheses)
 

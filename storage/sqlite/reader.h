@@ -53,6 +53,7 @@ class SqliteReader final : public Reader {
 #define UPLINK_LIST(Name, number, Row, Query, retained) \
   [[nodiscard]] absl::StatusOr<Page<Row>> Name(const Query& query) override;
   UPLINK_LISTS(UPLINK_LIST)
+  UPLINK_LIST(Audit, 15, AuditRow, AuditQuery, kAsAudit)
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
   [[nodiscard]] absl::StatusOr<std::vector<DroppedRow>> QuarantineDropped(

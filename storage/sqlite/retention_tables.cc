@@ -36,6 +36,7 @@ absl::Status RetentionTables::Prepare(Database& database) {
       prepare.Into(StatementsOf(kRetained).emplace_back(), EraseSql(List<kList>::kTable));
     }
   });
+  prepare.Into(audit_.emplace_back(), EraseSql(kAuditTable));
   // Those rows of quarantine that go next and that a Hello may still ask for.
   prepare.Into(
       keep_rejects_,
@@ -83,6 +84,10 @@ RetentionTables::Statements& RetentionTables::StatementsOf(Retained retained) {
 
 absl::Status RetentionTables::EraseConnections(SystemTime until, Erased& erased) {
   return Erase(connections_, until, erased);
+}
+
+absl::Status RetentionTables::EraseAudit(SystemTime until, Erased& erased) {
+  return Erase(audit_, until, erased);
 }
 
 absl::Status RetentionTables::EraseHistory(SystemTime until, Erased& erased) {

@@ -30,6 +30,8 @@ class RetentionTables final {
   [[nodiscard]] absl::Status EraseSetAside(SystemTime until, Erased& erased);
   /// Connections that have ended.
   [[nodiscard]] absl::Status EraseConnections(SystemTime until, Erased& erased);
+  /// Rows of the audit.
+  [[nodiscard]] absl::Status EraseAudit(SystemTime until, Erased& erased);
   /// Deletes changes of items that triggers noted (shared_items.h) beyond kChangesKept, the oldest
   /// first, at most kChangesSweptMax. Returns how many.
   [[nodiscard]] absl::StatusOr<std::size_t> SweepChanges();
@@ -47,6 +49,7 @@ class RetentionTables final {
   Statements history_;
   Statements set_aside_;
   Statements connections_;
+  Statements audit_;
   std::unique_ptr<Statement> keep_rejects_, sweep_changes_, count_runs_, close_over_, close_old_;
 };
 

@@ -224,6 +224,9 @@ absl::StatusOr<Erased> SqliteStore::Retain(SystemTime now) {
     if (const auto kept = FirstDayKept(now, rules.retain_connections); kept && status.ok()) {
       status = impl_->tables.retention.EraseConnections(*kept, erased);
     }
+    if (const auto kept = FirstDayKept(now, rules.retain_audit); kept && status.ok()) {
+      status = impl_->tables.retention.EraseAudit(*kept, erased);
+    }
     if (!status.ok()) return status;
     return erased;
   });

@@ -116,6 +116,15 @@ ListFilter FilterOf(const ConnectionsQuery& query, std::string_view open_column)
   return conditions.Take();
 }
 
+ListFilter FilterOf(const AuditQuery& query, std::string_view /*open_column*/) {
+  Conditions conditions(query.rows);
+  // The fewest rows are those of one target.
+  if (!query.target.empty()) conditions.Indexed("target = ?", std::string_view(query.target));
+  if (!query.who.empty()) conditions.Indexed("who = ?", std::string_view(query.who));
+  if (!query.action.empty()) conditions.Indexed("action = ?", std::string_view(query.action));
+  return conditions.Take();
+}
+
 ListFilter FilterOf(const QuarantineQuery& query, std::string_view /*open_column*/) {
   Conditions conditions(query.rows);
   if (query.reason) conditions.Indexed("reason = ?", Number(*query.reason));

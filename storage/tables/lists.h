@@ -10,6 +10,7 @@
 
 #include "storage/lists.h"
 #include "storage/reader.h"
+#include "storage/tables/audit.h"
 #include "storage/tables/connections.h"
 #include "storage/tables/latest.h"
 #include "storage/tables/missions.h"
@@ -29,6 +30,10 @@ struct ListShape {
   std::string_view columns;
   /// What the list is ordered by, newest first; entry breaks ties.
   std::string_view time_column;
+  /// What a row is about: a robot, unless its name is another.
+  std::string_view ruri_column = "ruri";
+
+  [[nodiscard]] constexpr bool of_robots() const { return ruri_column == "ruri"; }
 };
 
 /// Columns that every row of a list begins with; those of ListShape follow.
@@ -40,8 +45,8 @@ inline constexpr int kFirstOwnColumn = 4;
 
 /// Reads a list's rows, up to the table's name. `schema`: what its name begins with.
 [[nodiscard]] constexpr SqlText SelectSql(const ListShape& shape, std::string_view schema) {
-  return {"SELECT ", shape.time_column, ", entry, ruri, fleet, ", shape.columns, " FROM ",
-          schema,    shape.table};
+  return {"SELECT ",     shape.time_column, ", entry, ", shape.ruri_column, ", fleet, ",
+          shape.columns, " FROM ",          schema,      shape.table};
 }
 
 template <typename Out, const auto& kOf>
@@ -81,6 +86,29 @@ struct List;
 UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
 
+/// Its rows are no robot's: they have a target instead.
+template <>
+struct List<PageKind::kAudit> {
+  static constexpr const auto& kTable = kAuditTable;
+  using Row = AuditRow;
+  static constexpr SqlText kColumns = ListedColumns(kAuditTable);
+  static constexpr ListShape kShape = {PageKind::kAudit, kTable.name, kColumns.view(),
+                                       kTable.listed.time_column, "target"};
+
+  template <typename Cells>
+  static Row Read(const Cells& cells) {
+    Row row;
+    Take(cells(kRuriColumn, ColumnType::kText), row.target);
+    Take(cells(kFleetColumn, ColumnType::kText), row.fleet);
+    kTable.listed.read_time(std::get<SystemTime>(cells(kTimeColumn, ColumnType::kTime)), row);
+    int number = kFirstOwnColumn;
+    for (const auto& column : kTable.columns) {
+      (*column.take)(cells(number++, column.type), row);
+    }
+    return row;
+  }
+};
+
 /// The history to which reports of a kind go as they came; nothing if there is none.
 template <typename Body>
 consteval std::optional<PageKind> HistoryOf() {
@@ -116,5 +144,6 @@ struct ListFilter {
 [[nodiscard]] ListFilter FilterOf(const OperatorRequestsQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const QuarantineQuery& query, std::string_view open_column);
 [[nodiscard]] ListFilter FilterOf(const ConnectionsQuery& query, std::string_view open_column);
+[[nodiscard]] ListFilter FilterOf(const AuditQuery& query, std::string_view open_column);
 
 }  // namespace uplink::storage

@@ -51,8 +51,9 @@ using RaisedFault = Upserted<model::Fault>;
 using UpsertedShape = Upserted<model::ReportedShape>;
 using UpsertedObject = Upserted<model::Object>;
 
-/// raised_at and entry are those of the raise that made the fault active.
-inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
+/// raised_at and entry are those of the raise that made the fault active. Each raise clears what an
+/// operator acknowledged.
+inline constexpr Table<RaisedFault, FaultRow, 15> kFaultsActiveTable = {
     "faults_active",
     Writes::kUpserts,
     {"raised_at",
@@ -68,7 +69,16 @@ inline constexpr Table<RaisedFault, FaultRow, 12> kFaultsActiveTable = {
             kRowEntry.Kept(),
             kArrival<&FaultRow::received_at>,
         },
-        kFaultColumns<RaisedFault>)};
+        Join(kFaultColumns<RaisedFault>,
+             std::array<Column<RaisedFault, FaultRow>, 3>{
+                 Col<&FaultRow::acknowledged_at>(
+                     "acknowledged_at",
+                     [](const auto& /*row*/) { return std::optional<SystemTime>(); }),
+                 Col<&FaultRow::acknowledged_by>(
+                     "acknowledged_by", [](const auto& /*row*/) { return std::string_view(); }),
+                 Col<&FaultRow::acknowledged_note>(
+                     "acknowledged_note", [](const auto& /*row*/) { return std::string_view(); }),
+             }))};
 
 // Where shapes and objects keep what both have.
 template <typename Shape>

@@ -4,6 +4,7 @@
 
 #include "storage/refusal.h"
 #include "tests/contract/store_under_test.h"
+#include "tests/support/fake_access_store.h"
 #include "tests/support/fake_forget_store.h"
 #include "tests/support/fake_leases.h"
 #include "tests/support/fake_shared_items.h"
@@ -37,6 +38,7 @@ class FakeUnderTest final : public StoreUnderTest {
   storage::ClockMarks* clock_marks() override { return nullptr; }
   storage::RobotRemoval* removal() override { return nullptr; }
   storage::ForgetRequests& forget_requests() override { return requests_; }
+  storage::AccessStore& access() override { return access_; }
   storage::SharedItems& shared_items() override { return shared_items_; }
   void AddChanges(std::size_t count) override {
     for (std::size_t i = 0; i < count; ++i) {
@@ -84,6 +86,7 @@ class FakeUnderTest final : public StoreUnderTest {
 
   const storage::StoreRules store_rules_;
   FakeDatabase database_;
+  FakeAccessStore access_{database_};
   FakeSharedItems shared_items_{database_};
   FakeForgetRequests requests_;
   FakeRules rules_;

@@ -69,6 +69,13 @@ class PostgresUnderTest final : public StoreUnderTest {
 
   storage::RobotRemoval* removal() override { return &Forget().removal(); }
   storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  storage::AccessStore& access() override {
+    static_cast<void>(Process(1));  // makes the schema
+    if (access_ == nullptr) {
+      Keep(storage::postgres::MakeAccessStore(OptionsOf(1), clock_), access_);
+    }
+    return *access_;
+  }
   storage::SharedItems& shared_items() override {
     static_cast<void>(Process(1));  // makes the schema
     if (shared_items_ == nullptr) {
@@ -113,6 +120,7 @@ class PostgresUnderTest final : public StoreUnderTest {
     reader_ = nullptr;
     marks_ = nullptr;
     forget_ = nullptr;
+    access_ = nullptr;
     shared_items_ = nullptr;
     leases_.clear();
     topic_leases_.clear();
@@ -182,6 +190,7 @@ class PostgresUnderTest final : public StoreUnderTest {
   std::unique_ptr<storage::postgres::PostgresReader> reader_;
   std::unique_ptr<storage::ClockMarks> marks_;
   std::unique_ptr<storage::ForgetStore> forget_;
+  std::unique_ptr<storage::AccessStore> access_;
   std::unique_ptr<storage::SharedItems> shared_items_;
 };
 

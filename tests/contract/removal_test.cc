@@ -270,6 +270,8 @@ TEST_P(RemovalContract, EachTableOfRobotsIsKnown) {
   std::vector<std::string> known(storage::kKeptTables.begin(), storage::kKeptTables.end());
   // What servers are asked goes by its age.
   known.emplace_back("forget_requests");
+  // A block and a registration outlive their robot.
+  known.emplace_back("robot_settings");
   EXPECT_THAT(store_->TablesOfRobots(), UnorderedElementsAreArray(known))
       << "a table with a column `ruri` has its row in storage/kept_tables.h";
 }

@@ -48,6 +48,13 @@ class SqliteUnderTest final : public StoreUnderTest {
 
   storage::RobotRemoval* removal() override { return &Forget().removal(); }
   storage::ForgetRequests& forget_requests() override { return Forget().requests(); }
+  storage::AccessStore& access() override {
+    if (access_ == nullptr) {
+      static_cast<void>(Process(1));  // makes the file
+      Keep(storage::sqlite::OpenAccessStore(path_), access_);
+    }
+    return *access_;
+  }
   storage::SharedItems& shared_items() override {
     if (shared_items_ == nullptr) {
       static_cast<void>(Process(1));  // makes the file
@@ -96,6 +103,7 @@ class SqliteUnderTest final : public StoreUnderTest {
     reader_ = nullptr;
     marks_ = nullptr;
     forget_ = nullptr;
+    access_ = nullptr;
     shared_items_ = nullptr;
     topic_leases_.clear();
     processes_.clear();
@@ -156,6 +164,7 @@ class SqliteUnderTest final : public StoreUnderTest {
   std::unique_ptr<storage::sqlite::SqliteReader> reader_;
   std::unique_ptr<storage::ClockMarks> marks_;
   std::unique_ptr<storage::ForgetStore> forget_;
+  std::unique_ptr<storage::AccessStore> access_;
   std::unique_ptr<storage::SharedItems> shared_items_;
 };
 

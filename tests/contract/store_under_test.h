@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/access_store.h"
 #include "storage/clock_marks.h"
 #include "storage/forget_requests.h"
 #include "storage/leases.h"
@@ -41,6 +42,8 @@ class StoreUnderTest {
   /// What takes robots out of it, beside the writers; null for the fake.
   virtual storage::RobotRemoval* removal() = 0;
   virtual storage::ForgetRequests& forget_requests() = 0;
+  /// What operators decide, beside the writers.
+  virtual storage::AccessStore& access() = 0;
   /// The shapes and objects that other robots may see, beside the writers.
   virtual storage::SharedItems& shared_items() = 0;
   /// As if a session of its own had changed a shared item so often.

@@ -71,10 +71,18 @@ def of_operation(document, path, operation):
             yield f"{path} answers {status} as {media}: {kind(content['schema'])}"
 
 
+def of_command(document, path, operation):
+    body = operation["requestBody"]["content"]["application/json"]["schema"]
+    yield f"{path} takes POST of {kind(body)}"
+    yield from of_operation(document, path, operation)
+
+
 def of_document(document):
     for path, operation in document.operations().items():
         if path.startswith("/api/"):
             yield from of_operation(document, path, operation)
+    for path, operation in document.commands().items():
+        yield from of_command(document, path, operation)
     for name, schema in document.root["components"]["schemas"].items():
         yield from of_schema(name, schema)
 

@@ -8,8 +8,8 @@ from google.protobuf import descriptor_pb2, descriptor_pool
 from harness import SOURCE
 
 
-def contract():
-    """The service of fleet.proto, and what makes its messages."""
+def contract(service="FleetView"):
+    """A service of fleet.proto or admin.proto, and what makes its messages."""
     with tempfile.TemporaryDirectory(prefix="uplink-contract-") as folder:
         file = pathlib.Path(folder) / "fleet.bin"
         subprocess.run(["protoc", f"--proto_path={SOURCE / 'proto'}", "--include_imports",
@@ -18,4 +18,4 @@ def contract():
     pool = descriptor_pool.DescriptorPool()
     for each in files.file:
         pool.Add(each)
-    return pool.FindServiceByName("uplink.v1.FleetView")
+    return pool.FindServiceByName(f"uplink.v1.{service}")

@@ -74,8 +74,12 @@ class Document:
         return item
 
     def operations(self):
-        """Path to its GET; each path has nothing else."""
-        return {path: methods["get"] for path, methods in self.root["paths"].items()}
+        """Path to its GET; each path has that or a POST."""
+        return {path: methods["get"] for path, methods in self.root["paths"].items() if "get" in methods}
+
+    def commands(self):
+        """Path to its POST."""
+        return {path: methods["post"] for path, methods in self.root["paths"].items() if "post" in methods}
 
     def parameters(self, operation, where):
         found = [self.look_up(item) for item in operation.get("parameters", [])]

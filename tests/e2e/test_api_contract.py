@@ -22,6 +22,14 @@ RPCS = {
     "missions": "ListMissions", "mission_reports": "ListMissionReports", "operator_requests": "ListOperatorRequests",
     "shapes": "ListShapes", "objects": "ListObjects", "config": "GetConfig",
 }  # fmt: skip
+# The same of FleetAdmin: lists, and what is posted.
+ADMIN_LISTS = {"audit": "ListAudit", "revocations": "ListRevocations"}
+COMMANDS = {
+    "robot_block": "BlockRobot", "robot_unblock": "UnblockRobot", "robot_disconnect": "DisconnectRobot",
+    "robot_note": "NoteRobot", "robot_add": "AddRobot", "fault_acknowledge": "AcknowledgeFault",
+    "certificate_revoke": "RevokeCertificate", "certificate_unrevoke": "UnrevokeCertificate", "reload": "Reload",
+}  # fmt: skip
+ALL = {**RPCS, **ADMIN_LISTS, **COMMANDS}
 # Texts that are no messages.
 FILES = {"openapi"}
 # Nothing answers by HTTP what is a stream.
@@ -64,7 +72,10 @@ class Both(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.service = contract()
+        cls.admin = contract("FleetAdmin")
+        cls.methods = {**cls.service.methods_by_name, **cls.admin.methods_by_name}
         cls.document = Document()
+        cls.commands = {each["operationId"]: each for each in cls.document.commands().values()}
         cls.operations = {
             operation["operationId"]: operation
             for path, operation in cls.document.operations().items()
@@ -79,13 +90,27 @@ class Contract(Both):
     """fleet.proto and openapi.yaml."""
 
     def test_every_operation_is_an_rpc_and_the_other_way_round(self):
-        self.assertEqual(set(self.operations), set(RPCS))
+        self.assertEqual(set(self.operations), set(RPCS) | set(ADMIN_LISTS))
+        self.assertEqual(set(self.commands), set(COMMANDS))
         self.assertEqual(set(self.service.methods_by_name), set(RPCS.values()) | STREAMS)
+        self.assertEqual(set(self.admin.methods_by_name), {*ADMIN_LISTS.values(), *COMMANDS.values()})
+
+    def test_every_member_of_a_command_is_a_field_and_the_other_way_round(self):
+        self.seen = set()
+        for name, operation in self.commands.items():
+            with self.subTest(name):
+                request = self.methods[COMMANDS[name]].input_type
+                body = operation["requestBody"]["content"]["application/json"]["schema"]
+                self.assertEqual(body["$ref"].rpartition("/")[2], request.name)
+                self.assert_message(body, request)
+                fields = {field.json_name: field for field in request.fields}
+                for parameter, schema in self.document.parameters(operation, "query").items():
+                    self.assert_parameter(schema, fields[parameter])
 
     def test_every_parameter_is_a_field_of_the_request_and_the_other_way_round(self):
         for name, operation in self.operations.items():
             with self.subTest(name):
-                request = self.service.methods_by_name[RPCS[name]].input_type
+                request = self.methods[ALL[name]].input_type
                 parameters = {
                     **self.document.parameters(operation, "query"), **self.document.parameters(operation, "path"),
                 }  # fmt: skip
@@ -106,9 +131,9 @@ class Contract(Both):
 
     def test_every_member_of_an_answer_is_a_field_and_the_other_way_round(self):
         self.seen = set()
-        for name, operation in self.operations.items():
+        for name, operation in {**self.operations, **self.commands}.items():
             with self.subTest(name):
-                answer = self.service.methods_by_name[RPCS[name]].output_type
+                answer = self.methods[ALL[name]].output_type
                 self.assertEqual(self.schema_of(operation)["$ref"].rpartition("/")[2], answer.name)
                 self.assert_message(self.schema_of(operation), answer)
 
@@ -120,7 +145,7 @@ class Contract(Both):
         whole = self.document.look_up(schema)
         # An event has a schema for each of its kinds.
         for each in whole.get("oneOf", whole.get("anyOf", [whole])):
-            properties = self.document.look_up(each)["properties"]
+            properties = self.document.look_up(each).get("properties", {})
             self.assertEqual(set(properties), set(fields), descriptor.full_name)
             for name, field in fields.items():
                 self.assert_member(self.document.look_up(properties[name]), field)
@@ -159,7 +184,7 @@ class Contract(Both):
                 if field.message_type is not None:
                     yield from fields(field.message_type, seen)
 
-        for method in self.service.methods:
+        for method in (*self.service.methods, *self.admin.methods):
             for field in [*fields(method.input_type, set()), *fields(method.output_type, set())]:
                 self.assertFalse(field.name.endswith(("_at_ms", "_since_ms", "_unix_ms")), field.full_name)
                 self.assertIsNone(field.enum_type, field.full_name)
@@ -169,21 +194,22 @@ class FrozenAnswers(Both):
     """tests/fixtures/api: an answer per operation, with every member that there was when it was frozen."""
 
     def answers(self):
-        for name in self.operations:
+        for name in {**self.operations, **self.commands}:
             yield name, json.loads((ANSWERS / f"{name}.json").read_text(encoding="utf-8"))
 
     def test_each_operation_has_one(self):
-        self.assertEqual({path.stem for path in ANSWERS.glob("*.json")}, set(self.operations))
+        self.assertEqual({path.stem for path in ANSWERS.glob("*.json")}, {*self.operations, *self.commands})
 
     def test_each_is_as_the_document_says(self):
         for name, answer in self.answers():
             with self.subTest(name):
-                self.assertEqual(self.document.problems(self.schema_of(self.operations[name]), answer), [])
+                operation = {**self.operations, **self.commands}[name]
+                self.assertEqual(self.document.problems(self.schema_of(operation), answer), [])
 
     def test_each_is_as_the_contract_says(self):
         for name, answer in self.answers():
             with self.subTest(name):
-                message = message_of(self.service.methods_by_name[RPCS[name]].output_type)
+                message = message_of(self.methods[ALL[name]].output_type)
                 json_format.ParseDict(answer, message)
                 again = json_format.MessageToDict(message, including_default_value_fields=True)
                 self.assertEqual(missing(answer, again), [])

@@ -25,7 +25,8 @@ WRONG = {"integer": ["0x1", "-1", "1.5"], "boolean": ["1", "TRUE"], "array": ["w
 GOOD = {"ruri": "rcan://a", "fleet": "default", "missionId": "m", "runId": "r", "parts": "health,settings",
         "id": "5b1f0c2e-7d0b-4a6f-9d57-0c6a2f1f3b11", "kind": "estopEngaged", "faultId": "f", "source": "arm",
         "q": "a", "bbox": "-1,-2,3,4.5", "software": "1", "offlineBefore": "2026-05-01T12:00:00Z",
-        "certificateExpiresBefore": "2026-05-01T12:00:00Z", "batteryBelow": "20.5",
+        "certificateExpiresBefore": "2026-05-01T12:00:00Z", "batteryBelow": "20.5", "label": "site=hall2",
+        "who": "local", "action": "reload", "target": "rcan://a",
         "from": "2026-05-01T12:00:00Z", "to": "2026-05-01T14:00:00+02:00"}  # fmt: skip
 # Bodies of the vectors that answers show as they are.
 BODIES = {
@@ -41,19 +42,20 @@ DETAIL_IN_OWN_FORM = ("messages", "scope_updates")
 
 # The fixed fields of OpenAPI 3.1.0's objects (4.8) that the file has.
 FIELDS = {
-    "OpenAPI": "openapi info servers paths components tags",
+    "OpenAPI": "openapi info servers security paths components tags",
     "Info": "title version summary description license",
     "License": "name identifier",
     "Server": "url description",
     "Tag": "name description externalDocs",
-    "Path Item": "get",
-    "Operation": "operationId tags summary description parameters responses",
+    "Path Item": "get post",
+    "Operation": "operationId tags summary description parameters requestBody responses",
+    "Request Body": "content",
     "Parameter": "name in description required schema explode",
     "Response": "description headers content",
     "Header": "description schema",
     "Media Type": "schema",
-    "Components": "headers parameters responses schemas",
-    "Schema": "$ref title type enum const description pattern format default minimum maximum exclusiveMaximum minLength"
+    "Components": "headers parameters responses schemas securitySchemes",
+    "Schema": "$ref title type enum const description pattern format default minimum maximum exclusiveMaximum minLength maxLength"
               " minItems maxItems items prefixItems properties required additionalProperties propertyNames"
               " dependentRequired contentEncoding anyOf oneOf discriminator",
 }  # fmt: skip
@@ -74,11 +76,16 @@ class Offline(unittest.TestCase):
         yield from (("Tag", "tags", each) for each in root["tags"])
         for path, item in root["paths"].items():
             yield "Path Item", path, item
-            yield "Operation", path, item["get"]
+            yield from (("Operation", path, operation) for operation in item.values())
+            for operation in item.values():
+                if "requestBody" in operation:
+                    yield "Request Body", path, operation["requestBody"]
+                    yield from (("Media Type", path, each) for each in operation["requestBody"]["content"].values())
         yield from (("Parameter", name, each) for name, each in components["parameters"].items())
         responses = [(name, each) for name, each in components["responses"].items()]
         for path, item in root["paths"].items():
-            responses += [(path, each) for each in item["get"]["responses"].values() if "$ref" not in each]
+            for operation in item.values():
+                responses += [(path, each) for each in operation["responses"].values() if "$ref" not in each]
         for name, each in responses:
             yield "Response", name, each
             yield from (("Media Type", name, media) for media in each.get("content", {}).values())
@@ -215,8 +222,9 @@ class Paths(Served):
 
     def test_what_is_served_is_documented_and_the_other_way_round(self):
         server = self.server().start()
-        documented = {operation["operationId"] for operation in self.operations.values()}
-        self.assertEqual(len(documented), len(self.operations))
+        both = [*self.operations.values(), *self.document.commands().values()]
+        documented = {operation["operationId"] for operation in both}
+        self.assertEqual(len(documented), len(both))
         self.assertEqual(documented | {"other"}, set(self.served(server)))
         for path, operation in self.operations.items():
             with self.subTest(path):
@@ -237,6 +245,14 @@ class Paths(Served):
             head = request(server, target(path, NOWHERE), "HEAD")
             get = request(server, target(path, NOWHERE))
             self.assertEqual((head.status, head.content_type, head.body), (get.status, get.content_type, ""))
+        for path, operation in self.document.commands().items():
+            for method in ("GET", "PUT", "DELETE", "OPTIONS"):
+                with self.subTest(path, method=method):
+                    answer = request(server, path, method)
+                    self.assert_error(answer, 405, "UNIMPLEMENTED")
+                    self.assertEqual(answer.allow, "POST")
+                    described = self.document.response(operation, 405)
+                    self.assertEqual(self.document.answer_problems(described, answer), [])
         for path in ("/", "/api/v1", "/api/v1/nothing", "/api/v1/robots/a/b", "/api/v1/status/"):
             with self.subTest(path):
                 self.assert_error(request(server, path), 404, "NOT_FOUND")

@@ -234,6 +234,7 @@ void FakeDatabase::RemoveRobot(const std::string& ruri) {
   }
   kinds_.DeletePresent(ruri);
   connections_.DeleteAll(ruri);
+  access_.DropNotes(ruri);
 }
 
 Outcome FakeDatabase::CommitOne(const Transaction& transaction, const CommitRecord& record) {

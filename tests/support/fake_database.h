@@ -31,6 +31,7 @@
 #include "storage/robot_hold.h"
 #include "storage/samples.h"
 #include "storage/store_rules.h"
+#include "tests/support/fake_access.h"
 #include "tests/support/fake_connections.h"
 #include "tests/support/fake_kinds.h"
 #include "tests/support/fake_lease_table.h"
@@ -245,6 +246,7 @@ class FakeDatabase final {
   [[nodiscard]] storage::Epoch HeldSinceOf(std::string_view ruri) const;
 
  private:
+  friend class FakeAccessStore;
   friend class FakeReader;
   friend class FakeSharedItems;
 
@@ -341,6 +343,7 @@ class FakeDatabase final {
   FakeKinds kinds_;
   FakePresence presence_;
   FakeConnections connections_;
+  FakeAccess access_;
   std::map<std::string, storage::LiveRow, std::less<>> live_;
   FakeLeaseTable leases_;
   FakeTopics topics_;

@@ -27,6 +27,7 @@ void FakeDatabase::CopyRowsOf(const FakeDatabase& other) {
   kinds_.CopyRowsOf(other.kinds_);
   presence_ = other.presence_;
   connections_ = other.connections_;
+  access_ = other.access_;
   live_ = other.live_;
   leases_ = other.leases_;
   topics_ = other.topics_;

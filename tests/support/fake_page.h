@@ -63,6 +63,20 @@ using FakePlaced = std::pair<storage::PagePosition, const Row*>;
          row.detail.size();
 }
 
+[[nodiscard]] inline std::size_t BytesOf(const storage::AuditRow& row) {
+  return row.who.size() + row.from.size() + row.action.size() + row.target.size() +
+         row.fleet.size() + row.outcome.size() + row.detail.size();
+}
+
+// What `ruris` and `fleets` of a query are compared with.
+template <typename Row>
+[[nodiscard]] model::RobotId FakeRobotOf(const Row& row) {
+  return row.robot;
+}
+[[nodiscard]] inline model::RobotId FakeRobotOf(const storage::AuditRow& row) {
+  return {row.target, row.fleet};
+}
+
 [[nodiscard]] inline bool FakeMatches(const model::RobotId& robot, SystemTime at,
                                       const storage::HistoryQuery& query) {
   return (query.ruris.empty() || std::ranges::find(query.ruris, robot.ruri) != query.ruris.end()) &&
@@ -84,7 +98,7 @@ absl::StatusOr<storage::Page<Row>> FakePageOf(storage::PageKind kind,
     return newest ? a > b : a < b;
   };
   std::erase_if(rows, [&](const FakePlaced<Row>& row) {
-    return !FakeMatches(row.second->robot, row.first.at, query) ||
+    return !FakeMatches(FakeRobotOf(*row.second), row.first.at, query) ||
            (start->has_value() && !before(**start, row.first));
   });
   std::ranges::sort(rows, before, &FakePlaced<Row>::first);

@@ -277,6 +277,19 @@ absl::StatusOr<Page<storage::ConnectionRow>> FakeReader::Connections(
   return FakePageOf(PageKind::kConnections, query.rows, std::move(rows));
 }
 
+absl::StatusOr<Page<storage::AuditRow>> FakeReader::Audit(const storage::AuditQuery& query) {
+  const std::lock_guard lock(database_.mutex_);
+  std::vector<FakePlaced<storage::AuditRow>> rows = AllOf(database_.access_.audit);
+  std::erase_if(rows, [&query](const auto& row) {
+    return (!query.who.empty() && row.second->who != query.who) ||
+           (!query.action.empty() && row.second->action != query.action) ||
+           (!query.target.empty() && row.second->target != query.target);
+  });
+  HistoryQuery which = query.rows;
+  which.robots_alone = false;
+  return FakePageOf(PageKind::kAudit, which, std::move(rows));
+}
+
 absl::StatusOr<Page<storage::ShapeRow>> FakeReader::Shapes(const PresentQuery& query) {
   const std::lock_guard lock(database_.mutex_);
   return FakePageOf(PageKind::kShapes, query.rows, PresentOf(database_.kinds_.shapes(), query));

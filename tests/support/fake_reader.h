@@ -31,6 +31,8 @@ class FakeReader : public storage::Reader {
   UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::AuditRow>> Audit(
+      const storage::AuditQuery& query) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::DroppedRow>> QuarantineDropped(
       const std::string& ruri) override;
   [[nodiscard]] absl::StatusOr<std::vector<storage::StoredReject>> Rejects(

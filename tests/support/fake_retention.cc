@@ -23,6 +23,9 @@ storage::Erased FakeDatabase::Retain(SystemTime now, const storage::StoreRules& 
   if (const auto kept = storage::FirstDayKept(now, rules.retain_connections)) {
     erased.rows += connections_.EraseHistory(*kept);
   }
+  if (const auto kept = storage::FirstDayKept(now, rules.retain_audit)) {
+    erased.rows += EraseBefore(access_.audit, *kept, storage::kRetainRowsMax);
+  }
   erased.more = erased.rows >= storage::kRetainRowsMax;
   return erased;
 }

@@ -49,12 +49,27 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                    },
                .robots_unread = [this] { return robots_unread; },
                .faults = &fault_counts,
-               .top = &top}),
+               .top = &top,
+               .settings = &settings}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),
       robots_scrape({clock, fleet, rcan_config, fault_counts, rcan_probe, logger}),
-      site({queries, monitor,
+      commands({.clock = clock,
+                .store = shared_access,
+                .audit = audit,
+                .rows_of_audit =
+                    [this](const storage::AuditQuery&) {
+                      storage::Page<storage::AuditRow> page;
+                      page.rows = access_store.audit;
+                      return absl::StatusOr<storage::Page<storage::AuditRow>>(std::move(page));
+                    },
+                .fleet_of = [this](std::string_view ruri) -> std::optional<std::string> {
+                  const fleet::RobotPtr robot = fleet.Find(ruri);
+                  if (robot == nullptr) return std::nullopt;
+                  return robot->id()->fleet;
+                }}),
+      site({queries, commands, monitor,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape, logger, in_effect}) {}
 

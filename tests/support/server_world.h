@@ -5,11 +5,13 @@
 
 #include "metrics/exposition.h"
 #include "metrics/ledger.h"
+#include "server/admin/commands.h"
 #include "server/broker/broker.h"
 #include "server/config/effective.h"
 #include "server/cyberwave/twins.h"
 #include "server/fleet/fleet.h"
 #include "server/fleet/live_budget.h"
+#include "server/fleet/robot_settings.h"
 #include "server/forward/forwarding.h"
 #include "server/health/monitor.h"
 #include "server/http/probe.h"
@@ -28,6 +30,7 @@
 #include "tests/support/fake_shared_items.h"
 #include "tests/support/fake_store.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/memory_access_store.h"
 #include "tests/support/switched_reader.h"
 
 namespace uplink::testing {
@@ -103,11 +106,16 @@ class ServerWorld {
   view::BriefLook::Post to_store_thread;
   bool robots_unread = false;
   view::FaultCounts fault_counts{clock};
+  fleet::RobotSettings settings{100};
   fleet::TopSenders top{clock, fleet};
   view::Queries queries;
   health::Monitor monitor;
   std::vector<metrics::PageSource> page_sources;
   rcan::RobotScrape robots_scrape;
+  MemoryAccessStore access_store;
+  admin::SharedStore shared_access{access_store};
+  admin::AuditTrail audit{logger};
+  admin::Commands commands;
   config::InEffect in_effect{"/etc/uplinkd/uplinkd.toml", {}, {{"log.level", "uplinkd.toml:7"}}};
   http::Site site;
 

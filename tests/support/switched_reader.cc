@@ -117,4 +117,10 @@ UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
 // NOLINTEND(bugprone-macro-parentheses)
 
+absl::StatusOr<storage::Page<storage::AuditRow>> SwitchedReader::Audit(
+    const storage::AuditQuery& query) {
+  if (absl::Status here = Enter(); !here.ok()) return here;
+  return reader_.Audit(query);
+}
+
 }  // namespace uplink::testing

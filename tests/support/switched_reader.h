@@ -54,6 +54,8 @@ class SwitchedReader final : public storage::Reader {
   UPLINK_LISTS(UPLINK_LIST)
 #undef UPLINK_LIST
   // NOLINTEND(bugprone-macro-parentheses)
+  [[nodiscard]] absl::StatusOr<storage::Page<storage::AuditRow>> Audit(
+      const storage::AuditQuery& query) override;
 
  private:
   [[nodiscard]] absl::Status Enter();

@@ -31,7 +31,7 @@ FOREIGN = (
     Foreign(
         "protobuf",
         re.compile(r"^google/protobuf/|\.pb\.h$"),
-        ("schema/uncrew/", "server/session/", "server/uncrew/", "server/view/", "server/forward/", "server/front/", "server/http/", "server/rpc/", "server/run/process_setup.cc", "tools/", "tests/"),
+        ("schema/uncrew/", "server/session/", "server/uncrew/", "server/view/", "server/admin/", "server/forward/", "server/front/", "server/http/", "server/rpc/", "server/run/process_setup.cc", "tools/", "tests/"),
     ),
     Foreign("nghttp2", re.compile(r"^nghttp2/"), ("server/front/http2/", "server/front/call/", "tools/", "tests/")),
     Foreign("SQLite", re.compile(r"^sqlite3"), ("storage/sqlite/", "tests/")),
@@ -72,6 +72,7 @@ ROOMS = (
     ("ingest",),  # what every message goes through, by whichever source it came
     ("uncrew",),  # what drones say by calls: the queries show it, and the series are made of it
     ("session", "view"),  # one stream's protocol; the queries
+    ("admin",),  # what operators decide
     # health counts streams by the sessions' probe; the robots' series; what robots share
     ("health", "rcan", "forward"),
     ("front", "mqtt", "http"),  # the adapters: they translate and enqueue

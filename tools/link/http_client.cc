@@ -154,6 +154,11 @@ absl::StatusOr<HttpAnswer> HttpClient::Ask(const std::string& target) {
   return answer;
 }
 
+absl::StatusOr<HttpAnswer> HttpClient::Send(const std::string& target, const std::string& json) {
+  connection_.reset();
+  return AskOnce(target, &json);
+}
+
 absl::StatusOr<std::string> HttpClient::Get(const std::string& target) {
   absl::StatusOr<HttpAnswer> answer = Ask(target);
   if (!answer.ok()) return answer.status();
@@ -207,18 +212,24 @@ absl::Status HttpClient::Handshake(const std::string& target) {
   return Failed(target, kDoing, SpeaksPlain(error) ? why + "; does it speak http there?" : why);
 }
 
-absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target) {
+absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target, const std::string* json) {
   const SteadyTime until = SystemClock().Steady() + limits_.deadline;
   const bool fresh = connection_ == nullptr;
   if (fresh) {
     if (absl::Status connected = Connect(target, until); !connected.ok()) return connected;
   }
   connection_->plain.expires_at(until);
-  http::request<http::empty_body> request(http::verb::get, target, kHttp11);
+  http::request<http::string_body> request(json == nullptr ? http::verb::get : http::verb::post,
+                                           target, kHttp11);
   request.set(http::field::host,
               host_.empty() ? "localhost" : HostHeader(host_, port_, server_.tls != nullptr));
   request.set(http::field::accept, "application/json");
   if (!server_.token.empty()) request.set(http::field::authorization, "Bearer " + server_.token);
+  if (json != nullptr) {
+    request.set(http::field::content_type, "application/json");
+    request.body() = *json;
+    request.prepare_payload();
+  }
   beast::error_code error = connection_->Write(request);
   if (error) return Failed(target, "write", WhyOf(error, limits_.deadline));
   http::response_parser<http::string_body> parser;

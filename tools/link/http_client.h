@@ -44,8 +44,8 @@ struct HttpAnswer {
 /// have it.
 [[nodiscard]] absl::Status ErrorOf(const std::string& target, const HttpAnswer& answer);
 
-/// Fetches pages from the server's HTTP listener, over one connection that is opened again when it
-/// ends.
+/// Fetches pages from the server's HTTP listener, and sends commands to it, over one connection
+/// that is opened again when it ends.
 ///
 /// Errors: kUnavailable if the server cannot be reached, breaks off, does not speak HTTP or is not
 ///         done within a deadline; kUnauthenticated if it shows no certificate that is believed.
@@ -63,6 +63,9 @@ class HttpClient final {
 
   /// The answer to `GET target`, whatever its status.
   [[nodiscard]] absl::StatusOr<HttpAnswer> Ask(const std::string& target);
+  /// The answer to `POST target` with a body of JSON, whatever its status. Sent once: a connection
+  /// that breaks off does not tell whether the server has done it.
+  [[nodiscard]] absl::StatusOr<HttpAnswer> Send(const std::string& target, const std::string& json);
   /// The body of a 200 answer.
   ///
   /// Errors: kNotFound for 404 and kInternal for other answers as well; each names the path.
@@ -70,7 +73,9 @@ class HttpClient final {
 
  private:
   struct Connection;
-  [[nodiscard]] absl::StatusOr<HttpAnswer> AskOnce(const std::string& target);
+  /// `json`: what is posted; null for GET.
+  [[nodiscard]] absl::StatusOr<HttpAnswer> AskOnce(const std::string& target,
+                                                   const std::string* json = nullptr);
   [[nodiscard]] absl::Status Connect(const std::string& target, SteadyTime until);
   [[nodiscard]] absl::Status Handshake(const std::string& target);
   /// Ends the connection.

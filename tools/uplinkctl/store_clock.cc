@@ -11,10 +11,12 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
+#include "server/admin/actions.h"
 #include "server/store/clock_judge.h"
 #include "storage/postgres/parts.h"
 #include "storage/sqlite/parts.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/store_access.h"
 #include "tools/uplinkctl/store_target.h"
 
 namespace uplink::ctl {
@@ -87,6 +89,7 @@ int StoreClock(const StoreClockRequest& request) {
   const SystemTime now = clock.System();
   const absl::Status set = (*marks)->Set(now);
   if (!set.ok()) return ExitOf(set);
+  NoteDone(request.url, request.password_file, admin::kClockConfirm, {});
   fmt::print("the mark is {} now\n", TextOf(now, ""));
   return kExitDone;
 }

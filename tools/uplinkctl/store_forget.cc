@@ -18,6 +18,7 @@
 
 #include "schema/base/utf8.h"
 #include "schema/model/ids.h"
+#include "server/admin/actions.h"
 #include "server/store/lease_judge.h"
 #include "storage/forget_store.h"
 #include "storage/leases.h"
@@ -25,6 +26,7 @@
 #include "storage/sqlite/file_lock.h"
 #include "storage/sqlite/parts.h"
 #include "tools/uplinkctl/command.h"
+#include "tools/uplinkctl/store_access.h"
 #include "tools/uplinkctl/store_comeback.h"
 #include "tools/uplinkctl/store_target.h"
 
@@ -275,7 +277,6 @@ int StoreForget(const StoreForgetRequest& request) {
     fmt::print("nothing was deleted\n");
     return kExitFailed;
   }
-  // That may have taken a while.
   target = Open(request, clock);
   if (!target.ok()) return ExitOf(target.status());
   found = Find(*target, request.ruri);
@@ -292,6 +293,7 @@ int StoreForget(const StoreForgetRequest& request) {
     forgotten = Forget(*target, *found, true, clock);
   }
   if (!forgotten.ok()) return ExitOf(forgotten);
+  NoteDone(request.url, request.password_file, admin::kRobotForget, request.ruri);
   return ReportRemoved(target->store->removal(), request.ruri, request.end_stream, clock);
 }
 

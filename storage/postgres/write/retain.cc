@@ -88,6 +88,11 @@ class Eraser final {
     });
     return status;
   }
+  absl::Status EraseAudit(SystemTime until) {
+    static constexpr SqlText kSql = EraseSql(kAuditTable, "");
+    until_ = until;
+    return Erase(kSql.view());
+  }
   [[nodiscard]] const Erased& erased() const { return erased_; }
 
  private:
@@ -171,6 +176,10 @@ absl::StatusOr<Erased> EraseAll(Connection& connection, SystemTime now, const St
   }
   if (const auto kept = FirstDayKept(now, rules.retain_connections)) {
     const absl::Status status = eraser.EraseLists<Retained::kAsConnections>(*kept);
+    if (!status.ok()) return status;
+  }
+  if (const auto kept = FirstDayKept(now, rules.retain_audit)) {
+    const absl::Status status = eraser.EraseAudit(*kept);
     if (!status.ok()) return status;
   }
   return eraser.erased();

@@ -24,6 +24,7 @@ TEST(Lists, KeepTheirNumbers) {
   EXPECT_EQ(static_cast<int>(PageKind::kScopeUpdates), 12);
   EXPECT_EQ(static_cast<int>(PageKind::kOperatorRequests), 13);
   EXPECT_EQ(static_cast<int>(PageKind::kConnections), 14);
+  EXPECT_EQ(static_cast<int>(PageKind::kAudit), 15);
 }
 
 TEST(Lists, AreVisitedInTheOrderOfTheirTable) {

@@ -63,6 +63,16 @@ TEST_F(PostgresPlans, EveryListOfRobotsOrAFleetIsReadFromAnIndex) {
   connection_.reset();
 }
 
+TEST_F(PostgresPlans, TheAuditIsReadFromAnIndex) {
+  for (const HistoryQuery& query : RobotQueries()) {
+    const std::string plan = Plan(List<PageKind::kAudit>::kShape, query, {});
+    EXPECT_THAT(plan, Not(HasSubstr("Seq Scan"))) << plan;
+    if (query.ruris.empty() && query.fleets.empty()) continue;
+    EXPECT_THAT(plan, HasSubstr(query.ruris.empty() ? "(fleet = " : "(target = ")) << plan;
+  }
+  connection_.reset();
+}
+
 TEST_F(PostgresPlans, EveryFilterIsAnsweredFromAnIndexAloneAndWithAFleet) {
   for (const FilterCase& one : FilterCases()) {
     for (const HistoryQuery& query : RobotQueries()) {

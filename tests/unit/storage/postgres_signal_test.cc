@@ -33,14 +33,17 @@ class PostgresSignalTest : public ::testing::Test {
  protected:
   using Signal = std::unique_ptr<ChangeSignal>;
 
-  Signal Make(const Clock& clock) {
+  StoreOptions Options() const {
     StoreOptions options;
     options.url = database_.url();
-    return *MakeChangeSignal(options, clock);
+    return options;
+  }
+  Signal Make(const Clock& clock, Channel channel = Channel::kItems) {
+    return *MakeChangeSignal(Options(), clock, channel);
   }
   /// One that listens by now.
-  Signal Listening() {
-    Signal signal = Make(clock_);
+  Signal Listening(Channel channel = Channel::kItems) {
+    Signal signal = Make(clock_, channel);
     EXPECT_FALSE(Hears(*signal));
     return signal;
   }
@@ -106,6 +109,29 @@ TEST_F(PostgresSignalTest, WhatOneTellsTheOthersHearOnceAndItselfDoesNot) {
   EXPECT_TRUE(Hears(*third, kPatience));
   EXPECT_FALSE(HasHeard(*other));
   EXPECT_TRUE(Hears(*one, kPatience)) << "the other's, and not its own";
+}
+
+TEST_F(PostgresSignalTest, WhoFollowsAccessIsWokenByItsWritesAlone) {
+  PostgresStore::Open(Options(), clock_).IgnoreError();  // makes the schema
+  const Signal access = Listening(Channel::kAccess);
+  const Signal items = Listening();
+  const auto store = *MakeAccessStore(Options(), clock_);
+  AuditRow audit;
+  audit.who = "a";
+  Revocation revocation;
+  revocation.value = "aa";
+  ASSERT_TRUE(*store->Revoke(revocation, audit));
+  EXPECT_TRUE(Hears(*access, kPatience));
+  SettingChange change;
+  change.ruri = "rcan://robots/a";
+  change.blocked = true;
+  ASSERT_TRUE(store->Change(change, audit).ok());
+  EXPECT_TRUE(Hears(*access, kPatience));
+  ASSERT_TRUE(store->Append(audit).ok());
+  EXPECT_FALSE(HasHeard(*access)) << "it changes no version";
+  TellNow(*items);
+  EXPECT_FALSE(HasHeard(*access));
+  EXPECT_FALSE(HasHeard(*items)) << "nor those of access the items";
 }
 
 TEST_F(PostgresSignalTest, AWaitIsEndedByWhatAnotherTells) {

@@ -150,6 +150,21 @@ TEST_F(PostgresWentBackTest, ARequestToForgetARobotGetsANumberThatNoneHas) {
   EXPECT_EQ(shell_.Read("SELECT number FROM uplinkd.forget_requests ORDER BY number"), "1\n2\n3\n");
 }
 
+TEST_F(PostgresWentBackTest, RowsOfTheAuditAreAboveThoseThatAreThere) {
+  AuditRow row;
+  row.at = FromUnixMs(kNowMs);
+  row.action = "first";
+  {
+    const auto store = Store();
+    shell_.Run("SELECT setval('uplinkd.batches', 1000)");
+    ASSERT_TRUE((*MakeAccessStore(Options(), clock_))->Append(row).ok());
+  }
+  LeaveSequencesBehind();
+  row.action = "second";
+  ASSERT_TRUE((*MakeAccessStore(Options(), clock_))->Append(row).ok());
+  EXPECT_EQ(shell_.Read("SELECT action FROM uplinkd.audit ORDER BY at, entry"), "first\nsecond\n");
+}
+
 TEST_F(PostgresWentBackTest, SequencesThatAreNotBehindStayAsTheyAre) {
   const auto store = Store();
   ASSERT_TRUE(Commit(*store, 1, Open(*store).held_since).ok());

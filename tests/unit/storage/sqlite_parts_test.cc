@@ -71,7 +71,7 @@ class SqlitePlans : public ::testing::Test {
       EXPECT_THAT(plan, HasSubstr("USING INDEX")) << shape.table;
       if (!filter.conditions.empty()) continue;
       if (!query.ruris.empty()) {
-        EXPECT_THAT(plan, HasSubstr("(ruri=?")) << shape.table;
+        EXPECT_THAT(plan, HasSubstr("(" + std::string(shape.ruri_column) + "=?")) << shape.table;
       } else if (!query.fleets.empty()) {
         EXPECT_THAT(plan, HasSubstr("(fleet=?")) << shape.table;
       }
@@ -84,6 +84,7 @@ class SqlitePlans : public ::testing::Test {
 
 TEST_F(SqlitePlans, ReadsEveryListInTheOrderOfAnIndex) {
   ForEachList([this]<PageKind kList>() { ExpectOrderOfAnIndex(List<kList>::kShape); });
+  ExpectOrderOfAnIndex(List<PageKind::kAudit>::kShape);
 }
 
 TEST_F(SqlitePlans, ReadsWhatAFilterLeavesInTheOrderOfAnIndex) {
@@ -128,7 +129,7 @@ TEST_F(SqlitePlans, AnswerEveryFilterFromItsIndexAloneAndWithAFleet) {
       const std::string plan = Plan(one.shape, query, of_all ? one.filter : one.of_robots);
       EXPECT_THAT(plan, Not(HasSubstr("TEMP B-TREE")));
       EXPECT_THAT(plan, Not(HasSubstr("SCAN")));
-      const std::string column(of_all ? one.index : "ruri");
+      const std::string column(of_all ? one.index : one.shape.ruri_column);
       EXPECT_THAT(plan, HasSubstr("(" + column + "=?"));
     }
   }

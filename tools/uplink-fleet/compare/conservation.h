@@ -31,7 +31,8 @@ struct Conservation {
 };
 
 /// Of messages from brokers; by outcome: stored, applied, superseded, duplicate, rejected, refused,
-/// observed, ignored. Nothing if the page lacks one of the three metrics. Pure; any thread.
+/// observed, ignored, blocked. Nothing if the page lacks one of the three metrics. Pure; any
+/// thread.
 [[nodiscard]] std::optional<Conservation> BrokerMessagesOn(std::string_view page);
 
 /// The same of drones' calls, as the server's status tells it; nothing if that says nothing of

@@ -8,8 +8,9 @@
 namespace uplink::synthetic {
 namespace {
 
-constexpr std::array<const char*, 8> kOutcomes = {"stored",   "applied", "superseded", "duplicate",
-                                                  "rejected", "refused", "observed",   "ignored"};
+constexpr std::array<const char*, 9> kOutcomes = {"stored",    "applied",  "superseded",
+                                                  "duplicate", "rejected", "refused",
+                                                  "observed",  "ignored",  "blocked"};
 
 std::string Text(std::uint64_t number) { return fmt::format("{}", number); }
 

@@ -26,6 +26,8 @@ constexpr unsigned kBadRequest = 400;
 constexpr unsigned kUnauthorized = 401;
 constexpr unsigned kForbidden = 403;
 constexpr unsigned kNotFound = 404;
+constexpr unsigned kWrongMethod = 405;
+constexpr unsigned kAtABound = 409;
 constexpr unsigned kTooManyBytes = 413;
 constexpr unsigned kTooManyRequests = 429;
 constexpr unsigned kUnavailable = 503;
@@ -100,6 +102,10 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
     case kForbidden:
       return absl::PermissionDeniedError(
           fmt::format("{}; on the server uplinkctl tokens list shows roles and fleets", *message));
+    case kWrongMethod:
+      return absl::UnimplementedError(*message + "; is the server older than this uplinkctl?");
+    case kAtABound:
+      return absl::ResourceExhaustedError(*message);
     case kTooManyRequests:
       return absl::ResourceExhaustedError(
           fmt::format("{}; {}, and check the file of the token or certificate first", *message,
@@ -122,7 +128,15 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
 }
 
 absl::StatusOr<json::object> Api::Get(const std::string& path, const Query& query) {
-  absl::StatusOr<link::HttpAnswer> answer = ask_(PathWith(prefix_ + path, query));
+  return ObjectOf(path, ask_(PathWith(prefix_ + path, query)));
+}
+
+absl::StatusOr<json::object> Api::Post(const std::string& path, const json::object& body) {
+  return ObjectOf(path, send_(prefix_ + path, json::serialize(body)));
+}
+
+absl::StatusOr<json::object> Api::ObjectOf(const std::string& path,
+                                           absl::StatusOr<link::HttpAnswer> answer) const {
   if (absl::IsUnauthenticated(answer.status())) {
     return absl::UnauthenticatedError(
         fmt::format("{}; the address is {}. --ca-file FILE names the authorities of that server",

@@ -33,34 +33,46 @@ struct Rows {
 /// Rows of one page; the server's own bound.
 inline constexpr std::size_t kPageRowsMax = 1000;
 
-/// Questions to a server's API.
+/// Questions and commands to a server's API.
 ///
 /// Errors: kInvalidArgument for a question that the server refuses, kNotFound, kUnauthenticated
 /// (401,
-///         or its certificate is not believed), kPermissionDenied (403), kResourceExhausted (429),
-///         kUnavailable if it cannot be reached or says 503, kInternal otherwise. Each says what to
-///         try.
+///         or its certificate is not believed), kPermissionDenied (403), kResourceExhausted (409,
+///         429), kUnavailable if it cannot be reached or says 503, kInternal otherwise. Each says
+///         what to try.
 /// Thread: confined to one thread; blocks.
 class Api final {
  public:
   /// How the server is reached.
   using Ask = std::function<absl::StatusOr<link::HttpAnswer>(const std::string& target)>;
+  /// The same of a command with this body.
+  using Send = std::function<absl::StatusOr<link::HttpAnswer>(const std::string& target,
+                                                              const std::string& json)>;
 
   /// `prefix` comes before each path; `source` says where the address comes from.
-  Api(Ask ask, std::string prefix, std::string source)
-      : ask_(std::move(ask)), prefix_(std::move(prefix)), source_(std::move(source)) {}
+  Api(Ask ask, std::string prefix, std::string source, Send send = {})
+      : ask_(std::move(ask)),
+        send_(std::move(send)),
+        prefix_(std::move(prefix)),
+        source_(std::move(source)) {}
 
   /// The object that a path answers.
   [[nodiscard]] absl::StatusOr<boost::json::object> Get(const std::string& path,
                                                         const Query& query = {});
+  /// What the server answers to a command, which it has done then.
+  [[nodiscard]] absl::StatusOr<boost::json::object> Post(const std::string& path,
+                                                         const boost::json::object& body);
   /// Up to `limit` rows of the list below `member`, over as many pages as they take.
   [[nodiscard]] absl::StatusOr<Rows> List(const std::string& path, const std::string& member,
                                           const Query& query, std::size_t limit);
 
  private:
+  [[nodiscard]] absl::StatusOr<boost::json::object> ObjectOf(
+      const std::string& path, absl::StatusOr<link::HttpAnswer> answer) const;
   [[nodiscard]] absl::Status ErrorOf(const std::string& path, const link::HttpAnswer& answer) const;
 
   Ask ask_;
+  Send send_;
   std::string prefix_;
   std::string source_;
 };

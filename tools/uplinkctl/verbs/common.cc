@@ -2,14 +2,18 @@
 
 #include <chrono>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include "tools/link/http_client.h"
 #include "tools/terminal/terminal.h"
+#include "tools/uplinkctl/ask/store_desk.h"
 #include "tools/uplinkctl/command.h"
 #include "tools/uplinkctl/show/json_text.h"
 #include "tools/uplinkctl/show/one_line.h"
@@ -25,6 +29,33 @@ constexpr std::string_view kClear = "\x1b[H\x1b[2J";
 bool Print(std::string_view text, std::FILE* to) {
   return std::fwrite(text.data(), 1, text.size(), to) == text.size() && std::fflush(to) == 0;
 }
+
+/// Answers from the store of --config what a server that cannot be reached does not.
+class Fallback final {
+ public:
+  Fallback(std::string config, std::string prefix, const Screen& screen)
+      : config_(std::move(config)), prefix_(std::move(prefix)), screen_(screen) {}
+
+  absl::StatusOr<link::HttpAnswer> Or(absl::StatusOr<link::HttpAnswer> answer,
+                                      const std::string& target, const std::string* json) {
+    if (config_.empty() || !absl::IsUnavailable(answer.status())) return answer;
+    const absl::StatusOr<std::unique_ptr<StoreDesk>> desk = StoreDesk::Open(config_);
+    if (!desk.ok()) {
+      return absl::UnavailableError(fmt::format("{}; and its store: {}",
+                                                std::string(answer.status().message()),
+                                                std::string(desk.status().message())));
+    }
+    std::optional<link::HttpAnswer> of_store = (*desk)->Answer(target.substr(prefix_.size()), json);
+    if (!of_store) return answer;
+    screen_.note("no server answers, so the store does");
+    return *std::move(of_store);
+  }
+
+ private:
+  const std::string config_;
+  const std::string prefix_;
+  const Screen& screen_;
+};
 
 }  // namespace
 
@@ -86,10 +117,15 @@ int WithServer(const ServerFlags& flags, const Work& work) {
       ServerWith(choice->url, choice->files, choice->certificate_file);
   if (!server.ok()) return ExitOf(server.status());
   link::HttpClient client(*server);
-  Api api([&client](const std::string& target) { return client.Ask(target); }, choice->url.prefix,
-          choice->source);
   const SystemClock clock;
   const Screen screen = ProcessScreen(clock);
+  Fallback fallback(flags.config, choice->url.prefix, screen);
+  Api api(
+      [&](const std::string& target) { return fallback.Or(client.Ask(target), target, nullptr); },
+      choice->url.prefix, choice->source,
+      [&](const std::string& target, const std::string& json) {
+        return fallback.Or(client.Send(target, json), target, &json);
+      });
   if (ShowsToken(*server)) {
     screen.note(fmt::format("the network can read the token on its way to {}; is there https?",
                             ToText(choice->url)));

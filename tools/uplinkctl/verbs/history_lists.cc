@@ -22,6 +22,7 @@ List Faults() {
                       {"FAULT", "faultId", Kind::kText, Fit::kShrink},
                       {"SOURCE", "source", Kind::kText, Fit::kDrop},
                       {"DESCRIPTION", "description", Kind::kText, Fit::kShrink},
+                      {"SEEN BY", "acknowledgement.by", Kind::kText, Fit::kDrop},
                       {"DO", "suggestedAction", Kind::kText, Fit::kDrop}},
           .filters = {{"--history", "active", "Every report, also of faults that have ended",
                        Filter::Kind::kUnless},
@@ -241,9 +242,10 @@ std::vector<List> HistoryLists() {
 
 std::vector<List> Lists() {
   std::vector<List> lists = RobotLists();
-  std::vector<List> histories = HistoryLists();
-  lists.insert(lists.end(), std::make_move_iterator(histories.begin()),
-               std::make_move_iterator(histories.end()));
+  for (std::vector<List> more : {HistoryLists(), AdminLists()}) {
+    lists.insert(lists.end(), std::make_move_iterator(more.begin()),
+                 std::make_move_iterator(more.end()));
+  }
   return lists;
 }
 

@@ -11,5 +11,7 @@ namespace uplink::ctl {
 [[nodiscard]] std::vector<List> RobotLists();
 // verbs/history_lists.cc
 [[nodiscard]] std::vector<List> HistoryLists();
+// verbs/admin_lists.cc
+[[nodiscard]] std::vector<List> AdminLists();
 
 }  // namespace uplink::ctl

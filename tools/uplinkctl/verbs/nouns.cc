@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/uplinkctl/verbs/command_verbs.h"
 #include "tools/uplinkctl/verbs/list_verb.h"
 #include "tools/uplinkctl/verbs/records.h"
 
@@ -30,6 +31,8 @@ constexpr std::pair<std::string_view, std::string_view> kAbouts[] = {
     {"quarantine", "Messages that the server rejected"},
     {"scope-updates", "Cyberwave environments and workflow runs"},
     {"operator-requests", "What drones asked operators to confirm"},
+    {"audit", "What operators and the server changed"},
+    {"certificates", "Certificates of robots: which expire, which are revoked"},
 };
 
 std::string_view AboutOf(const List& first) {
@@ -53,6 +56,10 @@ void AddQuestions(config::Flags& program) {
   AddRobotsGet(*nouns.at("robots"));
   AddMissionsShow(*nouns.at("missions"));
   AddQuarantineShow(*nouns.at("quarantine"));
+  AddRobotCommands(*nouns.at("robots"));
+  AddFaultCommands(*nouns.at("faults"));
+  AddCertificateCommands(*nouns.at("certificates"));
+  AddReload(program);
 }
 
 }  // namespace uplink::ctl

@@ -122,12 +122,6 @@ TEST(RelationsTest, MetricsListenOnAnyAddressThatNoOtherListenerHas) {
   }
 }
 
-TEST(RelationsTest, ClosedRegistrationIsNotServed) {
-  EXPECT_EQ(OneProblem("[identity]\nregistration = \"open\"\n"), "");
-  EXPECT_THAT(OneProblem("[identity]\nregistration = \"closed\"\n"),
-              HasSubstr("does not serve \"closed\""));
-}
-
 TEST(RelationsTest, OnlyAnAbsoluteSqlitePathIsAStore) {
   EXPECT_EQ(OneProblem("[store]\nurl = \"sqlite:///x.db\"\n"), "");
   for (const char* const url :

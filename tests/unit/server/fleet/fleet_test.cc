@@ -70,12 +70,12 @@ TEST_F(FleetTest, RobotsMaxIsTheLast) {
 
 TEST_F(FleetTest, SortedIsByRuri) {
   Fleet fleet(clock_, 100, {});
-  for (const char* const ruri : {"rcan://c", "rcan://a", "rcan://b", "rcan://A"}) {
+  for (const char* const ruri : {"rcan://c", "rcan://a", "rcan://b", "rcan://0"}) {
     Admit(fleet, ruri);
   }
   std::vector<std::string> ruris;
   for (const fleet::RobotPtr& robot : fleet.Sorted()) ruris.push_back(robot->ruri());
-  EXPECT_THAT(ruris, ElementsAre("rcan://A", "rcan://a", "rcan://b", "rcan://c"));
+  EXPECT_THAT(ruris, ElementsAre("rcan://0", "rcan://a", "rcan://b", "rcan://c"));
 }
 
 TEST_F(FleetTest, SweepCountsPresence) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/http/probe.h"
+#include "server/http/rights.h"
 
 namespace uplink::http {
 namespace {
@@ -18,12 +19,15 @@ using ::testing::ElementsAre;
 TEST(Routes, HaveTheLabelsOfTheMetrics) {
   std::vector<std::string_view> names;
   for (std::size_t id = 0; id < RouteIds(); ++id) names.push_back(RouteName({id}));
-  EXPECT_THAT(names,
-              ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi",
-                          "config", "robots", "robot", "robot_by_ruri", "robot_story", "fleets",
-                          "top", "events", "messages", "connections", "presence", "quarantine",
-                          "gaps", "scope_updates", "faults", "missions", "mission_reports",
-                          "operator_requests", "shapes", "objects", "other"));
+  EXPECT_THAT(
+      names,
+      ElementsAre("livez", "readyz", "metrics", "metrics_robots", "status", "openapi", "config",
+                  "robots", "robot", "robot_by_ruri", "robot_story", "fleets", "top", "events",
+                  "messages", "connections", "presence", "quarantine", "gaps", "scope_updates",
+                  "faults", "missions", "mission_reports", "operator_requests", "shapes", "objects",
+                  "audit", "revocations", "robot_block", "robot_unblock", "robot_disconnect",
+                  "robot_note", "robot_add", "fault_acknowledge", "certificate_revoke",
+                  "certificate_unrevoke", "reload", "other"));
 }
 
 TEST(Routes, EachPathAndLabelStandsThereOnce) {
@@ -45,9 +49,26 @@ TEST(Routes, NeedWhatTheTableOfRightsSays) {
     if (route.pattern == "/api/v1/config"sv) needs.right = Right::kOperate;
     needs.whole = route.pattern == "/api/v1/config"sv || route.pattern == "/api/v1/status"sv ||
                   route.pattern == "/metrics"sv;
+    const bool administers = route.pattern == "/api/v1/audit"sv ||
+                             route.pattern == "/api/v1/reload"sv ||
+                             route.pattern.starts_with("/api/v1/certificates/");
+    if (administers) {
+      needs = {Right::kAdminister, true};
+    } else if (!route.action.empty()) {
+      needs = {Right::kCommand, route.pattern == "/api/v1/robot/add"sv};
+    }
     EXPECT_EQ(route.needs.right, needs.right) << route.pattern;
     EXPECT_EQ(route.needs.whole, needs.whole) << route.pattern;
   }
+}
+
+TEST(Routes, OperatorsCommandAndAdminsAdminister) {
+  using identity::Role;
+  EXPECT_FALSE(Has(Role::kMetrics, Right::kCommand));
+  EXPECT_FALSE(Has(Role::kViewer, Right::kCommand));
+  EXPECT_TRUE(Has(Role::kOperator, Right::kCommand));
+  EXPECT_FALSE(Has(Role::kOperator, Right::kAdminister));
+  EXPECT_TRUE(Has(Role::kAdmin, Right::kAdminister));
 }
 
 TEST(Routes, AProbeCountsEachAndAllOthers) {

@@ -94,17 +94,26 @@ TEST_F(RobotTakeoverTest, AnotherProcessSupersedesTheCurrentStream) {
 }
 
 TEST_F(RobotTakeoverTest, AStreamThatIsEndedOnRequestMakesRoomForTheNext) {
-  takeover_.End();
+  takeover_.End(Standing::kEnded);
   EXPECT_EQ(Attach(1).standing, Standing::kCurrent) << "there was none to end";
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kCurrent);
-  takeover_.End();
+  takeover_.End(Standing::kEnded);
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kEnded);
   EXPECT_EQ(Attach(2).standing, Standing::kWaiting);
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded);
-  takeover_.End();
+  takeover_.End(Standing::kEnded);
   EXPECT_EQ(takeover_.StandingOf(Stream(1)), Standing::kSuperseded) << "it was told so already";
   takeover_.Detach(Stream(1));
   EXPECT_EQ(takeover_.StandingOf(Stream(2)), Standing::kCurrent);
+}
+
+TEST_F(RobotTakeoverTest, AStreamThatIsEndedOnRequestKnowsWhy) {
+  for (const Standing standing : {Standing::kBlocked, Standing::kDisconnected}) {
+    EXPECT_EQ(Attach(1).standing, Standing::kCurrent);
+    takeover_.End(standing);
+    EXPECT_EQ(takeover_.StandingOf(Stream(1)), standing);
+    takeover_.Detach(Stream(1));
+  }
 }
 
 TEST_F(RobotTakeoverTest, MoreThanTheLimitInAMinuteIsContestedUntilASweepAfterIt) {

@@ -35,6 +35,8 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
        .look_at_top = [&now] { now = "top"; },
        .look_at_drones = [&now] { now = "drones"; },
        .ask_relay = [&now] { now = "relay"; },
+       .look_at_config = [&now] { now = "config"; },
+       .write_audit = [&now] { now = "audit"; },
        .feed_watchdog = [&now] { now = "watchdog"; }});
   EXPECT_THAT(
       done,
@@ -45,6 +47,7 @@ TEST(PeriodicTest, EachIsDoneAtItsInterval) {
                   Pair(std::chrono::seconds(2), "space"), Pair(std::chrono::seconds(5), "clock"),
                   Pair(std::chrono::seconds(10), "faults"), Pair(std::chrono::seconds(5), "top"),
                   Pair(std::chrono::seconds(1), "drones"), Pair(std::chrono::seconds(2), "relay"),
+                  Pair(std::chrono::seconds(2), "config"), Pair(std::chrono::seconds(1), "audit"),
                   Pair(std::chrono::seconds(10), "watchdog")));
 }
 

@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 TEST(CompareConfigs, SeesNothingInTheSame) {
-  const Changes changes = CompareConfigs({}, {});
+  const admin::Reloaded changes = CompareConfigs({}, {});
   EXPECT_THAT(changes.taken_over, IsEmpty());
   EXPECT_THAT(changes.needs_restart, IsEmpty());
 }
@@ -30,7 +30,7 @@ TEST(CompareConfigs, TakesTheLogLevelAndWhatRobotsMaySend) {
   read.log.level = config::LogLevel::kDebug;
   read.limits.durable_bytes_rate = 7;
   read.rates.shape_burst = 3;
-  const Changes changes = CompareConfigs({}, read);
+  const admin::Reloaded changes = CompareConfigs({}, read);
   EXPECT_THAT(changes.taken_over,
               ElementsAre("limits.durable_bytes_rate", "rates.shape_burst", "log.level"));
   EXPECT_THAT(changes.needs_restart, IsEmpty());
@@ -41,7 +41,7 @@ TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
   read.listen.http.port = 1;
   read.listen.metrics = {"::", 9090};
   read.presence.timeout = config::milliseconds(1);
-  const Changes changes = CompareConfigs({}, read);
+  const admin::Reloaded changes = CompareConfigs({}, read);
   EXPECT_THAT(changes.taken_over, IsEmpty());
   EXPECT_THAT(changes.needs_restart,
               ElementsAre("listen.http", "listen.metrics", "presence.timeout"));
@@ -108,6 +108,40 @@ TEST_F(ReloadTest, AConfigurationWithAProblemChangesNothing) {
   reload_.Run();
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("reload_refused")));
   EXPECT_TRUE(logger_.Enabled(log::Level::kInfo));
+}
+
+TEST_F(ReloadTest, AFileThatCannotBeUsedLeavesAllAsItWas) {
+  int taken = 0;
+  Reload reload({}, {.read = [this] { return read_; },
+                     .allowances = allowances_,
+                     .logger = logger_,
+                     .in_effect = in_effect_,
+                     .look_at_files = [] { return std::vector<std::string>{"tokens: line 3"}; },
+                     .took_over = [&taken](const config::Config&) { ++taken; }});
+  read_.config->log.level = config::LogLevel::kError;
+  const admin::Reloaded reloaded = reload.Run();
+  EXPECT_THAT(reloaded.problems, ElementsAre("tokens: line 3"));
+  EXPECT_THAT(reloaded.taken_over, IsEmpty());
+  EXPECT_TRUE(logger_.Enabled(log::Level::kWarn));
+  EXPECT_EQ(taken, 0);
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("reload_refused")));
+}
+
+TEST_F(ReloadTest, TellsWhatItTookOver) {
+  std::vector<std::string> hosts;
+  Reload reload(
+      {}, {.read = [this] { return read_; },
+           .allowances = allowances_,
+           .logger = logger_,
+           .in_effect = in_effect_,
+           .look_at_files = {},
+           .took_over = [&hosts](const config::Config& running) { hosts = running.http.hosts; }});
+  read_.config->http.hosts = {"fleet.example.org"};
+  read_.config->presence.timeout = config::milliseconds(1);
+  const admin::Reloaded reloaded = reload.Run();
+  EXPECT_THAT(reloaded.taken_over, ElementsAre("http.hosts"));
+  EXPECT_THAT(reloaded.needs_restart, ElementsAre("presence.timeout"));
+  EXPECT_THAT(hosts, ElementsAre("fleet.example.org"));
 }
 
 }  // namespace

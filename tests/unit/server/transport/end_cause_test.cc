@@ -20,6 +20,7 @@ TEST(EndCause, EachHasItsReason) {
       {EndCause::kNotRead, "not_read"},    {EndCause::kBrokeRules, "protocol_error"},
       {EndCause::kBound, "refused"},       {EndCause::kUnconfirmed, "refused"},
       {EndCause::kNotAllowed, "refused"},  {EndCause::kForgotten, "refused"},
+      {EndCause::kBlocked, "refused"},     {EndCause::kDisconnected, "refused"},
       {EndCause::kStoreLost, "refused"},   {EndCause::kServerStops, "server_ended"},
   };
   ASSERT_EQ(expected.size(), kAllEndCauses.size());

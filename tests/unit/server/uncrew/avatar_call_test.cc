@@ -393,6 +393,25 @@ TEST_F(AvatarCallTest, NoCommandsAreRelayedAndTheDroneIsToldSo) {
   EXPECT_EQ(served.status(), absl::UnimplementedError("this server relays no commands"));
 }
 
+TEST_F(AvatarCallTest, ABlockedDroneIsRefusedAlsoWhereItsSampleWaits) {
+  fleet::RobotSettings settings(1);
+  settings.OnChange([this](std::span<const fleet::RobotSettings::Change> changes) {
+    bench_.fleet().OnSettings(changes);
+  });
+  bench_.fleet().entry().Set({}, settings);
+  FakeCall& waits = bench_.Call(SampleType::kStatusText, kText);
+  EXPECT_EQ(waits.End(), "waits") << "for the claim";
+  settings.Apply({{.ruri = AvatarBench::Drone("1").ruri, .blocked = true, .version = 1}});
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }").End(),
+            "PERMISSION_DENIED");
+  bench_.Commit();
+  EXPECT_EQ(waits.End(), "PERMISSION_DENIED");
+  EXPECT_EQ(bench_.counts().blocked, 1U);
+  EXPECT_TRUE(bench_.counts().Balanced());
+  settings.Apply({{.ruri = AvatarBench::Drone("1").ruri, .version = 2}});
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
+}
+
 TEST_F(AvatarCallTest, AnIdleDroneIsLetGoOf) {
   Begin();
   bench_.drones().Round();

@@ -1,0 +1,146 @@
+#include "server/admin/checks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "schema/base/utf8.h"
+#include "server/identity/ruri.h"
+#include "storage/reader.h"
+
+namespace uplink::admin {
+namespace {
+
+constexpr std::size_t kDigestDigits = 64;
+/// 20 bytes (RFC 5280), and as many again of certificates that do not keep to that.
+constexpr std::size_t kSerialDigitsMax = 80;
+/// Beside a serial and a space.
+constexpr std::size_t kIssuerBytesMax = storage::kRevokedValueBytesMax - kSerialDigitsMax - 1;
+
+absl::Status Wrong(std::string_view field, std::string_view what) {
+  return absl::InvalidArgumentError(fmt::format("{} {}", field, what));
+}
+
+bool IsLetterOrDigit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+bool IsOfLabel(char c) {
+  return IsLetterOrDigit(c) || std::string_view("._/-").find(c) != std::string_view::npos;
+}
+
+enum class Case : std::uint8_t { kLower, kUpper };
+
+/// Without colons; nothing if it is no hexadecimal.
+std::optional<std::string> HexOf(std::string_view text, Case letters) {
+  std::string hex;
+  for (const char c : text) {
+    if (c == ':') continue;
+    if (c >= '0' && c <= '9') {
+      hex += c;
+    } else if ((c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F')) {
+      const int letter = c & ~0x20;
+      hex += static_cast<char>(letters == Case::kUpper ? letter : letter | 0x20);
+    } else {
+      return std::nullopt;
+    }
+  }
+  return hex;
+}
+
+/// As certificates' serials are kept: whole bytes, without leading zero bytes.
+std::optional<std::string> SerialOf(std::string_view text) {
+  std::optional<std::string> hex = HexOf(text, Case::kUpper);
+  if (!hex || hex->empty() || hex->size() > kSerialDigitsMax) return std::nullopt;
+  const std::size_t first = hex->find_first_not_of('0');
+  if (first == std::string::npos) return "0";
+  hex->erase(0, first);
+  return hex->size() % 2 == 0 ? *hex : "0" + *hex;
+}
+
+absl::StatusOr<std::string> DigestOf(std::string_view field, std::string_view text) {
+  std::optional<std::string> hex = HexOf(text, Case::kLower);
+  if (hex && hex->size() == kDigestDigits) return *std::move(hex);
+  return Wrong(field, "must be a SHA-256: 64 hexadecimal digits");
+}
+
+}  // namespace
+
+absl::Status CheckText(std::string_view field, std::string_view text, std::size_t bytes_max) {
+  if (text.size() > bytes_max) {
+    return Wrong(field, fmt::format("must have at most {} bytes", bytes_max));
+  }
+  if (!IsCleanUtf8(text)) return Wrong(field, "must be text in UTF-8");
+  return absl::OkStatus();
+}
+
+absl::Status CheckRuri(std::string_view ruri) {
+  if (ruri.empty()) return Wrong("ruri", "is missing: name the robot");
+  if (const auto flaw = identity::FlawOfRuri(ruri)) return Wrong("ruri", *flaw);
+  return absl::OkStatus();
+}
+
+absl::Status CheckLabels(const google::protobuf::Map<std::string, std::string>& labels) {
+  if (labels.size() > storage::kLabelsMax) {
+    return Wrong("labels", fmt::format("must be {} at most", storage::kLabelsMax));
+  }
+  for (const auto& [name, value] : labels) {
+    if (name.empty() || name.size() > storage::kLabelBytesMax ||
+        !std::ranges::all_of(name, IsOfLabel)) {
+      return Wrong("labels", fmt::format("must have names of 1 to {} letters, digits and ._/-",
+                                         storage::kLabelBytesMax));
+    }
+    const auto controls = CountControls(value);
+    if (value.size() > storage::kLabelBytesMax || !controls || *controls > 0) {
+      return Wrong("labels", fmt::format("must have values of at most {} bytes of text in one line",
+                                         storage::kLabelBytesMax));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::uint32_t> PageSizeOf(std::int32_t page_size) {
+  if (page_size == 0) return storage::kPageSizeDefault;
+  if (page_size > 0 && static_cast<std::uint32_t>(page_size) <= storage::kPageSizeMax) {
+    return static_cast<std::uint32_t>(page_size);
+  }
+  return Wrong("pageSize", fmt::format("must be a number from 1 to {}", storage::kPageSizeMax));
+}
+
+template <typename Request>
+absl::StatusOr<storage::Revocation> RevocationOf(const Request& request) {
+  const bool names_serial = !request.serial().empty() || !request.issuer().empty();
+  const int ways =
+      int{names_serial} + int{!request.sha256().empty()} + int{!request.key_sha256().empty()};
+  if (ways != 1) {
+    return Wrong("sha256", "or keySha256, or serial with issuer must be given, one of them alone");
+  }
+  storage::Revocation revocation;
+  if (!names_serial) {
+    const bool is_key = !request.key_sha256().empty();
+    absl::StatusOr<std::string> digest =
+        is_key ? DigestOf("keySha256", request.key_sha256()) : DigestOf("sha256", request.sha256());
+    if (!digest.ok()) return digest.status();
+    revocation.by = is_key ? storage::RevokedBy::kKey : storage::RevokedBy::kCertificate;
+    revocation.value = *std::move(digest);
+    return revocation;
+  }
+  const std::optional<std::string> serial = SerialOf(request.serial());
+  if (!serial) return Wrong("serial", "must be hexadecimal");
+  if (request.issuer().empty()) return Wrong("issuer", "is missing: serials differ within one");
+  if (absl::Status checked = CheckText("issuer", request.issuer(), kIssuerBytesMax); !checked.ok())
+    return checked;
+  revocation.by = storage::RevokedBy::kIssuerSerial;
+  revocation.value = fmt::format("{} {}", *serial, request.issuer());
+  return revocation;
+}
+
+template absl::StatusOr<storage::Revocation> RevocationOf(
+    const v1::RevokeCertificateRequest& request);
+template absl::StatusOr<storage::Revocation> RevocationOf(
+    const v1::UnrevokeCertificateRequest& request);
+
+}  // namespace uplink::admin

@@ -1,0 +1,90 @@
+#include "server/fleet/entry.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "server/identity/ruri.h"
+
+namespace uplink::fleet {
+
+bool Entry::IsBlocked(std::string_view ruri) const {
+  const RobotSettingPtr setting = settings_ == nullptr ? nullptr : settings_->Find(ruri);
+  return setting != nullptr && setting->blocked;
+}
+
+std::optional<std::string> Entry::TakeUnnamed() {
+  if (!met_unnamed_.load()) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  return std::exchange(unnamed_, std::nullopt);
+}
+
+Refusal Entry::Judge(const Claim& claim, const Known& known, SystemTime now) {
+  const std::string& ruri = claim.robot.ruri;
+  const RobotSettingPtr setting = settings_ == nullptr ? nullptr : settings_->Find(ruri);
+  if (setting != nullptr && setting->blocked) return Refusal::kBlocked;
+  if (claim.grant == Grant::kFleet) {
+    if (rules_.only_named) return Refusal::kGatewayUnnamed;
+    if (!met_unnamed_.exchange(true)) {
+      const std::lock_guard lock(mutex_);
+      unnamed_ = claim.gateway;
+    }
+  }
+  if (known.fleet != nullptr) {
+    // A gateway that speaks for its fleet moves no robots anyway. A twin has no certificate: the
+    // key cyberwave.fleet moves it.
+    const bool moves = claim.grant != Grant::kFleet && *known.fleet != claim.robot.fleet &&
+                       !identity::NamesTwin(ruri);
+    return moves && rules_.fleets_stay ? Refusal::kFleetStays : Refusal::kNone;
+  }
+  if (identity::FlawOfForm(ruri)) {
+    return known.store_read ? Refusal::kNotCanonical : Refusal::kRobotsUnread;
+  }
+  // Before the store was read no one can tell which robots it knows.
+  if (!rules_.only_registered || !known.store_read) return Refusal::kNone;
+  if (setting != nullptr && setting->registered) {
+    candidates_.Remove(ruri);
+    return Refusal::kNone;
+  }
+  candidates_.Note(claim, now);
+  return Refusal::kNotRegistered;
+}
+
+absl::Status StatusOfEntry(Refusal refusal, const Claim& claim) {
+  switch (refusal) {
+    case Refusal::kBlocked:
+      return absl::PermissionDeniedError("blocked");
+    case Refusal::kNotRegistered:
+      return absl::PermissionDeniedError(
+          fmt::format("{} is not registered: an operator must add it first (identity.registration)",
+                      claim.robot.ruri));
+    case Refusal::kGatewayUnnamed:
+      return absl::PermissionDeniedError(
+          fmt::format("the certificate of gateway {} names no robots, and it must "
+                      "(identity.gateways)",
+                      claim.gateway));
+    case Refusal::kFleetStays:
+      return absl::PermissionDeniedError(
+          fmt::format("{} is of another fleet than the certificate, {}, and stays there "
+                      "(identity.fleet_moves)",
+                      claim.robot.ruri, claim.robot.fleet));
+    case Refusal::kNotCanonical:
+      return absl::PermissionDeniedError(
+          fmt::format("the RURI {} {}, which no new robot's may", claim.robot.ruri,
+                      identity::FlawOfForm(claim.robot.ruri).value_or("is not canonical")));
+    case Refusal::kRobotsUnread:
+      return absl::UnavailableError(fmt::format(
+          "the RURI {} {}, and the server has not read yet whether the store has it",
+          claim.robot.ruri, identity::FlawOfForm(claim.robot.ruri).value_or("is not canonical")));
+    case Refusal::kNone:
+    case Refusal::kFull:
+    case Refusal::kGatewayFull:
+    case Refusal::kOtherFleet:
+    case Refusal::kOddFleet:
+    case Refusal::kFleetsUnread:
+      break;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace uplink::fleet

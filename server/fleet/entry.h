@@ -1,0 +1,75 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "schema/base/clock.h"
+#include "server/fleet/candidates.h"
+#include "server/fleet/claim.h"
+#include "server/fleet/robot_settings.h"
+
+namespace uplink::fleet {
+
+/// The keys of [identity] that decide which robots come in. A value.
+struct EntryRules {
+  /// identity.registration = "closed": a robot that is not known comes in only if an operator added
+  /// it.
+  bool only_registered = false;
+  /// identity.gateways = "named": a gateway's certificate must name its robots.
+  bool only_named = false;
+  /// identity.fleet_moves = "refuse": a certificate of another fleet does not move a robot.
+  bool fleets_stay = false;
+};
+
+/// Which robots come in, beside certificates and bounds: by the rules, and by what operators set.
+///
+/// Thread: thread-safe. It only calls RobotSettings and Candidates.
+class Entry final {
+ public:
+  /// Nothing is set of any robot, and all come in.
+  Entry() = default;
+  /// `settings` outlives it. Call it before the first thread.
+  void Set(const EntryRules& rules, const RobotSettings& settings) {
+    rules_ = rules;
+    settings_ = &settings;
+  }
+
+  /// What is known of the robot that a claim names.
+  struct Known {
+    /// Its fleet; null: it is not known.
+    const std::string* fleet = nullptr;
+    /// The robots of the store were read: one that is not known is new.
+    bool store_read = false;
+  };
+  /// A robot that is refused because it is not registered becomes a candidate.
+  [[nodiscard]] Refusal Judge(const Claim& claim, const Known& known, SystemTime now);
+  [[nodiscard]] bool IsBlocked(std::string_view ruri) const;
+  /// Whether the claim brings the robot into its fleet, from whichever the robot was in.
+  [[nodiscard]] bool Moves(const Claim& claim) const {
+    return claim.grant != Grant::kFleet && !rules_.fleets_stay;
+  }
+  /// The subject of the first gateway that came without names, once; later and before nothing.
+  [[nodiscard]] std::optional<std::string> TakeUnnamed();
+  [[nodiscard]] Candidates& candidates() { return candidates_; }
+  [[nodiscard]] const Candidates& candidates() const { return candidates_; }
+
+ private:
+  EntryRules rules_;
+  const RobotSettings* settings_ = nullptr;
+  /// A gateway came without names.
+  std::atomic<bool> met_unnamed_{false};
+  std::mutex mutex_;
+  std::optional<std::string> unnamed_;
+  Candidates candidates_;
+};
+
+/// The status that tells a robot why it may not come in: kPermissionDenied, and kUnavailable for
+/// kRobotsUnread. OK for a refusal that Entry does not give.
+[[nodiscard]] absl::Status StatusOfEntry(Refusal refusal, const Claim& claim);
+
+}  // namespace uplink::fleet

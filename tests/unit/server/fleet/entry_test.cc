@@ -1,0 +1,176 @@
+// Which robots come in: blocked ones, new ones, those of gateways without names, and moved ones.
+#include "server/fleet/entry.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/fleet/fleet.h"
+#include "tests/support/manual_clock.h"
+
+namespace uplink::fleet {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr const char* kRobot = "rcan://f/one";
+constexpr const char* kTwin =
+    "rcan://local.rcan/cyberwave/twin/11111111-2222-4333-8444-555555555555";
+
+class EntryTest : public ::testing::Test {
+ protected:
+  EntryTest() { Rule({}); }
+
+  void Rule(const EntryRules& rules) { fleet_.entry().Set(rules, settings_); }
+  void StoreIsRead() { fleet_.odd_fleets().SetRead(); }
+  void Apply(storage::RobotSetting setting) {
+    setting.ruri = kRobot;
+    setting.version = ++version_;
+    settings_.Apply({setting});
+  }
+  static Claim Of(const std::string& ruri, const std::string& fleet = "f",
+                  Grant grant = Grant::kOwn) {
+    return {.robot = {.ruri = ruri, .fleet = fleet},
+            .grant = grant,
+            .gateway = grant == Grant::kOwn ? "" : "CN=hall"};
+  }
+  Refusal Come(const Claim& claim) { return fleet_.FindOrAdmitBy(claim).refusal; }
+
+  testing::ManualClock clock_;
+  RobotSettings settings_{10};
+  Fleet fleet_{clock_, 10, {}};
+
+ private:
+  storage::AccessVersion version_ = 0;
+};
+
+TEST_F(EntryTest, AllComeInIfNothingIsSet) {
+  Fleet plain(clock_, 10, {});
+  EXPECT_EQ(plain.FindOrAdmitBy(Of(kRobot)).refusal, Refusal::kNone);
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
+  EXPECT_EQ(Come(Of("rcan://f/two", "f", Grant::kFleet)), Refusal::kNone);
+}
+
+TEST_F(EntryTest, ABlockedRobotStaysOutWhetherItIsKnownOrNot) {
+  Apply({.blocked = true});
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kBlocked);
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kNamed)), Refusal::kBlocked);
+  EXPECT_EQ(fleet_.size(), 0U);
+  Apply({});
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
+  Apply({.blocked = true});
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kBlocked);
+}
+
+TEST_F(EntryTest, ARobotOfTheStoreIsBlockedFromTheStart) {
+  Apply({.blocked = true});
+  const auto robot = fleet_.AdmitNew({.ruri = kRobot, .fleet = "f"});
+  ASSERT_TRUE(robot.ok());
+  EXPECT_TRUE((*robot)->blocked());
+}
+
+TEST_F(EntryTest, AChangeReachesARobotInMemory) {
+  settings_.OnChange(
+      [this](std::span<const RobotSettings::Change> changes) { fleet_.OnSettings(changes); });
+  const RobotPtr robot = fleet_.FindOrAdmitBy(Of(kRobot)).robot;
+  EXPECT_FALSE(robot->blocked());
+  Apply({.blocked = true});
+  EXPECT_TRUE(robot->blocked());
+  Apply({.note = "found"});
+  EXPECT_FALSE(robot->blocked());
+}
+
+TEST_F(EntryTest, WhereRegistrationIsClosedANewRobotComesInOnceItWasAdded) {
+  Rule({.only_registered = true});
+  ASSERT_TRUE(fleet_.AdmitNew({.ruri = "rcan://f/known", .fleet = "f"}).ok());
+  StoreIsRead();
+  EXPECT_EQ(Come(Of("rcan://f/known")), Refusal::kNone);
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kFleet)), Refusal::kNotRegistered);
+  ASSERT_THAT(fleet_.entry().candidates().All(), SizeIs(1));
+  const Candidate candidate = fleet_.entry().candidates().All().front();
+  EXPECT_EQ(candidate.robot.ruri, kRobot);
+  EXPECT_EQ(candidate.gateway, "CN=hall");
+  EXPECT_EQ(candidate.last_at, clock_.System());
+  Apply({.registered = true});
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kFleet)), Refusal::kNone);
+  EXPECT_THAT(fleet_.entry().candidates().All(), IsEmpty());
+}
+
+TEST_F(EntryTest, BeforeTheStoreWasReadAnyRobotMayBeKnown) {
+  Rule({.only_registered = true});
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
+  EXPECT_EQ(Come(Of("rcan://F/two")), Refusal::kRobotsUnread);
+}
+
+TEST_F(EntryTest, ATwinMustBeAddedLikeAnyRobot) {
+  Rule({.only_registered = true});
+  StoreIsRead();
+  const auto twin = fleet_.FindOrAdmit({.ruri = kTwin, .fleet = "f"});
+  EXPECT_TRUE(absl::IsPermissionDenied(twin.status())) << twin.status();
+  EXPECT_THAT(fleet_.entry().candidates().All(), SizeIs(1));
+}
+
+TEST_F(EntryTest, AGatewayMustNameItsRobotsWhereTheRuleSaysSo) {
+  Rule({.only_named = true});
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kFleet)), Refusal::kGatewayUnnamed);
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kNamed)), Refusal::kNone);
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
+  EXPECT_EQ(fleet_.entry().TakeUnnamed(), std::nullopt) << "it was refused";
+}
+
+TEST_F(EntryTest, TheFirstGatewayWithoutNamesIsToldOnce) {
+  EXPECT_EQ(fleet_.entry().TakeUnnamed(), std::nullopt);
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kFleet)), Refusal::kNone);
+  EXPECT_EQ(fleet_.entry().TakeUnnamed(), "CN=hall");
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kFleet)), Refusal::kNone);
+  EXPECT_EQ(fleet_.entry().TakeUnnamed(), std::nullopt);
+}
+
+TEST_F(EntryTest, ACertificateOfAnotherFleetMovesARobotUnlessFleetsStay) {
+  EXPECT_EQ(Come(Of(kRobot, "north")), Refusal::kNone);
+  EXPECT_EQ(Come(Of(kRobot, "south")), Refusal::kNone);
+  EXPECT_EQ(fleet_.Find(kRobot)->id()->fleet, "south");
+  EXPECT_TRUE(fleet_.entry().Moves(Of(kRobot)));
+  EXPECT_FALSE(fleet_.entry().Moves(Of(kRobot, "f", Grant::kFleet)));
+  Rule({.fleets_stay = true});
+  EXPECT_EQ(Come(Of(kRobot, "north")), Refusal::kFleetStays);
+  EXPECT_EQ(Come(Of(kRobot, "north", Grant::kNamed)), Refusal::kFleetStays);
+  EXPECT_EQ(fleet_.Find(kRobot)->id()->fleet, "south");
+  EXPECT_EQ(Come(Of(kRobot, "south")), Refusal::kNone);
+  EXPECT_FALSE(fleet_.entry().Moves(Of(kRobot)));
+}
+
+TEST_F(EntryTest, TheConfigurationMovesATwinEvenIfFleetsStay) {
+  ASSERT_TRUE(fleet_.FindOrAdmit({.ruri = kTwin, .fleet = "north"}).ok());
+  Rule({.fleets_stay = true});
+  EXPECT_TRUE(fleet_.FindOrAdmit({.ruri = kTwin, .fleet = "south"}).ok());
+}
+
+TEST_F(EntryTest, ANewRobotHasACanonicalRuriAndAKnownOneKeepsItsOwn) {
+  ASSERT_TRUE(fleet_.AdmitNew({.ruri = "rcan://F/known", .fleet = "f"}).ok());
+  StoreIsRead();
+  EXPECT_EQ(Come(Of("rcan://F/known")), Refusal::kNone);
+  EXPECT_EQ(Come(Of("rcan://F/new")), Refusal::kNotCanonical);
+  EXPECT_EQ(Come(Of("rcan://f/new?sig=x")), Refusal::kNotCanonical);
+  EXPECT_EQ(Come(Of("rcan://f/new")), Refusal::kNone);
+}
+
+TEST(StatusOfEntry, NamesWhatAnOperatorMustDo) {
+  const Claim claim{.robot = {.ruri = "rcan://F/one", .fleet = "f"}, .gateway = "CN=hall"};
+  const auto text = [&claim](Refusal refusal) {
+    return std::string(StatusOfEntry(refusal, claim).message());
+  };
+  EXPECT_EQ(text(Refusal::kBlocked), "blocked");
+  EXPECT_THAT(text(Refusal::kNotRegistered), HasSubstr("identity.registration"));
+  EXPECT_THAT(text(Refusal::kGatewayUnnamed), HasSubstr("gateway CN=hall"));
+  EXPECT_THAT(text(Refusal::kFleetStays), HasSubstr("identity.fleet_moves"));
+  EXPECT_THAT(text(Refusal::kNotCanonical), HasSubstr("has a host with capital letters"));
+  EXPECT_TRUE(absl::IsUnavailable(StatusOfEntry(Refusal::kRobotsUnread, claim)));
+  EXPECT_TRUE(StatusOfEntry(Refusal::kFull, claim).ok());
+}
+
+}  // namespace
+}  // namespace uplink::fleet

@@ -1,0 +1,173 @@
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/admin/actions.h"
+#include "server/http/entrance.h"
+#include "server/http/routes.h"
+#include "tests/support/server_world.h"
+
+// What operators decide, by POST.
+namespace uplink::http {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kNorth = "rcan://example.com/north/1";
+constexpr const char* kSouth = "rcan://example.com/south/1";
+
+class HttpCommandsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    world_.AddRobot(kNorth, "north");
+    world_.AddRobot(kSouth, "south");
+  }
+
+  static Request PostOf(const std::string& target, const std::string& body = {},
+                        const std::string& type = "application/json") {
+    Request request{Method::kPost, target};
+    request.body = body;
+    request.content_type = body.empty() ? "" : type;
+    return request;
+  }
+  Response Post(const std::string& target, const std::string& body = {}) {
+    return world_.Get(PostOf(target, body));
+  }
+  static identity::Caller OfNorth() {
+    return {.role = identity::Role::kOperator,
+            .scope = identity::Scope::Of({"north"}),
+            .proof = identity::Proof::kToken,
+            .name = "1f2e3d4c"};
+  }
+
+  testing::ServerWorld world_;
+};
+
+TEST_F(HttpCommandsTest, BlocksByParameterAndByBody) {
+  const Response by_parameter = Post("/api/v1/robot/block?ruri=" + std::string(kNorth));
+  EXPECT_EQ(by_parameter.status, 200) << by_parameter.body;
+  EXPECT_THAT(by_parameter.body, HasSubstr(R"("blocked":true)"));
+  const Response by_body = Post("/api/v1/robot/block", R"({"ruri":"rcan://example.com/south/1",)"
+                                                       R"("reason":"stolen"})");
+  EXPECT_EQ(by_body.status, 200) << by_body.body;
+  EXPECT_THAT(by_body.body, HasSubstr(R"("blockedWhy":"stolen")"));
+  EXPECT_EQ(world_.access_store.audit.size(), 2U);
+}
+
+TEST_F(HttpCommandsTest, ABodyAndAParameterThatDifferAreRefused) {
+  const Response response = Post("/api/v1/robot/block?ruri=" + std::string(kNorth),
+                                 R"({"ruri":"rcan://example.com/south/1"})");
+  EXPECT_EQ(response.status, 400);
+  EXPECT_THAT(response.body, HasSubstr(R"("field":"ruri")"));
+}
+
+TEST_F(HttpCommandsTest, RefusesWhatIsNoJsonOrHasAnotherField) {
+  const std::string target = "/api/v1/robot/block?ruri=" + std::string(kNorth);
+  EXPECT_EQ(world_.Get(PostOf(target, "a=b", "application/x-www-form-urlencoded")).status, 415);
+  EXPECT_EQ(world_.Get(PostOf(target, "{}", "Application/JSON ; charset=utf-8")).status, 200);
+  const Response other = Post(target, R"({"blokced":true})");
+  EXPECT_EQ(other.status, 400);
+  EXPECT_THAT(other.body, HasSubstr("blokced"));
+  EXPECT_EQ(Post(target, "{").status, 400);
+  EXPECT_EQ(Post(target + "&x=1").status, 400);
+}
+
+TEST_F(HttpCommandsTest, NamesTheFieldThatIsWrong) {
+  const Response response = Post("/api/v1/robot/block");
+  EXPECT_EQ(response.status, 400);
+  EXPECT_THAT(response.body, HasSubstr(R"("field":"ruri")"));
+}
+
+TEST_F(HttpCommandsTest, APathTakesOneMethod) {
+  for (const Route& route : Routes()) {
+    if (route.action.empty()) continue;
+    const Response get = world_.Get(std::string(route.pattern));
+    EXPECT_EQ(get.status, 405) << route.pattern;
+    EXPECT_EQ(get.allow, "POST");
+  }
+  EXPECT_EQ(Post("/api/v1/robots").status, 405);
+  EXPECT_EQ(Post("/livez").status, 405);
+}
+
+TEST_F(HttpCommandsTest, ARobotOutOfScopeIsAnUnknownOne) {
+  for (const char* path : {"block", "unblock", "disconnect", "note"}) {
+    const std::string target = std::string("/api/v1/robot/") + path + "?ruri=rcan://example.com/";
+    const std::string body = std::string(path) == "note" ? R"({"note":"x"})" : "";
+    Request south = PostOf(target + "south/1", body);
+    south.caller = OfNorth();
+    Request unknown = PostOf(target + "other/1", body);
+    unknown.caller = OfNorth();
+    Response of_south = world_.Get(south);
+    EXPECT_EQ(of_south.status, 404) << path;
+    of_south.body.replace(of_south.body.find("south"), 5, "other");
+    EXPECT_EQ(of_south.body, world_.Get(unknown).body);
+    Request north = PostOf(target + "north/1", body);
+    north.caller = OfNorth();
+    EXPECT_EQ(world_.Get(north).status, 200) << path;
+  }
+}
+
+TEST_F(HttpCommandsTest, ShowsTheAuditAndTheRevocations) {
+  EXPECT_EQ(Post("/api/v1/certificates/revoke",
+                 R"({"sha256":")" + std::string(64, 'a') + R"(","reason":"stolen"})")
+                .status,
+            200);
+  EXPECT_THAT(world_.Get("/api/v1/audit?action=certificate_revoke").body,
+              HasSubstr(R"("action":"certificate_revoke")"));
+  EXPECT_THAT(world_.Get("/api/v1/certificates/revocations").body,
+              HasSubstr(R"("reason":"stolen")"));
+  EXPECT_EQ(world_.Get("/api/v1/audit?pageSize=0").status, 400);
+}
+
+TEST_F(HttpCommandsTest, AStoreThatIsAwayIs503) {
+  world_.access_store.status = absl::UnavailableError("away");
+  EXPECT_EQ(Post("/api/v1/robot/block?ruri=" + std::string(kNorth)).status, 503);
+}
+
+TEST_F(HttpCommandsTest, ABoundThatIsReachedIs409) {
+  world_.access_store.status = absl::ResourceExhaustedError("too many labels");
+  const Response response = Post("/api/v1/robot/block?ruri=" + std::string(kNorth));
+  EXPECT_EQ(response.status, 409);
+  EXPECT_THAT(response.body, HasSubstr("too many labels"));
+}
+
+TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {
+  Request request = PostOf("/api/v1/robot/block?ruri=" + std::string(kNorth));
+  request.caller = OfNorth();
+  request.from = "192.0.2.1";
+  world_.site.NoteForbidden(request, FindRoute("/api/v1/robot/block").id);
+  world_.audit.Flush(world_.shared_access);
+  ASSERT_EQ(world_.access_store.audit.size(), 1U);
+  EXPECT_EQ(world_.access_store.audit[0].outcome, "PERMISSION_DENIED");
+  EXPECT_EQ(world_.access_store.audit[0].target, kNorth);
+  world_.site.NoteForbidden(request, FindRoute("/api/v1/audit").id);
+  EXPECT_EQ(world_.audit.waiting(), 0U) << "questions leave no row";
+}
+
+TEST_F(HttpCommandsTest, RobotsShowAndAreFoundByWhatIsSet) {
+  world_.settings.Apply({{.ruri = kNorth,
+                          .blocked = true,
+                          .labels = {{"line", "2"}, {"site", "hall=2"}},
+                          .note = "new wheels",
+                          .version = 1},
+                         {.ruri = kSouth, .labels = {{"line", "2"}}, .version = 2}});
+  const std::string list = "/api/v1/robots?parts=none&";
+  const std::string both = world_.Get(list + "label=line=2").body;
+  EXPECT_THAT(both, HasSubstr(kNorth));
+  EXPECT_THAT(both, HasSubstr(kSouth));
+  const std::string one = world_.Get(list + "label=line=2&label=site=hall=2").body;
+  EXPECT_THAT(one, HasSubstr(R"("total":"1")"));
+  EXPECT_THAT(one, HasSubstr(R"("note":"new wheels")"));
+  EXPECT_THAT(one, HasSubstr(R"("site":"hall=2")"));
+  EXPECT_THAT(world_.Get(list + "blocked=true").body, HasSubstr(kNorth));
+  const std::string others = world_.Get(list + "blocked=false").body;
+  EXPECT_THAT(others, HasSubstr(kSouth));
+  EXPECT_THAT(others, HasSubstr(R"("total":"1")"));
+  EXPECT_EQ(world_.Get(list + "label=line").status, 400);
+  EXPECT_THAT(world_.Get("/api/v1/robot?ruri=" + std::string(kNorth)).body,
+              HasSubstr(R"("blocked":true)"));
+}
+
+}  // namespace
+}  // namespace uplink::http

@@ -1,0 +1,121 @@
+#include "tools/uplinkctl/ask/store_desk.h"
+
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include <fmt/core.h>
+#include <google/protobuf/util/json_util.h>
+
+#include "schema/base/rfc3339.h"
+#include "server/admin/commands.h"
+#include "server/config/load.h"
+#include "server/view/json.h"
+#include "server/view/message_printer.h"
+#include "tools/uplinkctl/store_access.h"
+
+namespace uplink::ctl {
+namespace {
+
+using admin::Commands;
+
+/// Its lines are the server's matter.
+class NoLines final : public log::LineSink {
+ public:
+  void Write(log::Level /*level*/, std::string_view /*line*/) override {}
+};
+
+link::HttpAnswer ErrorOf(const absl::Status& status) {
+  unsigned code = 503;
+  if (absl::IsInvalidArgument(status)) code = 400;
+  if (absl::IsNotFound(status)) code = 404;
+  if (absl::IsResourceExhausted(status)) code = 409;
+  const std::string message(status.message());
+  const std::string name = absl::StatusCodeToString(status.code());
+  return {code, view::ErrorJson({name, message})};
+}
+
+template <typename Answer>
+link::HttpAnswer AnswerOf(const absl::StatusOr<Answer>& answer) {
+  if (!answer.ok()) return ErrorOf(answer.status());
+  const absl::StatusOr<std::string> json = view::MessagePrinter().Print(*answer);
+  if (!json.ok()) return ErrorOf(json.status());
+  return {200, *json};
+}
+
+template <typename Question, typename Answer>
+link::HttpAnswer Do(Commands& commands, const std::string& json,
+                    absl::StatusOr<Answer> (Commands::*command)(const admin::Asker&,
+                                                                const Question&)) {
+  Question question;
+  const auto read = google::protobuf::util::JsonStringToMessage(json, &question);
+  if (!read.ok()) return ErrorOf(absl::InvalidArgumentError(std::string(read.message())));
+  return AnswerOf((commands.*command)(ThisUser(), question));
+}
+
+}  // namespace
+
+struct StoreDesk::Parts {
+  SystemClock clock;
+  log::Logger logger{std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError};
+  std::unique_ptr<storage::AccessStore> store;
+  std::unique_ptr<admin::SharedStore> shared;
+  admin::AuditTrail audit{logger};
+  std::unique_ptr<Commands> commands;
+};
+
+StoreDesk::StoreDesk(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+StoreDesk::~StoreDesk() = default;
+
+absl::StatusOr<std::unique_ptr<StoreDesk>> StoreDesk::Open(const std::string& config) {
+  const config::LoadResult read = config::LoadConfig(config, config::ProcessEnvironment());
+  if (!read.readable) {
+    return absl::InvalidArgumentError(
+        read.problems.empty() ? config + " cannot be read" : config::ToText(read.problems.front()));
+  }
+  auto parts = std::make_unique<Parts>();
+  auto store =
+      OpenAccess(read.readable->store.url, read.readable->store.password_file, parts->clock);
+  if (!store.ok()) return store.status();
+  parts->store = *std::move(store);
+  parts->shared = std::make_unique<admin::SharedStore>(*parts->store);
+  parts->commands = std::make_unique<Commands>(
+      Commands::Context{.clock = parts->clock, .store = *parts->shared, .audit = parts->audit});
+  return std::unique_ptr<StoreDesk>(new StoreDesk(std::move(parts)));
+}
+
+std::optional<link::HttpAnswer> StoreDesk::Answer(const std::string& target,
+                                                  const std::string* json) {
+  Commands& commands = *parts_->commands;
+  const std::string path = target.substr(0, target.find('?'));
+  std::optional<link::HttpAnswer> answer;
+  if (json == nullptr) {
+    if (path != "/api/v1/certificates/revocations") return std::nullopt;
+    v1::ListRevocationsRequest request;
+    request.set_page_size(storage::kPageSizeMax);
+    // It is the last one, and of digits.
+    constexpr std::string_view kToken = "pageToken=";
+    const std::size_t token = target.find(kToken);
+    if (token != std::string::npos) request.set_page_token(target.substr(token + kToken.size()));
+    return AnswerOf(commands.ListRevocations(request));
+  }
+  if (path == "/api/v1/robot/block") answer = Do(commands, *json, &Commands::BlockRobot);
+  if (path == "/api/v1/robot/unblock") answer = Do(commands, *json, &Commands::UnblockRobot);
+  if (path == "/api/v1/robot/disconnect") answer = Do(commands, *json, &Commands::DisconnectRobot);
+  if (path == "/api/v1/robot/note") answer = Do(commands, *json, &Commands::NoteRobot);
+  if (path == "/api/v1/robot/add") answer = Do(commands, *json, &Commands::AddRobot);
+  if (path == "/api/v1/faults/acknowledge") {
+    answer = Do(commands, *json, &Commands::AcknowledgeFault);
+  }
+  if (path == "/api/v1/certificates/revoke") {
+    answer = Do(commands, *json, &Commands::RevokeCertificate);
+  }
+  if (path == "/api/v1/certificates/unrevoke") {
+    answer = Do(commands, *json, &Commands::UnrevokeCertificate);
+  }
+  // What was refused.
+  parts_->audit.Flush(*parts_->shared);
+  return answer;
+}
+
+}  // namespace uplink::ctl
