@@ -16,7 +16,7 @@
 #include "server/http/header_text.h"
 #include "server/http/parameters.h"
 #include "server/http/rows.h"
-#include "server/view/message_printer.h"
+#include "server/view/json.h"
 #include "server/view/timestamps.h"
 
 namespace uplink::http {
@@ -57,9 +57,9 @@ void ReadNames(Parameters& parameters, std::initializer_list<std::string_view> n
 }
 
 template <typename Answer>
-Response AnswerOf(const absl::StatusOr<Answer>& answer) {
+Response AnswerOf(const RoutedRequest& request, const absl::StatusOr<Answer>& answer) {
   if (!answer.ok()) return CommandError(answer.status());
-  return JsonResponse(view::MessagePrinter().Print(*answer));
+  return JsonResponse(view::Encode(request.form, *answer, {}));
 }
 
 /// The answer of a command, whose request is the body; `names` may be parameters too.
@@ -76,7 +76,7 @@ Response Command(const Sources& sources, const RoutedRequest& request,
   ReadNames(parameters, names, question);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   return AnswerOf(
-      (sources.commands.*command)(admin::AskerOf(request.caller, request.from), question));
+      request, (sources.commands.*command)(admin::AskerOf(request.caller, request.from), question));
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ Response GetRevocations(const Sources& sources, const RoutedRequest& request) {
   question.set_page_size(static_cast<std::int32_t>(ReadPageSize(parameters)));
   question.set_page_token(parameters.TextOrEmpty("pageToken"));
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return AnswerOf(sources.commands.ListRevocations(question));
+  return AnswerOf(request, sources.commands.ListRevocations(question));
 }
 
 Response GetAudit(const Sources& sources, const RoutedRequest& request) {
@@ -141,7 +141,7 @@ Response GetAudit(const Sources& sources, const RoutedRequest& request) {
   question.set_action(parameters.Text("action"));
   question.set_target(parameters.Text("target"));
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return AnswerOf(sources.commands.ListAudit(question));
+  return AnswerOf(request, sources.commands.ListAudit(question));
 }
 
 }  // namespace uplink::http

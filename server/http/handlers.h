@@ -23,8 +23,8 @@ namespace uplink::http {
 /// on one lane alone.
 struct Sources {
   view::Queries& queries;
-  admin::Commands& commands;
   view::Watches& watches;
+  admin::Commands& commands;
   health::Monitor& monitor;
   /// The text of our own scrape: every metric of the catalogue.
   std::function<std::string(metrics::Format)> metrics;

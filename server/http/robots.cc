@@ -191,7 +191,7 @@ Response GetCandidates(const Sources& sources, const RoutedRequest& request) {
   const std::uint32_t count =
       parameters.Number("pageSize", storage::kPageSizeDefault, storage::kPageSizeMax);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return JsonResponse(view::ToJson(sources.queries.Candidates(count, fleets)));
+  return JsonResponse(view::Encode(request.form, sources.queries.Candidates(count, fleets)));
 }
 
 Response GetRobot(const Sources& sources, const RoutedRequest& request) {

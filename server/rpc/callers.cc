@@ -48,7 +48,8 @@ std::string WithoutPort(std::string_view address) {
   return std::string(address.substr(0, address.rfind(':')));
 }
 
-absl::StatusOr<identity::Caller> CallerOf(http::Guard& guard, http::RouteId route,
+absl::StatusOr<identity::Caller> CallerOf(http::Guard& guard, const http::Site* site,
+                                          http::RouteId route,
                                           const transport::CallerProof& proof) {
   http::Request request;
   if (!proof.authorization.empty()) request.authorization = proof.authorization;
@@ -60,7 +61,11 @@ absl::StatusOr<identity::Caller> CallerOf(http::Guard& guard, http::RouteId rout
   request.from = WithoutPort(proof.from);
   request.proves = true;
   http::Guard::Answer answer = guard.Ask(request, route);
-  if (answer.refusal) return StatusOf(*answer.refusal);
+  if (answer.refusal) {
+    request.caller = std::move(answer.caller);
+    if (answer.known && site != nullptr) site->NoteForbidden(request, route);
+    return StatusOf(*answer.refusal);
+  }
   return std::move(answer.caller);
 }
 

@@ -9,6 +9,7 @@
 #include "server/http/guard.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
+#include "server/http/site.h"
 #include "server/identity/caller.h"
 #include "server/transport/call_handler.h"
 
@@ -18,11 +19,13 @@ namespace uplink::rpc {
 /// The path is one of http::Routes.
 [[nodiscard]] http::RouteId RouteOf(std::string_view path);
 
-/// Who calls, if it may ask for what the route shows.
+/// Who calls, if it may ask for what the route shows. A known caller that may not is told to the
+/// site, if there is one, for the audit.
 ///
 /// Errors: kUnauthenticated, kPermissionDenied and kResourceExhausted, as HTTP says 401, 403 and
 ///         429. The guard has counted and logged them.
-[[nodiscard]] absl::StatusOr<identity::Caller> CallerOf(http::Guard& guard, http::RouteId route,
+[[nodiscard]] absl::StatusOr<identity::Caller> CallerOf(http::Guard& guard, const http::Site* site,
+                                                        http::RouteId route,
                                                         const transport::CallerProof& proof);
 
 /// The error that an answer of HTTP tells; OK for an answer that holds what was asked for.

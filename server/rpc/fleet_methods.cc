@@ -1,5 +1,7 @@
 #include "server/rpc/fleet_methods.h"
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
@@ -7,6 +9,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
 
 #include "schema/base/check.h"
 #include "server/rpc/callers.h"
@@ -14,6 +17,7 @@
 #include "server/rpc/query_text.h"
 #include "server/rpc/reflection_call.h"
 #include "server/rpc/watch_call.h"
+#include "uplink/v1/admin.pb.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::rpc {
@@ -25,25 +29,42 @@ using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
 constexpr std::string_view kWatchPath = "/api/v1/watch";
 constexpr std::string_view kContractPath = "/api/v1/openapi.yaml";
 
-const google::protobuf::Message& PrototypeOf(std::string_view method) {
-  const auto* service = v1::ListRobotsRequest::descriptor()->file()->FindServiceByName("FleetView");
-  const auto* found = service->FindMethodByName(std::string(method));
+const google::protobuf::Message& PrototypeOf(const google::protobuf::ServiceDescriptor& service,
+                                             std::string_view method) {
+  const auto* found = service.FindMethodByName(std::string(method));
   UPLINK_CHECK(found != nullptr, "the contract has each method of the table");
   return *google::protobuf::MessageFactory::generated_factory()->GetPrototype(found->input_type());
 }
 
+/// The request as the route takes it: as its query, or, where it changes something, as its body.
+absl::StatusOr<http::RoutedRequest> RoutedOf(http::RouteId route,
+                                             const google::protobuf::Message& request) {
+  http::RoutedRequest routed{.form = view::Form::kWire};
+  if (http::Routes()[route.index].action.empty()) {
+    routed.query = QueryOf(request);
+    return routed;
+  }
+  const auto printed = google::protobuf::util::MessageToJsonString(request, &routed.body);
+  if (!printed.ok()) return absl::InvalidArgumentError(std::string(printed.message()));
+  routed.content_type = http::kJson;
+  return routed;
+}
+
 /// Reads a request and finds what answers it, for this caller.
 Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::Message& prototype,
-          identity::Caller caller) {
-  return [&site, route, &prototype,
-          caller = std::move(caller)](std::string_view bytes) -> absl::StatusOr<Work> {
+          identity::Caller caller, std::string from) {
+  return [&site, route, &prototype, caller = std::move(caller),
+          from = std::move(from)](std::string_view bytes) -> absl::StatusOr<Work> {
     const std::unique_ptr<google::protobuf::Message> request(prototype.New());
     if (!request->ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
       return absl::InvalidArgumentError(
           fmt::format("the request is no {}", prototype.GetTypeName()));
     }
-    http::Resolved resolved = site.Resolve(
-        route, {.query = QueryOf(*request), .form = view::Form::kWire, .caller = caller});
+    absl::StatusOr<http::RoutedRequest> routed = RoutedOf(route, *request);
+    if (!routed.ok()) return routed.status();
+    routed->caller = caller;
+    routed->from = from;
+    http::Resolved resolved = site.Resolve(route, *std::move(routed));
     return Work{resolved.lane, [run = std::move(resolved.run)]() -> absl::StatusOr<std::string> {
                   http::Response answer = run();
                   if (absl::Status failed = StatusOf(answer); !failed.ok()) return failed;
@@ -52,17 +73,18 @@ Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::M
   };
 }
 
-transport::Method ViewMethodOf(const RpcContext& context, const ViewMethod& row,
-                               const Clock& clock) {
-  const http::RouteId route = RouteOf(row.path);
+transport::Method MethodOf(const RpcContext& context, std::string_view path,
+                           const google::protobuf::Message& prototype, const Clock& clock) {
   return {.open = true,
           .admission = transport::Admission::kCall,
-          .serve = [context, route, &prototype = PrototypeOf(row.name),
+          .serve = [context, route = RouteOf(path), &prototype,
                     &clock](transport::ServedCall& call) -> CallHandlerOr {
-            auto caller = CallerOf(context.guard, route, call.proof());
+            const transport::CallerProof proof = call.proof();
+            auto caller = CallerOf(context.guard, &context.site, route, proof);
             if (!caller.ok()) return caller.status();
-            return UnaryCall::Make(context.calls, call, clock,
-                                   AskOf(context.site, route, prototype, *std::move(caller)));
+            return UnaryCall::Make(
+                context.calls, call, clock,
+                AskOf(context.site, route, prototype, *std::move(caller), WithoutPort(proof.from)));
           }};
 }
 
@@ -71,7 +93,7 @@ transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
   return {.kind = transport::MethodKind::kServerStream,
           .open = true,
           .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
-            auto caller = CallerOf(context.guard, route, call.proof());
+            auto caller = CallerOf(context.guard, &context.site, route, call.proof());
             if (!caller.ok()) return caller.status();
             return std::make_unique<WatchCall>(
                 WatchCall::Context{context.watches, context.calls.post, clock}, call,
@@ -79,12 +101,24 @@ transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
           }};
 }
 
+template <std::size_t kCount>
+void AddMethods(const RpcContext& context, const google::protobuf::FileDescriptor& file,
+                std::string_view service, const std::array<PathMethod, kCount>& rows,
+                const Clock& clock, transport::Methods& methods) {
+  const auto* described = file.FindServiceByName(std::string(service));
+  UPLINK_CHECK(described != nullptr, "the contract has the service");
+  for (const PathMethod& row : rows) {
+    methods.emplace(fmt::format("/{}/{}", described->full_name(), row.name),
+                    MethodOf(context, row.path, PrototypeOf(*described, row.name), clock));
+  }
+}
+
 transport::Method ReflectionOf(const RpcContext& context) {
   const http::RouteId route = RouteOf(kContractPath);
   return {.kind = transport::MethodKind::kBidirectional,
           .open = true,
           .serve = [context, route](transport::ServedCall& call) -> CallHandlerOr {
-            const auto caller = CallerOf(context.guard, route, call.proof());
+            const auto caller = CallerOf(context.guard, nullptr, route, call.proof());
             if (!caller.ok()) return caller.status();
             return std::make_unique<ReflectionCall>(call);
           }};
@@ -95,10 +129,10 @@ transport::Method ReflectionOf(const RpcContext& context) {
 transport::MethodsMaker FleetMethods(const RpcContext& context) {
   return [context](const Clock& clock) {
     transport::Methods methods = HealthMethods(context.monitor, context.calls, clock);
-    for (const ViewMethod& row : kViewMethods) {
-      methods.emplace(fmt::format("/uplink.v1.FleetView/{}", row.name),
-                      ViewMethodOf(context, row, clock));
-    }
+    AddMethods(context, *v1::ListRobotsRequest::descriptor()->file(), "FleetView", kViewMethods,
+               clock, methods);
+    AddMethods(context, *v1::ReloadRequest::descriptor()->file(), "FleetAdmin", kAdminMethods,
+               clock, methods);
     methods.emplace("/uplink.v1.FleetView/WatchRobots", WatchOf(context, clock));
     for (const std::string_view package : kReflectionPackages) {
       methods.emplace(fmt::format("/{}.ServerReflection/ServerReflectionInfo", package),

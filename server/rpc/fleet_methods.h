@@ -12,14 +12,14 @@
 
 namespace uplink::rpc {
 
-/// A method of FleetView, and the path of HTTP that answers the same. Immutable.
-struct ViewMethod {
+/// A method, and the path of HTTP that does the same. Immutable.
+struct PathMethod {
   std::string_view name;
   std::string_view path;
 };
 
 /// The unary methods of FleetView.
-inline constexpr auto kViewMethods = std::to_array<ViewMethod>({
+inline constexpr auto kViewMethods = std::to_array<PathMethod>({
     {"ListRobots", "/api/v1/robots"},
     {"GetRobot", "/api/v1/robot"},
     {"ListFaults", "/api/v1/faults"},
@@ -38,8 +38,24 @@ inline constexpr auto kViewMethods = std::to_array<ViewMethod>({
     {"ListScopeUpdates", "/api/v1/scope-updates"},
     {"ListFleets", "/api/v1/fleets"},
     {"ListTop", "/api/v1/top"},
+    {"ListCandidates", "/api/v1/candidates"},
     {"GetStatus", "/api/v1/status"},
     {"GetConfig", "/api/v1/config"},
+});
+
+/// Those of FleetAdmin.
+inline constexpr auto kAdminMethods = std::to_array<PathMethod>({
+    {"BlockRobot", "/api/v1/robot/block"},
+    {"UnblockRobot", "/api/v1/robot/unblock"},
+    {"DisconnectRobot", "/api/v1/robot/disconnect"},
+    {"NoteRobot", "/api/v1/robot/note"},
+    {"AddRobot", "/api/v1/robot/add"},
+    {"RevokeCertificate", "/api/v1/certificates/revoke"},
+    {"UnrevokeCertificate", "/api/v1/certificates/unrevoke"},
+    {"ListRevocations", "/api/v1/certificates/revocations"},
+    {"AcknowledgeFault", "/api/v1/faults/acknowledge"},
+    {"ListAudit", "/api/v1/audit"},
+    {"Reload", "/api/v1/reload"},
 });
 
 /// What the methods use. All of it outlives the listener.
@@ -51,9 +67,9 @@ struct RpcContext {
   UnaryCalls& calls;
 };
 
-/// The methods for operators, made for each thread: FleetView, and gRPC's own health and
-/// reflection. Each call is judged by the guard and the row of the table of rights that counts for
-/// the same question by HTTP; health is open to anyone, as the probes are.
+/// The methods for operators, made for each thread: FleetView, FleetAdmin, and gRPC's own health
+/// and reflection. Each call is judged by the guard and the row of the table of rights that counts
+/// for the same question by HTTP; health is open to anyone, as the probes are.
 [[nodiscard]] transport::MethodsMaker FleetMethods(const RpcContext& context);
 
 }  // namespace uplink::rpc

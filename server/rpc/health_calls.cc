@@ -14,8 +14,8 @@ namespace health_v1 = ::grpc::health::v1;
 using Response = health_v1::HealthCheckResponse;
 
 /// What the listener serves; empty: the server.
-constexpr std::array<std::string_view, 3> kServices{"", "uplink.v1.FleetView",
-                                                    "grpc.health.v1.Health"};
+constexpr std::array<std::string_view, 4> kServices{
+    "", "uplink.v1.FleetView", "uplink.v1.FleetAdmin", "grpc.health.v1.Health"};
 
 /// Nothing: no such service is served.
 std::optional<Response::ServingStatus> StatusOfService(const health::Monitor& monitor,

@@ -9,6 +9,7 @@
 #include "grpc/health/v1/health.pb.h"
 #include "grpc/reflection/v1/reflection.pb.h"
 #include "grpc/reflection/v1alpha/reflection.pb.h"
+#include "uplink/v1/admin.pb.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::rpc {
@@ -19,8 +20,8 @@ using google::protobuf::DescriptorPool;
 using google::protobuf::FileDescriptor;
 
 /// The files whose services are served. Naming a message of each links it.
-std::array<const FileDescriptor*, 4> ServedFiles() {
-  return {v1::ListRobotsRequest::descriptor()->file(),
+std::array<const FileDescriptor*, 5> ServedFiles() {
+  return {v1::ListRobotsRequest::descriptor()->file(), v1::ReloadRequest::descriptor()->file(),
           ::grpc::health::v1::HealthCheckRequest::descriptor()->file(),
           reflection::ServerReflectionRequest::descriptor()->file(),
           ::grpc::reflection::v1alpha::ServerReflectionRequest::descriptor()->file()};

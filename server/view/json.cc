@@ -81,7 +81,7 @@ absl::StatusOr<std::string> Encode(Form form, const std::vector<fleet::TopSender
 
 absl::StatusOr<std::string> Encode(Form form, const std::vector<fleet::Candidate>& candidates) {
   v1::ListCandidatesResponse response;
-  ListText list;
+  ListText list(form);
   for (const fleet::Candidate& candidate : candidates) {
     if (absl::Status added = list.Add(ToMessage(candidate), {}); !added.ok()) return added;
   }

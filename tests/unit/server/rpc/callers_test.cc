@@ -28,7 +28,7 @@ class Callers : public ::testing::Test {
   }
   [[nodiscard]] absl::StatusOr<identity::Caller> Ask(const transport::CallerProof& proof,
                                                      std::string_view path = "/api/v1/robots") {
-    return CallerOf(guard_, RouteOf(path), proof);
+    return CallerOf(guard_, nullptr, RouteOf(path), proof);
   }
 
   testing::ManualClock clock_;

@@ -18,6 +18,7 @@
 #include "server/rpc/health_calls.h"
 #include "server/rpc/reflection_call.h"
 #include "tests/support/server_world.h"
+#include "uplink/v1/admin.pb.h"
 #include "uplink/v1/fleet.pb.h"
 
 namespace uplink::rpc {
@@ -127,7 +128,8 @@ class FleetMethodsTest : public ::testing::Test {
 TEST_F(FleetMethodsTest, EachUnaryMethodAndEachPathOfDataHasItsRow) {
   const auto* service = v1::ListRobotsRequest::descriptor()->file()->FindServiceByName("FleetView");
   std::set<std::string_view> paths{"/api/v1/openapi.yaml", "/api/v1/robots/{}", "/api/v1/watch"};
-  for (const ViewMethod& row : kViewMethods) paths.insert(row.path);
+  for (const PathMethod& row : kViewMethods) paths.insert(row.path);
+  for (const PathMethod& row : kAdminMethods) paths.insert(row.path);
   int unary = 0;
   for (int i = 0; i < service->method_count(); ++i) {
     if (!service->method(i)->server_streaming()) ++unary;
@@ -157,7 +159,7 @@ TEST_F(FleetMethodsTest, AnswersWhatIsInTheCallersScope) {
 }
 
 TEST_F(FleetMethodsTest, EachAnswersACallerOfAllFleets) {
-  for (const ViewMethod& row : kViewMethods) {
+  for (const PathMethod& row : kViewMethods) {
     SCOPED_TRACE(row.name);
     v1::GetRobotRequest robot;
     if (row.name.starts_with("GetRobot")) robot.set_ruri("rcan://a");
@@ -169,6 +171,23 @@ TEST_F(FleetMethodsTest, EachAnswersACallerOfAllFleets) {
     EXPECT_EQ(call.end, absl::OkStatus());
     EXPECT_EQ(call.written.size(), 1U);
   }
+}
+
+TEST_F(FleetMethodsTest, CommandsAreThoseOfHttp) {
+  v1::NoteRobotRequest note;
+  note.set_ruri("rcan://a");
+  (*note.mutable_labels())["site"] = "hall 1";
+  note.set_note("");
+  const auto ask = [this, &note](const transport::CallerProof& proof) {
+    return Call<v1::RobotSetting>("/uplink.v1.FleetAdmin/NoteRobot", proof, note);
+  };
+  const auto set = ask(Of(Role::kOperator, "north"));
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_EQ(set->labels().at("site"), "hall 1");
+  EXPECT_EQ(ask(Of(Role::kViewer)).status().code(), absl::StatusCode::kPermissionDenied);
+  EXPECT_EQ(ask(Of(Role::kOperator, "south")).status().code(), absl::StatusCode::kNotFound);
+  note.clear_ruri();
+  EXPECT_EQ(ask(Of(Role::kOperator)).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(FleetMethodsTest, RefusesAsHttpDoes) {

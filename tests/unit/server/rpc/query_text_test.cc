@@ -76,7 +76,7 @@ void Fill(Message& request) {
 
 TEST(QueryText, HasEveryFieldOfEveryRequest) {
   const auto* service = v1::ListRobotsRequest::descriptor()->file()->FindServiceByName("FleetView");
-  for (const ViewMethod& row : kViewMethods) {
+  for (const PathMethod& row : kViewMethods) {
     const auto* method = service->FindMethodByName(std::string(row.name));
     ASSERT_NE(method, nullptr) << row.name;
     const std::unique_ptr<Message> request(google::protobuf::MessageFactory::generated_factory()
