@@ -22,12 +22,13 @@ inline constexpr std::string_view kServerStop = "server_stop";
 inline constexpr std::string_view kFirstUse = "first_use";
 inline constexpr std::string_view kRobotForget = "robot_forget";
 inline constexpr std::string_view kClockConfirm = "clock_confirm";
+inline constexpr std::string_view kRobotMove = "robot_move";
 
 /// All of them.
 inline constexpr auto kActions = std::to_array<std::string_view>(
     {kRobotBlock, kRobotUnblock, kRobotDisconnect, kRobotNote, kRobotAdd, kRobotRemove,
      kFaultAcknowledge, kCertificateRevoke, kCertificateUnrevoke, kReload, kServerStart,
-     kServerStop, kFirstUse, kRobotForget, kClockConfirm});
+     kServerStop, kFirstUse, kRobotForget, kClockConfirm, kRobotMove});
 
 /// AuditRow::outcome of what was done.
 inline constexpr std::string_view kOutcomeOk = "ok";

@@ -11,6 +11,7 @@
 #include "schema/limits.h"
 #include "server/config/address.h"
 #include "server/config/http_config.h"
+#include "server/config/identity_config.h"
 #include "server/config/networks.h"
 #include "server/config/output_config.h"
 #include "storage/postgres/defaults.h"
@@ -25,13 +26,6 @@ inline constexpr std::size_t kMiB = 1024 * kKiB;
 
 /// Lowest TLS version that the relay listener accepts.
 enum class TlsVersion : std::uint8_t { k12, k13 };
-/// Which new robots come in: all with a certificate, or only those that an operator added.
-enum class Registration : std::uint8_t { kOpen, kClosed };
-/// Which gateways may speak for robots: also those whose certificate names no robots, or only those
-/// whose certificate does.
-enum class Gateways : std::uint8_t { kAny, kNamed };
-/// What a certificate of another fleet does: it moves its robot, or is refused.
-enum class FleetMoves : std::uint8_t { kFollow, kRefuse };
 /// The version of MQTT that the broker is spoken to in.
 enum class MqttVersion : std::uint8_t { k5, k311 };
 /// What is done with Cyberwave's depth frames and point clouds: not asked for, or counted.
@@ -69,16 +63,6 @@ struct TlsConfig {
   TlsVersion min_version = TlsVersion::k13;
   /// Groups for agreeing on keys, the best first; with TLS 1.2 ServedGroups has more.
   std::vector<std::string> groups{"X25519", "P-256"};
-};
-
-struct IdentityConfig {
-  Registration registration = Registration::kOpen;
-  Gateways gateways = Gateways::kAny;
-  FleetMoves fleet_moves = FleetMoves::kFollow;
-  /// A folder of authorities with what they may vouch for (authority_folder.h); empty: none.
-  std::string authorities;
-  /// Empty: SavedListPath.
-  std::string saved_list;
 };
 
 struct StoreConfig {

@@ -81,7 +81,7 @@ constexpr std::array<string_view, 2> kCyberwaveMedia = {"off", "count"};
 constexpr std::array<string_view, 2> kLogFormats = {"text", "json"};
 constexpr std::array<string_view, 4> kLogLevels = {"debug", "info", "warn", "error"};
 
-constexpr std::array<Section, 18> kSections = {{
+constexpr std::array<Section, 19> kSections = {{
     {"listen", "Where the server listens: literal addresses with a port; port 0 takes a free one."},
     {"tls", "PEM files of the relay listener. Relative paths start at the working directory."},
     {"identity", "Who may open a stream."},
@@ -221,6 +221,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .text = "What a certificate does that names a known robot and another fleet. \"follow\": it "
              "moves the robot. \"refuse\": it is refused.",
      UPLINK_BIND(identity, IdentityConfig, fleet_moves)},
+    {.section = "identity",
      .key = "authorities",
      .kind = Kind::kFile,
      .text = "A folder of authorities beside tls.client_ca_file, which is not required with it: of "

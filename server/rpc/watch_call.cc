@@ -77,7 +77,7 @@ struct Bell {
 
 }  // namespace
 
-/// What the call shares with the job that takes changes, of which one runs at a time.
+/// What the call shares with the job that takes changes. One such job runs at a time.
 struct WatchCall::Feed {
   Feed(view::Watches& given, view::WatchQuery asked, loop::StreamRef call)
       : watches(given), query(std::move(asked)), bell(std::make_shared<Bell>(call)) {}

@@ -4,8 +4,11 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "server/admin/actions.h"
 #include "server/admin/audit_rows.h"
+#include "server/store/process_life.h"
 
 namespace uplink::run {
 
@@ -50,6 +53,16 @@ void CommandSide::NoteStart(std::string name, std::string_view version) {
 }
 
 void CommandSide::NoteStop() { Note(admin::kServerStop, {}); }
+
+void CommandSide::NoteMove(const journal::Moved& moved) {
+  context_.audit.Note(
+      admin::RowOfServer(store::HostName(),
+                         {.action = admin::kRobotMove,
+                          .target = moved.ruri,
+                          .fleet = moved.to,
+                          .detail = fmt::format("{} {} {}", moved.from, moved.to, moved.gateway)},
+                         context_.clock.System()));
+}
 
 void CommandSide::NoteReload(const admin::Reloaded& reloaded, std::string_view by) {
   storage::AuditRow row = admin::RowOfServer(

@@ -12,6 +12,7 @@
 #include "server/admin/commands.h"
 #include "server/admin/shared_store.h"
 #include "server/fleet/fleet.h"
+#include "server/journal/events.h"
 #include "server/loop/event_loop.h"
 #include "server/loop/one_at_a_time.h"
 #include "server/run/periodic.h"
@@ -48,6 +49,8 @@ class CommandSide final {
   /// The server, by its name, has started.
   void NoteStart(std::string name, std::string_view version);
   void NoteStop();
+  /// A certificate moved a robot to another fleet. Any thread.
+  void NoteMove(const journal::Moved& moved);
   /// What a signal or a changed file brought. On the loop's thread.
   void NoteReload(const admin::Reloaded& reloaded, std::string_view by);
   /// Writes what waits of the audit. Waits for the store.
