@@ -48,8 +48,8 @@ struct PagePosition {
 ///
 /// What changes in place keeps its place: an active fault that of its raise, a run that of its
 /// first report, a shape or object that of the upsert that made its id present. A row shows the
-/// fleet that its robot had when it was written; a shape or object the fleet that its robot has
-/// now.
+/// fleet that its robot had when it was written; an active fault, shape or object the fleet that
+/// its robot has now.
 template <typename Row>
 struct Page {
   std::vector<Row> rows;

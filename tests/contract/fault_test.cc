@@ -44,6 +44,15 @@ TEST_P(StoreContract, KeepsTheFirstRaiseAndUpdatesTheRest) {
   EXPECT_EQ(History()[0].robot.fleet, "f2");
 }
 
+TEST_P(StoreContract, AnActiveFaultGoesWithItsRobotToAnotherFleet) {
+  Open();
+  Commit({Good(1, Fault("f"))});
+  OpenAlso({Robot("a", "f2")});
+  EXPECT_THAT(Active({.fleets = {"f1"}}), SizeIs(0));
+  ASSERT_THAT(Active({.fleets = {"f2"}}), SizeIs(1));
+  EXPECT_EQ(History()[0].robot.fleet, "f1") << "a history tells what was";
+}
+
 TEST_P(StoreContract, RaisesAnewAfterAClear) {
   Open();
   storage::CommitRecord raised_again = Good(3, Fault("f"));

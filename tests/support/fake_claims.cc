@@ -44,7 +44,7 @@ storage::ClaimResult FakeDatabase::ClaimOne(const ProcessId& process,
     robot.last_opened = {};
   }
   if (moves) result.moved_from = robot.id.fleet;
-  if (moves) kinds_.Move(*request.robot);
+  if (moves) MoveItems(robot, *request.robot);
   robot.id = *request.robot;
   robot.last_seen = std::max(robot.last_seen, request.at);
   if (holds) {

@@ -159,7 +159,7 @@ OpenResult FakeDatabase::OpenOne(const ProcessId& process, const OpenRequest& re
   if (!result.taken) return result;
   if (!was_known) robot.first_seen = robot.last_seen = request.at;
   if (moves) result.moved_from = robot.id.fleet;
-  if (moves) kinds_.Move(*request.robot);
+  if (moves) MoveItems(robot, *request.robot);
   robot.id = *request.robot;
   robot.end = storage::HolderEnd::kEnded;
   robot.last_seen = std::max(robot.last_seen, request.at);
@@ -321,6 +321,11 @@ void FakeDatabase::WriteRecord(const Transaction& transaction, Robot& robot,
     kinds_.Write(record, ++entries_, transaction.store_rules);
   }
   robot.logs[record.session].stored.push_back(record.seq);
+}
+
+void FakeDatabase::MoveItems(Robot& robot, const model::RobotId& to) {
+  kinds_.Move(to);
+  for (auto& [key, entry] : robot.faults_active) entry.row.robot.fleet = to.fleet;
 }
 
 void FakeDatabase::WriteFault(Robot& robot, const Fault& fault, const CommitRecord& record) {

@@ -319,6 +319,8 @@ class FakeDatabase final {
                                           const storage::CommitRecord& record) const;
   void WriteRecord(const Transaction& transaction, Robot& robot,
                    const storage::CommitRecord& record);
+  /// What is there of the robot goes with it to another fleet.
+  void MoveItems(Robot& robot, const model::RobotId& to);
   void WriteFault(Robot& robot, const model::Fault& fault, const storage::CommitRecord& record);
   void WriteQuarantine(Robot& robot, Session* session, const storage::CommitRecord& record,
                        const model::Rejection& rejection);

@@ -115,3 +115,15 @@ BEGIN
     WHERE last_value + is_called::int <= request;
   RETURN true;
 END $$;
+
+-- An active fault belongs to the fleet that its robot has now, as its shapes and objects do.
+CREATE OR REPLACE FUNCTION move_items() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  UPDATE uplinkd.shapes AS s SET fleet = NEW.fleet
+    WHERE s.ruri = NEW.ruri AND s.fleet <> NEW.fleet;
+  UPDATE uplinkd.objects AS o SET fleet = NEW.fleet
+    WHERE o.ruri = NEW.ruri AND o.fleet <> NEW.fleet;
+  UPDATE uplinkd.faults_active AS f SET fleet = NEW.fleet
+    WHERE f.ruri = NEW.ruri AND f.fleet <> NEW.fleet;
+  RETURN NULL;
+END $$;

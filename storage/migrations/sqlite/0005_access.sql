@@ -64,3 +64,9 @@ CREATE INDEX audit_by_target ON audit (target, at, entry, fleet);
 ALTER TABLE faults_active ADD COLUMN acknowledged_at INTEGER;
 ALTER TABLE faults_active ADD COLUMN acknowledged_by TEXT NOT NULL DEFAULT '';
 ALTER TABLE faults_active ADD COLUMN acknowledged_note TEXT NOT NULL DEFAULT '';
+
+-- An active fault belongs to the fleet that its robot has now, as its shapes and objects do.
+CREATE TRIGGER robots_moved_faults AFTER UPDATE OF fleet ON robots WHEN OLD.fleet <> NEW.fleet
+BEGIN
+  UPDATE faults_active SET fleet = NEW.fleet WHERE ruri = NEW.ruri AND fleet <> NEW.fleet;
+END;
