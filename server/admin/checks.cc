@@ -62,9 +62,11 @@ std::optional<std::string> SerialOf(std::string_view text) {
 }
 
 absl::StatusOr<std::string> DigestOf(std::string_view field, std::string_view text) {
-  std::optional<std::string> hex = HexOf(text, Case::kLower);
-  if (hex && hex->size() == kDigestDigits) return *std::move(hex);
-  return Wrong(field, "must be a SHA-256: 64 hexadecimal digits");
+  const std::optional<std::string> hex = HexOf(text, Case::kLower);
+  if (!hex || hex->size() != kDigestDigits) {
+    return Wrong(field, "must be a SHA-256: 64 hexadecimal digits");
+  }
+  return *hex;
 }
 
 }  // namespace
