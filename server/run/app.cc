@@ -127,7 +127,11 @@ class App::Impl {
             .moved = [this](const journal::Moved& moved) { commands_.NoteMove(moved); },
             .denied = early_.access().denied(),
             .settings = settings_,
-            .denied_changed = [this] { relay_.LookAtDenied(); },
+            .denied_changed =
+                [this] {
+                  relay_.LookAtDenied();
+                  operators_.LookAtDenied();
+                },
             .file_lists = [this] { return early_.access().lists().Look(); }};
   }
 

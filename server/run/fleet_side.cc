@@ -28,6 +28,7 @@ absl::Status FleetSide::Listen() {
                          context_.watches, calls_}));
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
+  listening_.store(server_.get());
   return absl::OkStatus();
 }
 

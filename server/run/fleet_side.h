@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -43,6 +44,10 @@ class FleetSide final {
   [[nodiscard]] absl::Status Listen();
   /// Reads the PEM files again. A change, and why they do not fit, have a line each.
   void Look();
+  /// The deny list changed. Any thread.
+  void LookAtDenied() {
+    if (front::FrontServer* const server = listening_.load()) server->LookAtDenied();
+  }
   /// Lets calls under way end, for a moment, and takes no more. Idempotent.
   void Stop();
   /// Where it listens; without a host if it does not.
@@ -55,6 +60,8 @@ class FleetSide final {
   /// Why the files did not fit at the last look.
   std::string why_;
   std::unique_ptr<front::FrontServer> server_;
+  /// The same for other threads, once it listens.
+  std::atomic<front::FrontServer*> listening_{nullptr};
 };
 
 }  // namespace uplink::run

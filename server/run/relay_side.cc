@@ -38,7 +38,8 @@ front::RelayContext RelaySide::FrontContext(transport::RelayProbe& probe) {
           *context_.stores.clock,
           &forwarding_.source(),
           &context_.logger,
-          &context_.reports};
+          &context_.reports,
+          &context_.denied};
 }
 
 Drain::Transport RelaySide::DrainTransport() {

@@ -7,6 +7,7 @@ import urllib.error
 import urllib.request
 
 from harness import EndToEnd, uplinkctl, wait_until
+from ports import free_port
 
 WAIT_SECONDS = 60
 ROBOT = "rcan://example.org/acme/rover/1.0/r17"
@@ -76,7 +77,10 @@ class Commands(EndToEnd):
         self.assertNotIn("robot_block", [action for action, _ in self.actions(server)])
 
     def test_uplinkctl_does_the_same_with_and_without_a_server(self):
-        server = self.server().start()
+        server = self.server()
+        # That the file names, so that it can be asked whether a server runs.
+        server.http = f"127.0.0.1:{free_port()}"
+        server.start()
         file = str(self.folder / "uplinkd.toml")
         at = ("--server", f"http://{server.http}")
         shown = json.loads(self.ctl("robots", "block", ROBOT, "--reason", "stolen", "-o", "json", *at).stdout)

@@ -69,6 +69,12 @@ class FleetRpc(test_access.Access):
         server.fleet = f"127.0.0.1:{port}"
         return server
 
+    def report(self, server, robots):
+        """So many robots report, and leave."""
+        fleet = self.fleet(server, "--robots", robots)
+        server.wait_for_status(lambda status: int(status["messages"]["counts"].get("stored", 0)) > 5, SECONDS, "messages")
+        self.assert_agrees(fleet)
+
     def call(self, server, *calls, pair=None, token=None):
         certificate, key = pair or (None, None)
         task = {"target": server.fleet, "ca": str(server.pki / "ca.crt"), "certificate": certificate and str(certificate),
@@ -83,7 +89,7 @@ class FleetRpc(test_access.Access):
 class View(FleetRpc):
     def test_each_method_says_what_http_says(self):
         server = self.serve()
-        self.assert_agrees(self.fleet(server, "--robots", 2))
+        self.report(server, 2)
         admin = self.certificate(server, "admin")
         robots = server.get("/api/v1/robots")["robots"]
         ruri = robots[0]["ruri"]
@@ -110,7 +116,7 @@ class View(FleetRpc):
 
     def test_a_watch_begins_with_what_is_there(self):
         server = self.serve()
-        self.assert_agrees(self.fleet(server, "--robots", 3))
+        self.report(server, 3)
         viewer = self.certificate(server, "viewer")
         [seen] = self.call(server, (VIEW + "WatchRobots", {}, "watch", 4), pair=viewer)
         expected = [robot["ruri"] for robot in server.get("/api/v1/robots")["robots"]]
