@@ -46,6 +46,8 @@ MOVING = {"now", "perSecond", "presenceSince", "heldByAt"}
 def fixed(value):
     if isinstance(value, dict):
         return {key: fixed(each) for key, each in value.items() if key not in MOVING}
+    if isinstance(value, float):
+        return float(f"{value:.15g}")  # as many digits as gRPC promises (message_wire.h)
     return [fixed(each) for each in value] if isinstance(value, list) else value
 
 
