@@ -1,4 +1,5 @@
 // The handlers of /api/v1 that answer from memory: robots and fleets.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -149,6 +150,8 @@ std::variant<view::WatchQuery, Response> WatchQueryOf(const RoutedRequest& reque
   Parameters parameters(request.query);
   view::WatchQuery query{.caller = WatcherOf(request.caller)};
   query.filter = ReadFilter(parameters, request.caller.scope);
+  query.filter.ruris = parameters.Texts("ruri");
+  std::ranges::sort(query.filter.ruris);
   query.parts = ReadParts(parameters);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   return query;

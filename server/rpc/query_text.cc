@@ -31,13 +31,6 @@ void AppendEncoded(std::string_view text, std::string& query) {
   }
 }
 
-void Append(std::string_view name, std::string_view value, std::string& query) {
-  if (!query.empty()) query += '&';
-  query += name;
-  query += '=';
-  AppendEncoded(value, query);
-}
-
 std::string TextOf(const Message& request, const FieldDescriptor& field) {
   const google::protobuf::Reflection& fields = *request.GetReflection();
   switch (field.cpp_type()) {
@@ -70,15 +63,22 @@ void AppendList(const Message& request, const FieldDescriptor& field, std::strin
   for (int i = 0; i < fields.FieldSize(request, &field); ++i) {
     const std::string text = fields.GetRepeatedString(request, &field, i);
     if (field.json_name() != kWithCommas) {
-      Append(field.json_name(), text, query);
+      AppendParameter(field.json_name(), text, query);
     } else {
       words += (i == 0 ? "" : ",") + text;
     }
   }
-  if (!words.empty()) Append(field.json_name(), words, query);
+  if (!words.empty()) AppendParameter(field.json_name(), words, query);
 }
 
 }  // namespace
+
+void AppendParameter(std::string_view name, std::string_view value, std::string& query) {
+  if (!query.empty()) query += '&';
+  query += name;
+  query += '=';
+  AppendEncoded(value, query);
+}
 
 std::string QueryOf(const Message& request) {
   std::string query;
@@ -88,7 +88,7 @@ std::string QueryOf(const Message& request) {
     if (field->is_repeated()) {
       AppendList(request, *field, query);
     } else {
-      Append(field->json_name(), TextOf(request, *field), query);
+      AppendParameter(field->json_name(), TextOf(request, *field), query);
     }
   }
   return query;

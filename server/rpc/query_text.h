@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <google/protobuf/message.h>
 
@@ -12,5 +13,8 @@ namespace uplink::rpc {
 ///
 /// Thread: pure; any thread.
 [[nodiscard]] std::string QueryOf(const google::protobuf::Message& request);
+
+/// Adds `name=value`, encoded, to a query.
+void AppendParameter(std::string_view name, std::string_view value, std::string& query);
 
 }  // namespace uplink::rpc

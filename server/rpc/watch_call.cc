@@ -34,7 +34,9 @@ absl::StatusOr<view::WatchQuery> QueryFrom(std::string_view bytes, const identit
   // These two stand beside the filter.
   filter.set_fleet(request.fleet());
   *filter.mutable_parts() = request.parts();
-  auto query = http::WatchQueryOf({.query = QueryOf(filter), .caller = caller});
+  std::string text = QueryOf(filter);
+  for (const std::string& ruri : request.ruris()) AppendParameter("ruri", ruri, text);
+  auto query = http::WatchQueryOf({.query = std::move(text), .caller = caller});
   if (const auto* refusal = std::get_if<http::Response>(&query)) return StatusOf(*refusal);
   return std::get<view::WatchQuery>(std::move(query));
 }

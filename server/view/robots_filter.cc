@@ -76,7 +76,7 @@ FilteredRobots::FilteredRobots(const RobotsFilter& filter, bool with_glances)
 FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::string_view short_name,
                                            Glance& glance) {
   const storage::RobotRef id = robot.id();
-  if (!MatchesName(id->fleet, short_name)) return Match::kNo;
+  if (!MatchesName(robot.ruri(), id->fleet, short_name)) return Match::kNo;
   RobotFacts facts{
       .ruri = robot.ruri(), .fleet = id->fleet, .short_name = short_name, .glance = glance};
   if (AsksForPresence()) {
@@ -94,14 +94,17 @@ FilteredRobots::Match FilteredRobots::Look(const robot::Robot& robot, std::strin
 }
 
 FilteredRobots::Match FilteredRobots::Judge(const RobotFacts& facts) const {
-  if (!MatchesName(facts.fleet, facts.short_name)) return Match::kNo;
+  if (!MatchesName(facts.ruri, facts.fleet, facts.short_name)) return Match::kNo;
   if (!MatchesPresence(facts.presence, facts.presence_since)) return Match::kNo;
   if (!looks_) return Match::kYes;
   if (!MatchesSet(facts.ruri)) return Match::kNo;
   return MatchesValues(facts);
 }
 
-bool FilteredRobots::MatchesName(std::string_view fleet, std::string_view short_name) const {
+bool FilteredRobots::MatchesName(std::string_view ruri, std::string_view fleet,
+                                 std::string_view short_name) const {
+  const auto& ruris = filter_.ruris;
+  if (!ruris.empty() && !std::binary_search(ruris.begin(), ruris.end(), ruri)) return false;
   if (!q_.empty() && short_name.find(q_) == std::string_view::npos) return false;
   return storage::LooksAt(filter_.fleets, fleet);
 }

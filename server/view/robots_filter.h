@@ -65,7 +65,8 @@ class FilteredRobots final {
   [[nodiscard]] Match Judge(const RobotFacts& facts) const;
 
  private:
-  [[nodiscard]] bool MatchesName(std::string_view fleet, std::string_view short_name) const;
+  [[nodiscard]] bool MatchesName(std::string_view ruri, std::string_view fleet,
+                                 std::string_view short_name) const;
   [[nodiscard]] bool AsksForPresence() const;
   [[nodiscard]] bool MatchesPresence(robot::Presence presence, SystemTime since) const;
   [[nodiscard]] Match MatchesValues(const RobotFacts& facts) const;

@@ -77,6 +77,8 @@ struct SetFilter {
 /// empty matches every robot. A value.
 struct RobotsFilter {
   std::vector<std::string> fleets{};
+  /// Ascending, at most storage::kRurisMax; none: all.
+  std::vector<std::string> ruris{};
   /// A part of the last two segments of the RURI, in any case.
   std::string q{};
   std::optional<robot::Presence> presence{};

@@ -19,7 +19,9 @@ std::uint64_t MarkWithFaults(const robot::Robot& robot, const FilterSources& sou
       for (const auto count : found->second) faults += static_cast<std::uint64_t>(count);
     }
   }
-  return absl::HashOf(MarkOf(robot, sources.live), faults);
+  const fleet::RobotSettingPtr set =
+      sources.settings == nullptr ? nullptr : sources.settings->Find(robot.ruri());
+  return absl::HashOf(MarkOf(robot, sources.live), faults, set == nullptr ? 0 : set->version);
 }
 
 void Tell(const robot::Robot& robot, std::size_t number, std::string_view short_name,

@@ -34,7 +34,7 @@ class TwoSchemas(TwoServers):
 
     def test_a_step_that_adds_lets_both_go_on(self):
         self.robots_at(A)
-        self.assertEqual(self.schema(), "4|1")
+        self.assertEqual(self.schema(), "5|1")
         self.start(B)
         self.assertEqual(self.schema(), "5|1")
         self.robots_at(B)

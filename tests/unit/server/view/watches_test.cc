@@ -135,6 +135,16 @@ TEST_F(WatchesTest, ShowWhatMatchesTheFilterAlone) {
   EXPECT_THAT(reader.TakeAll(), ElementsAre("-" + kArm, "+" + kRover));
 }
 
+TEST_F(WatchesTest, ShowTheRobotsThatAreNamedAlone) {
+  SetBattery(Admit(kRover), 80);
+  SetBattery(Admit(kArm), 10);
+  Reader reader = Begin({.filter = {.ruris = {"rcan://never/seen", kRover}}});
+  EXPECT_THAT(reader.TakeAll(), ElementsAre("+" + kRover, "end 1"));
+  SetBattery(*fleet_.Find(kArm), 20);
+  watches_.Sweep();
+  EXPECT_THAT(reader.TakeAll(), IsEmpty());
+}
+
 TEST_F(WatchesTest, TellThatARobotHasLeftTheScope) {
   robot::Robot& rover = Admit(kRover, "north");
   Admit(kArm, "south");
