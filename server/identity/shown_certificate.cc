@@ -27,7 +27,7 @@ struct TextFree {
 };
 
 /// A key that a certificate may write in more than one form: a compressed point, or RSA without its
-/// parameters.
+/// parameters or restricted to PSS.
 bool HasOddForm(const X509_PUBKEY* key) {
   const unsigned char* bytes = nullptr;
   int size = 0;
@@ -37,6 +37,8 @@ bool HasOddForm(const X509_PUBKEY* key) {
   switch (OBJ_obj2nid(oid)) {
     case NID_X9_62_id_ecPublicKey:
       return size > 0 && bytes[0] != POINT_CONVERSION_UNCOMPRESSED;
+    case NID_rsassaPss:
+      return true;
     case NID_rsaEncryption: {
       int type = V_ASN1_UNDEF;
       X509_ALGOR_get0(nullptr, &type, nullptr, algorithm);
@@ -47,8 +49,38 @@ bool HasOddForm(const X509_PUBKEY* key) {
   }
 }
 
+struct PublicKeyFree {
+  void operator()(X509_PUBKEY* key) const { X509_PUBKEY_free(key); }
+};
+
+/// The key of RSA, whatever it is restricted to, as rsaEncryption; empty if it is of another kind.
+std::string UsualRsa(const X509_PUBKEY& key) {
+  const unsigned char* bytes = nullptr;
+  int size = 0;
+  ASN1_OBJECT* oid = nullptr;
+  if (X509_PUBKEY_get0_param(&oid, &bytes, &size, nullptr, &key) != 1) return {};
+  const int kind = OBJ_obj2nid(oid);
+  if (kind != NID_rsaEncryption && kind != NID_rsassaPss) return {};
+  const std::unique_ptr<X509_PUBKEY, PublicKeyFree> usual(X509_PUBKEY_new());
+  auto* const copy =
+      static_cast<unsigned char*>(OPENSSL_memdup(bytes, static_cast<std::size_t>(size)));
+  // It takes the copy over.
+  if (usual == nullptr || X509_PUBKEY_set0_param(usual.get(), OBJ_nid2obj(NID_rsaEncryption),
+                                                 V_ASN1_NULL, nullptr, copy, size) != 1) {
+    OPENSSL_free(copy);
+    return {};
+  }
+  unsigned char* der = nullptr;
+  const int der_size = i2d_X509_PUBKEY(usual.get(), &der);
+  if (der_size <= 0) return {};
+  std::string text(der, der + der_size);
+  OPENSSL_free(der);
+  return text;
+}
+
 /// The usual form of such a key; empty if the library cannot read it.
-std::string UsualForm(const std::string& der) {
+std::string UsualForm(const X509_PUBKEY& shown, const std::string& der) {
+  if (std::string rsa = UsualRsa(shown); !rsa.empty()) return rsa;
   const auto* from = reinterpret_cast<const unsigned char*>(der.data());
   // Its own: another point form is set in the key.
   const Key key(d2i_PUBKEY(nullptr, &from, static_cast<long>(der.size())));
@@ -73,7 +105,7 @@ ShownCertificate::Sha256 KeyDigestOf(const X509& certificate) {
   std::string der(bytes, bytes + size);
   OPENSSL_free(bytes);
   if (HasOddForm(key)) {
-    if (std::string usual = UsualForm(der); !usual.empty()) der = std::move(usual);
+    if (std::string usual = UsualForm(*key, der); !usual.empty()) der = std::move(usual);
   }
   ShownCertificate::Sha256 digest{};
   EVP_Digest(der.data(), der.size(), digest.data(), nullptr, EVP_sha256(), nullptr);

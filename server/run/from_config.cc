@@ -168,9 +168,12 @@ transport::RelayOptions RelayOptionsOf(const config::Config& config, std::size_t
 transport::RelayOptions FleetOptionsOf(const config::Config& config, std::size_t memory_max) {
   transport::RelayOptions options;
   options.address = config.listen.fleet;
-  options.key_material = transport::PemFiles{.certificate = config.tls.certificate_file,
-                                             .key = config.tls.key_file,
-                                             .client_ca = config::OperatorCaFile(config.tls)};
+  options.key_material = transport::PemFiles{
+      .certificate = config.tls.certificate_file,
+      .key = config.tls.key_file,
+      .client_ca = config::OperatorCaFile(config.tls),
+      // Operators' own authorities stand alone.
+      .authorities = config.tls.operator_ca_file.empty() ? config.identity.authorities : ""};
   options.tls = {.minimum = config.tls.min_version,
                  .groups = config::ServedGroups(config.tls),
                  .certificate_required = false};

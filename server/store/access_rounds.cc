@@ -206,7 +206,7 @@ void AccessRounds::Save() {
 
 void AccessRounds::NoteOutcome(const absl::Status& status) {
   const bool fails = !status.ok();
-  if (std::exchange(failing_, fails) == fails) return;
+  if (failing_.exchange(fails) == fails) return;
   if (fails) {
     context_.logger.Warn("access_fails", {{"why", std::string(status.message())}});
   } else {

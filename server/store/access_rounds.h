@@ -78,9 +78,9 @@ class AccessRounds final {
   void Stop();
   /// Something was written here: looks at once, and tells the other servers.
   void Wake();
-  /// Neither the store nor a copy could be read yet: robots come in that may be revoked. Any
-  /// thread.
-  [[nodiscard]] bool unread() const { return unread_.load(); }
+  /// The store cannot be read, or neither it nor a copy could be yet: robots come in that may be
+  /// revoked. Any thread.
+  [[nodiscard]] bool unread() const { return unread_.load() || failing_.load(); }
 
   /// One look at the store. Returns when the next is due.
   milliseconds Round();
@@ -110,7 +110,7 @@ class AccessRounds final {
   /// The copy on disk is not what is known.
   bool unsaved_ = false;
   std::string save_error_;
-  bool failing_ = false;
+  std::atomic<bool> failing_{false};
   std::atomic<bool> unread_{true};
   loop::Rounds rounds_;
   loop::Rounds listener_;
