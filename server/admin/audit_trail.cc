@@ -40,12 +40,14 @@ void AuditTrail::NoteRefused(storage::AuditRow row) {
     if (since >= std::chrono::minutes(1) || since < SystemTime::duration(0)) {
       minute_began_ = row.at;
       refused_ = 0;
+      refused_by_ = {};
     }
-    if (refused_ == kRefusedPerMinuteMax) {
+    if (refused_ == kRefusedPerMinuteMax || refused_by_.Of(row.who) == kRefusedOfCallerMax) {
       ++left_out_;
       return;
     }
     ++refused_;
+    refused_by_.Add(row.who);
     if (const std::uint64_t left_out = std::exchange(left_out_, 0); left_out > 0) {
       row.detail = fmt::format("{} more before it. {}", left_out, row.detail);
     }

@@ -7,6 +7,7 @@
 
 #include "schema/base/clock.h"
 #include "server/admin/shared_store.h"
+#include "server/limits/key_counts.h"
 #include "server/log/logger.h"
 #include "storage/audit.h"
 
@@ -18,6 +19,8 @@ inline constexpr std::size_t kAuditWaitingMax = 1'000;
 /// Rows of what was refused per minute at most: who may ask may also ask in vain, again and again.
 /// The next row after it says how many were left out.
 inline constexpr int kRefusedPerMinuteMax = 100;
+/// Of these, rows of one caller: it hides no other's.
+inline constexpr std::size_t kRefusedOfCallerMax = 20;
 
 /// What happened in this server that the audit tells: each is a log line `audit` at once, and a row
 /// once the store takes it. Commands write the rows of what they change themselves, in the
@@ -34,7 +37,7 @@ class AuditTrail final {
   void Tell(const storage::AuditRow& row) const;
   /// The line, and the row with the next Flush. Never waits.
   void Note(storage::AuditRow row);
-  /// The same of what was refused, within kRefusedPerMinuteMax.
+  /// The same of what was refused, within kRefusedPerMinuteMax and kRefusedOfCallerMax.
   void NoteRefused(storage::AuditRow row);
   /// Writes what waits, until the store refuses one; that one stays. Waits for the store.
   void Flush(SharedStore& store);
@@ -52,6 +55,7 @@ class AuditTrail final {
   /// last one that was noted.
   SystemTime minute_began_{};
   int refused_ = 0;
+  limits::KeyCounts<std::string> refused_by_;
   std::uint64_t left_out_ = 0;
 };
 

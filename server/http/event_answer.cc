@@ -86,6 +86,7 @@ void EventAnswer::OnTaken(EventStream::Taken taken) {
   if (!taken.text.empty()) return Write(std::move(taken.text));
   busy_ = false;
   if (over_) return Finish();
+  if (denied_) return Deny();
   if (again_) Pump();
 }
 
@@ -100,6 +101,7 @@ void EventAnswer::Write(std::string text) {
                       busy_ = false;
                       if (error) return Close();
                       if (over_) return Finish();
+                      if (denied_) return Deny();
                       Pump();
                     });
 }
@@ -126,13 +128,18 @@ void EventAnswer::AwaitComment() {
 void EventAnswer::OnComment() {
   if (over_) return Close();
   AwaitComment();
-  const bool may = parts_.may_go_on();
-  if (busy_ && may) return;
-  over_ = !may;
-  // What is being sent is followed by the end of the connection.
+  denied_ = !parts_.may_go_on();
+  // What is being made or sent is followed by that.
   if (busy_) return;
+  if (denied_) return Deny();
   busy_ = true;
-  Write(may ? kComment : kDenied);
+  Write(kComment);
+}
+
+void EventAnswer::Deny() {
+  over_ = true;
+  busy_ = true;
+  Write(kDenied);
 }
 
 void EventAnswer::Finish() {

@@ -55,6 +55,8 @@ class EventAnswer final {
   void Read();
   void AwaitComment();
   void OnComment();
+  /// Tells the client that it may not watch any more, and ends.
+  void Deny();
   /// No more events; closes once the peer has read what was sent.
   void Finish();
   void Close();
@@ -69,6 +71,8 @@ class EventAnswer final {
   /// More came meanwhile.
   bool again_ = false;
   bool over_ = false;
+  /// Its caller may not watch any more, and does not know it yet.
+  bool denied_ = false;
   bool closed_ = false;
   std::array<char, 512> discard_{};
   std::size_t discarded_ = 0;

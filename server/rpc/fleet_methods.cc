@@ -90,15 +90,20 @@ transport::Method MethodOf(const RpcContext& context, std::string_view path,
 
 transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
   const http::RouteId route = RouteOf(kWatchPath);
-  return {.kind = transport::MethodKind::kServerStream,
-          .open = true,
-          .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
-            auto caller = CallerOf(context.guard, &context.site, route, call.proof());
-            if (!caller.ok()) return caller.status();
-            return std::make_unique<WatchCall>(
-                WatchCall::Context{context.watches, context.calls.post, clock}, call,
-                *std::move(caller));
-          }};
+  return {
+      .kind = transport::MethodKind::kServerStream,
+      .open = true,
+      .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
+        const transport::CallerProof proof = call.proof();
+        auto caller = CallerOf(context.guard, &context.site, route, proof);
+        if (!caller.ok()) return caller.status();
+        auto may_go_on = [context, route, proof] {
+          return CallerOf(context.guard, &context.site, route, proof).ok();
+        };
+        return std::make_unique<WatchCall>(
+            WatchCall::Context{context.watches, context.calls.post, clock, std::move(may_go_on)},
+            call, *std::move(caller));
+      }};
 }
 
 template <std::size_t kCount>

@@ -1,5 +1,6 @@
 #include "server/rpc/watch_call.h"
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -125,6 +126,7 @@ void WatchCall::Start() {
 void WatchCall::OnMessage(std::string_view bytes) {
   auto query = QueryFrom(bytes, caller_);
   if (!query.ok()) return Finish(query.status());
+  judge_at_ = context_.clock.Steady() + kCallerJudgedEvery;
   feed_ = std::make_shared<Feed>(context_.watches, *std::move(query), call_.self());
   Take();
 }
@@ -164,8 +166,21 @@ void WatchCall::OnWake() {
   if (idle_ && feed_->bell->rung.exchange(false)) Take();
 }
 
+std::optional<SteadyTime> WatchCall::deadline() const {
+  if (!look_at_) return judge_at_;
+  return judge_at_ ? std::min(*look_at_, *judge_at_) : look_at_;
+}
+
 void WatchCall::OnTimer() {
-  if (over_ || !look_at_ || context_.clock.Steady() < *look_at_) return;
+  if (over_) return;
+  const SteadyTime now = context_.clock.Steady();
+  if (judge_at_ && now >= *judge_at_) {
+    judge_at_ = now + kCallerJudgedEvery;
+    if (!context_.may_go_on()) {
+      return Finish(absl::UnauthenticatedError("the caller may not watch any more"));
+    }
+  }
+  if (!look_at_ || now < *look_at_) return;
   if (feed_ != nullptr) return Take();
   Finish(absl::DeadlineExceededError("the request did not come whole in time"));
 }
@@ -182,6 +197,7 @@ void WatchCall::OnBroken(const transport::Ending& /*ending*/) {
 void WatchCall::Finish(const absl::Status& status) {
   over_ = true;
   look_at_.reset();
+  judge_at_.reset();
   if (feed_ != nullptr) feed_->unwanted = true;
   call_.Finish(status);
 }

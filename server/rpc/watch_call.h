@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -16,6 +17,8 @@ namespace uplink::rpc {
 
 /// When changes are asked for again that the threads had no room for.
 inline constexpr std::chrono::milliseconds kWatchTryAgain{200};
+/// How often a caller that watches is judged again, as of watches by HTTP.
+inline constexpr std::chrono::seconds kCallerJudgedEvery{15};
 
 /// One WatchRobots: changes are taken and written on another thread, once the peer has taken those
 /// before.
@@ -28,6 +31,8 @@ class WatchCall final : public transport::CallHandler {
     view::Watches& watches;
     const PostJob& post;
     const Clock& clock;
+    /// Whether its caller may go on: asked again and again, since tokens are revoked.
+    std::function<bool()> may_go_on;
   };
   WatchCall(const Context& context, transport::ServedCall& call, identity::Caller caller);
   ~WatchCall() override;
@@ -44,7 +49,7 @@ class WatchCall final : public transport::CallHandler {
   void OnWritten() override { Take(); }
   void OnWake() override;
   void OnTimer() override;
-  [[nodiscard]] std::optional<SteadyTime> deadline() const override { return look_at_; }
+  [[nodiscard]] std::optional<SteadyTime> deadline() const override;
   void OnDrain(milliseconds grace) override;
 
  private:
@@ -58,6 +63,8 @@ class WatchCall final : public transport::CallHandler {
   const identity::Caller caller_;
   /// Until when the request must come, or when changes are asked for again.
   std::optional<SteadyTime> look_at_;
+  /// When the caller is judged again; nothing before the request.
+  std::optional<SteadyTime> judge_at_;
   /// Shared with the job. Null before the request.
   std::shared_ptr<Feed> feed_;
   /// Nothing is there to take: `ready` tells.
