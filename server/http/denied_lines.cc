@@ -18,9 +18,12 @@ void DeniedLines::Write(const Line& line, const Source& source, SteadyTime now) 
     window.Turn(now);
     all_.Turn(now);
     // What had no room among all is told by the next line of any source: its own may never return.
-    for (Window* const full : {&window, &all_}) {
-      if (!full->IsFull(full == &window ? kLinesPerSource : kLinesMax)) continue;
-      ++full->suppressed;
+    if (window.lines >= kLinesPerSource) {
+      ++window.suppressed;
+      return;
+    }
+    if (all_.lines >= kLinesMax) {
+      ++all_.suppressed;
       return;
     }
     ++window.lines;

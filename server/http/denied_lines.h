@@ -46,7 +46,6 @@ class DeniedLines final {
  private:
   /// Lines of one span.
   struct Window {
-    [[nodiscard]] bool IsFull(std::uint32_t most) const { return lines >= most; }
     void Turn(SteadyTime now);
 
     SteadyTime start{};

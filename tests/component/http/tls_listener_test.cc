@@ -1,5 +1,6 @@
 // listen.http with TLS: one port for HTTP and HTTPS, and what certificates of clients open there.
 #include <array>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -103,6 +104,9 @@ class TlsConnection final {
 
 class TlsListenerTest : public HttpServerTest {
  protected:
+  /// The server may end a connection while we write, and SSL_write has no MSG_NOSIGNAL.
+  static void SetUpTestSuite() { std::signal(SIGPIPE, SIG_IGN); }
+
   TlsListenerTest() {
     WriteServer();
     Write("operators.crt", operators_.certificate());

@@ -158,6 +158,19 @@ TEST_F(GuardTest, AnExpiredTokenSaysSo) {
   EXPECT_EQ(answer.refusal->authenticate, R"(Bearer error="invalid_token")");
   EXPECT_THAT(answer.refusal->body, HasSubstr("the token has expired"));
   EXPECT_EQ(Count(Denied::kExpiredToken), 1);
+  EXPECT_THAT(lines_.back(), HasSubstr("name=" + entry_.id)) << "whose it is";
+}
+
+TEST_F(GuardTest, TheListenerWithoutTlsTakesScrapersAlone) {
+  Request request = ByToken(token_);
+  request.listener = ListenerId::kMetrics;
+  const Guard::Answer answer = guard().Ask(request, IdOf("/metrics/robots"));
+  ASSERT_TRUE(answer.refusal);
+  EXPECT_EQ(answer.refusal->status, 403);
+  EXPECT_THAT(answer.refusal->body, HasSubstr("has the role viewer"));
+  entry_.role = Role::kMetrics;
+  WriteTable();
+  EXPECT_EQ(StatusOf(request, "/metrics/robots"), 200);
 }
 
 TEST_F(GuardTest, ACertificateShowsRoleAndFleet) {
@@ -301,6 +314,9 @@ TEST_F(GuardTest, LogsWhatItDeniesWithBoundsPerSource) {
   request.source = {1};
   EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 401);
   EXPECT_THAT(lines_, SizeIs(DeniedLines::kLinesPerSource + 1)) << "another source is heard";
+  const Request other = ByCertificate(identity::PeerIdentity{Role::kRobot, "north"});
+  EXPECT_EQ(StatusOf(other, "/api/v1/robots"), 403);
+  EXPECT_THAT(lines_.back(), HasSubstr("http_denied why=role")) << "another cause is heard";
   clock_.Advance(DeniedLines::kSpan);
   request.source = {};
   EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 401);

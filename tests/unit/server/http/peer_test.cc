@@ -33,6 +33,7 @@ TEST(PeerOf, MaySpeakPlainWhereItsNetworkIsNamed) {
   }
   EXPECT_EQ(Of("192.0.2.7").text, "192.0.2.7");
   EXPECT_EQ(Of("2001:db8::1").text, "2001:db8::1");
+  EXPECT_EQ(Of("::ffff:192.0.2.7").text, "192.0.2.7");
 }
 
 TEST(PeerOf, ASourceIsAnIpv4AddressOrASlash64) {

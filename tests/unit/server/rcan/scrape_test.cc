@@ -163,6 +163,24 @@ TEST_F(ScrapeTest, WhoMayTakeFewerTextsLeavesTheRestToOthers) {
   EXPECT_NE(Scrape().Text(Format::kText, Coding::kPlain), nullptr);
 }
 
+TEST_F(ScrapeTest, ScrapersOfSomeFleetsKeepNeitherOthersOutNorWhoScrapesAll) {
+  Robot("rcan://a");
+  const auto text_of = [this](const std::vector<std::string>& fleets) {
+    clock_.Advance(kTextShared);
+    return Scrape().Text(Format::kText, Coding::kPlain, kTextsMax, fleets);
+  };
+  std::vector<std::shared_ptr<const std::string>> held;
+  for (std::size_t i = 0; i < kTextsOfFleets; ++i) held.push_back(text_of({"north"}));
+  EXPECT_THAT(held, ::testing::Each(::testing::NotNull()));
+  EXPECT_EQ(text_of({"north"}), nullptr);
+  held.push_back(text_of({"south"}));
+  EXPECT_NE(held.back(), nullptr);
+  EXPECT_EQ(text_of({"west"}), nullptr) << "one is left to who scrapes all";
+  EXPECT_NE(text_of({}), nullptr);
+  held.clear();
+  EXPECT_NE(text_of({"north"}), nullptr);
+}
+
 TEST_F(ScrapeTest, WhoAsksForTheSameWithinASecondReadsTheSameText) {
   Robot("rcan://a");
   const auto first = Scrape().Text(Format::kText, Coding::kPlain);
