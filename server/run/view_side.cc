@@ -50,6 +50,7 @@ std::vector<metrics::PageSource> PageSources(const ViewSide::Context& context,
                         .watches = watches,
                         .monitor = context.health.monitor(),
                         .relay = context.relay.probe(),
+                        .rpc = context.rpc_probe,
                         .broker = context.broker,
                         .uncrew = context.uncrew,
                         .logger = context.logger});

@@ -206,7 +206,7 @@ class Chart(unittest.TestCase):
         mounts = {mount["name"]: mount for mount in pod["containers"][0]["volumeMounts"]}
         for name in ("authorities", "operators"):
             self.assertEqual(mounts[name]["mountPath"], f"/etc/uplinkd/{name}")
-            # Kubernetes' own folders are open to everybody by their mode: uplinkd takes one that nobody can write.
+            # Kubernetes' own folders are open to everybody by their mode: uplinkd takes one that is read-only.
             self.assertTrue(mounts[name]["readOnly"])
         robots = next(volume["secret"] for volume in pod["volumes"] if volume["name"] == "robots")
         self.assertEqual([item["key"] for item in robots["items"]], ["ca.crt", "ca.crl"])

@@ -100,7 +100,8 @@ std::vector<metrics::PageSource> ServerWorld::PageSources() {
       [start = health::ProcessStart{"9.9.9", clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [this](auto& page) { session::AddSamples(relay_probe, sessions, page); },
+      [this](auto& page) { session::AddSamples(relay_probe, rpc_probe.listener, sessions, page); },
+      [this](auto& page) { rpc::AddSamples(rpc_probe, page); },
   };
 }
 

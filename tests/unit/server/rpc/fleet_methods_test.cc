@@ -69,7 +69,8 @@ class FleetMethodsTest : public ::testing::Test {
       jobs_.push_back(std::move(job));
       return true;
     };
-    methods_ = FleetMethods({world_.site, guard_, world_.monitor, world_.watches, calls_})(world_.clock);
+    methods_ = FleetMethods({world_.site, guard_, world_.monitor, world_.watches, calls_,
+                             world_.rpc_probe})(world_.clock);
     world_.AddRobot("rcan://a", "north");
     world_.AddRobot("rcan://b", "south");
   }
