@@ -7,6 +7,7 @@ import subprocess
 import urllib.request
 
 from harness import SOURCE, EndToEnd, uplinkctl, wait_until
+from test_disk_full import NAMESPACE, may_mount
 
 PYTHON = "/usr/bin/python3"
 CLIENT = pathlib.Path(__file__).with_name("relay_client.py")
@@ -141,3 +142,18 @@ class Revocation(EndToEnd):
             lambda: self.end_of(self.begin("wrong_hello", RURI))["code"] == "INVALID_ARGUMENT",
             SECONDS, "its new entry counts",
         )  # fmt: skip
+
+    def test_a_folder_of_kubernetes_is_open_by_its_mode_and_read_only(self):
+        authorities = self.folder / "authorities"
+        authorities.mkdir()
+        (authorities / "hall.pem").write_bytes((self.running.pki / "ca.crt").read_bytes())
+        (authorities / "hall.toml").touch()
+        authorities.chmod(0o777)
+        self.running.environment = {"UPLINKD_IDENTITY_AUTHORITIES": str(authorities)}
+        with self.assertRaises(AssertionError) as refused:
+            self.running.start()
+        self.assertIn("everybody on this machine may write it", str(refused.exception))
+        if may_mount():
+            read_only = 'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" && shift && exec "$@"'
+            self.running.wrapper = [*NAMESPACE, "sh", "-c", read_only, "sh", str(authorities)]
+            self.running.start()
