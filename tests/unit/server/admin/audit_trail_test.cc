@@ -106,7 +106,7 @@ TEST(AuditRows, ShowTextsOfClientsAsPrintable) {
   const storage::AuditRow row =
       RowOf(asker, {.action = kRobotBlock, .detail = std::string(2'000, 'x')},
             absl::PermissionDeniedError("no"), SystemTime());
-  EXPECT_EQ(row.who, "a\\x0Ab");
+  EXPECT_EQ(row.who, "a\\x0ab");
   EXPECT_EQ(row.outcome, "PERMISSION_DENIED");
   EXPECT_EQ(row.detail.size(), storage::kAuditTextBytesMax);
 }
