@@ -10,6 +10,7 @@
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
+#include "server/rpc/probe.h"
 #include "server/run/broker_side.h"
 #include "server/run/command_side.h"
 #include "server/run/drain.h"
