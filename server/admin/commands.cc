@@ -11,6 +11,7 @@
 #include "server/admin/actions.h"
 #include "server/admin/checks.h"
 #include "server/admin/messages.h"
+#include "server/identity/ruri.h"
 #include "server/view/timestamps.h"
 
 namespace uplink::admin {
@@ -125,7 +126,13 @@ absl::StatusOr<v1::RobotSetting> Commands::DisconnectRobot(
     const Asker& asker, const v1::DisconnectRobotRequest& request) {
   storage::SettingChange change;
   change.disconnect = true;
-  return Change(asker, {kRobotDisconnect, request.ruri()}, std::move(change));
+  absl::Status verdict;
+  if (identity::NamesTwin(request.ruri()) ||
+      (context_.only_calls && context_.only_calls(request.ruri()))) {
+    verdict = absl::FailedPreconditionError(
+        fmt::format("{} has no stream that could end: block it to keep it out", request.ruri()));
+  }
+  return Change(asker, {kRobotDisconnect, request.ruri()}, std::move(change), std::move(verdict));
 }
 
 absl::StatusOr<v1::RobotSetting> Commands::NoteRobot(const Asker& asker,

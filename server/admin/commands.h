@@ -55,6 +55,8 @@ class Commands final {
     /// The fleet of a robot that is known; nothing: it is not. Any thread. Empty: every robot is
     /// unknown.
     std::function<std::optional<std::string>(std::string_view ruri)> fleet_of{};
+    /// A robot that is known has no stream, only calls. Any thread. Empty: none is so.
+    std::function<bool(std::string_view ruri)> only_calls{};
     /// The store has something new, which servers read each second anyway. Any thread; may be
     /// empty.
     std::function<void()> changed{};
@@ -71,6 +73,8 @@ class Commands final {
                                                             const v1::BlockRobotRequest& request);
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> UnblockRobot(
       const Asker& asker, const v1::UnblockRobotRequest& request);
+  /// kFailedPrecondition for a twin, whose broker's connection is shared, and for a drone, whose
+  /// calls end by themselves.
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> DisconnectRobot(
       const Asker& asker, const v1::DisconnectRobotRequest& request);
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> NoteRobot(const Asker& asker,

@@ -84,6 +84,9 @@ Response CommandError(const absl::Status& status) {
   if (status.code() == absl::StatusCode::kResourceExhausted) {
     return Answer(409, {"RESOURCE_EXHAUSTED", message});
   }
+  if (status.code() == absl::StatusCode::kFailedPrecondition) {
+    return Answer(409, {"FAILED_PRECONDITION", message});
+  }
   return ErrorResponse(status);
 }
 

@@ -70,6 +70,7 @@ class CommandsTest : public ::testing::Test {
   AuditTrail trail_{logger_};
   int changes_ = 0;
   storage::AuditQuery asked_;
+  std::string only_calls_;
   const Asker local_ = AskerOf(identity::LocalCaller(), "");
   Commands commands_{{.clock = clock_,
                       .store = shared_,
@@ -80,6 +81,7 @@ class CommandsTest : public ::testing::Test {
                             return testing::FakeReader(database_).Audit(query);
                           },
                       .fleet_of = FleetOf,
+                      .only_calls = [this](std::string_view ruri) { return ruri == only_calls_; },
                       .changed = [this] { ++changes_; },
                       .reload = {}}};
 };
@@ -98,6 +100,27 @@ TEST_F(CommandsTest, BlocksARobotOfItsScopeAndTellsIt) {
   EXPECT_EQ(row.outcome, "ok");
   EXPECT_EQ(row.detail, "stolen");
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("info audit who=1f2e3d4c")));
+}
+
+TEST_F(CommandsTest, DisconnectsNoTwinAndNoDroneAndNamesTheWay) {
+  const auto disconnect = [this](const std::string& ruri, const Asker& asker) {
+    v1::DisconnectRobotRequest request;
+    request.set_ruri(ruri);
+    return commands_.DisconnectRobot(asker, request);
+  };
+  EXPECT_TRUE(disconnect(kNorth, local_).ok());
+  only_calls_ = kNorth;
+  for (const std::string& ruri :
+       {std::string(kNorth), std::string("rcan://local.rcan/cyberwave/twin/"
+                                         "11111111-2222-4333-8444-555555555555")}) {
+    const absl::StatusOr<v1::RobotSetting> refused = disconnect(ruri, local_);
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition) << ruri;
+    EXPECT_THAT(TextOf(refused), HasSubstr("block it"));
+    EXPECT_EQ(LastRow().outcome, "FAILED_PRECONDITION");
+  }
+  only_calls_ = kSouth;
+  EXPECT_EQ(disconnect(kSouth, OfNorth()).status().code(), absl::StatusCode::kNotFound)
+      << "out of scope";
 }
 
 TEST_F(CommandsTest, AnswersARobotOutOfScopeAsAnUnknownOne) {

@@ -151,6 +151,15 @@ TEST_F(HttpCommandsTest, ABoundThatIsReachedIs409) {
   EXPECT_THAT(response.body, HasSubstr("too many labels"));
 }
 
+TEST_F(HttpCommandsTest, ATwinHasNoStreamToDisconnect) {
+  const Response response = Post(
+      "/api/v1/robot/disconnect?ruri=rcan://local.rcan/cyberwave/twin/"
+      "11111111-2222-4333-8444-555555555555");
+  EXPECT_EQ(response.status, 409);
+  EXPECT_THAT(response.body, HasSubstr("FAILED_PRECONDITION"));
+  EXPECT_THAT(response.body, HasSubstr("block it"));
+}
+
 TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {
   Request request = PostOf("/api/v1/robot/block?ruri=" + std::string(kNorth));
   request.caller = OfNorth();
