@@ -76,6 +76,7 @@ ViewSide::ViewSide(const Context& context)
                       .drones_stale_after = context.config.uncrew.stale_after,
                       .top = &top_}),
       site_({queries_, watches_, context.commands, context.health.monitor(),
+             context.early.http_probe(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
              robots_scrape_, context.logger, context.in_effect}),
       sweeps_("watches", [this](const std::stop_token&) { return Sweep(); }) {}

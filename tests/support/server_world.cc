@@ -67,7 +67,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                   if (robot == nullptr) return std::nullopt;
                   return robot->id()->fleet;
                 }}),
-      site({queries, watches, commands, monitor,
+      site({queries, watches, commands, monitor, http_probe,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape, logger, in_effect}) {}
 

@@ -1,5 +1,6 @@
 #include "server/rpc/fleet_methods.h"
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <set>
@@ -15,6 +16,7 @@
 #include "grpc/health/v1/health.pb.h"
 #include "grpc/reflection/v1/reflection.pb.h"
 #include "server/http/routes.h"
+#include "server/limits/policies.h"
 #include "server/rpc/health_calls.h"
 #include "server/rpc/reflection_call.h"
 #include "tests/support/server_world.h"
@@ -188,6 +190,20 @@ TEST_F(FleetMethodsTest, CommandsAreThoseOfHttp) {
   EXPECT_EQ(ask(Of(Role::kOperator, "south")).status().code(), absl::StatusCode::kNotFound);
   note.clear_ruri();
   EXPECT_EQ(ask(Of(Role::kOperator)).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(FleetMethodsTest, CommandsThatComeTooFastAreRefused) {
+  v1::DisconnectRobotRequest robot;
+  robot.set_ruri("rcan://a");
+  const auto ask = [this, &robot] {
+    return Call<v1::RobotSetting>("/uplink.v1.FleetAdmin/DisconnectRobot", Of(Role::kOperator),
+                                  robot);
+  };
+  constexpr auto kAtOnce = limits::PolicyOf(limits::PolicyId::kCommandsOfCaller).at_once;
+  for (std::uint64_t i = 0; i < kAtOnce; ++i) ASSERT_TRUE(ask().ok()) << i;
+  const absl::Status over = ask().status();
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(over.message()), HasSubstr("5 commands about robots per second"));
 }
 
 TEST_F(FleetMethodsTest, RefusesAsHttpDoes) {
