@@ -62,7 +62,7 @@ ViewSide::ViewSide(const Context& context)
       fault_counts_(context.clock),
       top_(context.clock, context.fleet),
       queries_(QuerySources(context, fault_counts_, top_)),
-      watches_({context.clock, context.fleet, queries_, watch_probe_}),
+      watches_({context.clock, context.fleet, queries_, watch_probe_, context.logger}),
       page_sources_(PageSources(context, watch_probe_)),
       robots_scrape_({.clock = context.clock,
                       .fleet = context.fleet,
