@@ -96,6 +96,13 @@ class Commands(EndToEnd):
         self.assertFalse(json.loads(without.stdout)["blocked"])
         self.assertIn("no server answers", without.stderr)
         self.ctl("certificates", "unrevoke", "--key-sha256", KEY, "--config", file)
+        listed = json.loads(self.ctl("audit", "list", "--config", file, "-o", "json", "--oldest").stdout)
+        told = [(row["action"], row["proof"]) for row in listed["audit"]]
+        self.assertEqual(told[-3:], [("server_stop", "server"), ("robot_unblock", "store"), ("certificate_unrevoke", "store")])
+        only = self.ctl("audit", "list", "--config", file, "--target", ROBOT, "--since", "1h", "--limit", "1")
+        self.assertIn("robot_unblock", only.stdout)
+        self.assertNotIn("robot_block", only.stdout)
+        self.assertIn("no server answers", only.stderr)
 
         server.start()
         self.assertEqual(server.get("/api/v1/certificates/revocations")["revocations"], [])
