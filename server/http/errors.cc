@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "server/admin/command_rate.h"
 #include "server/view/json.h"
 
 namespace uplink::http {
@@ -80,6 +81,11 @@ Response CommandError(const absl::Status& status) {
   const std::string message(status.message());
   if (status.code() == absl::StatusCode::kInvalidArgument) {
     return Answer(400, {"INVALID_ARGUMENT", message, message.substr(0, message.find(' '))});
+  }
+  if (const auto seconds = admin::RetryAfterOf(status)) {
+    Response response = Answer(429, {"RESOURCE_EXHAUSTED", message});
+    response.retry_after = *seconds;
+    return response;
   }
   if (status.code() == absl::StatusCode::kResourceExhausted) {
     return Answer(409, {"RESOURCE_EXHAUSTED", message});
