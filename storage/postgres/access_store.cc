@@ -1,5 +1,6 @@
 #include "storage/access_store.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -100,7 +101,8 @@ class PostgresAccessStore final : public AccessStore {
       : connection_(std::move(connection)) {}
 
   absl::StatusOr<AccessVersion> Version() override {
-    const auto row = connection_->Read(StoreCallOf(kVersion), "read the version of access");
+    const auto row =
+        connection_->ReadSoon(StoreCallOf(kVersion), "read the version of access", kAccessLookMax);
     if (!row.ok()) return row.status();
     return row->rows() == 0 ? 0 : static_cast<AccessVersion>(row->Int(0, 0));
   }
@@ -204,6 +206,12 @@ class PostgresAccessStore final : public AccessStore {
 };
 
 }  // namespace
+
+StoreOptions FollowingAccess(StoreOptions options) {
+  options.connect_timeout = std::min(options.connect_timeout, kAccessConnectMax);
+  options.call_timeout = std::min(options.call_timeout, kAccessReadMax);
+  return options;
+}
 
 absl::StatusOr<std::unique_ptr<AccessStore>> MakeAccessStore(const StoreOptions& options,
                                                              const Clock& clock) {
