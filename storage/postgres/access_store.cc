@@ -53,10 +53,12 @@ constexpr std::string_view kSetSetting =
     " labels = excluded.labels, note = excluded.note, disconnect_at = excluded.disconnect_at,"
     " changed_at = excluded.changed_at, version = excluded.version";
 constexpr std::string_view kDropRevocations =
-    "DELETE FROM uplinkd.revocations WHERE NOT revoked AND at < $1::timestamptz";
-constexpr std::string_view kDropSettings =
-    "DELETE FROM uplinkd.robot_settings WHERE changed_at < $1::timestamptz AND NOT blocked"
-    " AND NOT registered AND labels = '{}' AND note = ''";
+    "DELETE FROM uplinkd.revocations WHERE NOT revoked AND version <= (SELECT version"
+    " FROM uplinkd.revocations WHERE NOT revoked ORDER BY version DESC LIMIT 1 OFFSET $1::bigint)";
+constexpr SqlText kDropSettings = {
+    "DELETE FROM uplinkd.robot_settings WHERE ", kSetsNothingSql,
+    " AND version <= (SELECT version FROM uplinkd.robot_settings WHERE ", kSetsNothingSql,
+    " ORDER BY version DESC LIMIT 1 OFFSET $1::bigint)"};
 /// As a batch of the robot does before it writes its rows, so that the two wait in one order.
 constexpr std::string_view kLockRobot =
     "SELECT 1 FROM uplinkd.robots WHERE ruri = $1::text FOR NO KEY UPDATE";
@@ -136,7 +138,7 @@ class PostgresAccessStore final : public AccessStore {
             return TooManyRevocations();
           }
           calls.push_back(StoreCallOf(kNextVersionSql.view()));
-          calls.push_back(StoreCallOf(kDropRevocations, row.at - kTakenBackKept));
+          calls.push_back(StoreCallOf(kDropRevocations, kTakenBackKept));
           calls.push_back(StoreCallOf(kSetRevocation, kind, revocation.value,
                                       revocation.revoked ? 1 : 0, row.at, row.who,
                                       revocation.reason));
@@ -170,7 +172,7 @@ class PostgresAccessStore final : public AccessStore {
             return TooManySettings();
           }
           calls.push_back(StoreCallOf(kNextVersionSql.view()));
-          calls.push_back(StoreCallOf(kDropSettings, row.at - kTakenBackKept));
+          calls.push_back(StoreCallOf(kDropSettings.view(), kTakenBackKept));
           calls.push_back(SettingCall(after, row.at));
           calls.push_back(StoreCallOf(kNotify));
           return calls;
