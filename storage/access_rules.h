@@ -38,6 +38,10 @@ inline constexpr std::string_view kSettingColumns =
     "ruri, blocked, blocked_why, blocked_by, blocked_at, registered, labels, note, disconnect_at,"
     " version";
 
+/// SetsNothing, as a condition on a row.
+inline constexpr std::string_view kSetsNothingSql =
+    "NOT blocked AND NOT registered AND labels = '{}' AND note = ''";
+
 /// Labels as a column holds them.
 [[nodiscard]] std::string LabelsText(const RobotSetting& setting);
 

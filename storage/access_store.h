@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -23,9 +22,10 @@ inline constexpr std::size_t kRevocationsMax = 100'000;
 inline constexpr std::size_t kSettingsMax = 100'000;
 /// Rows that one answer of the readers below names.
 inline constexpr std::size_t kAccessPageMax = 10'000;
-/// How long the row stays of what was taken back, so that every server learns it. One that starts
-/// reads from version 0.
-inline constexpr std::chrono::days kTakenBackKept{30};
+/// Rows that stay of revocations that were taken back, and as many of settings, so that every
+/// server learns it: the newest, whatever any clock says. More than servers miss between two looks;
+/// one that could not look, and one that starts, reads from version 0.
+inline constexpr std::size_t kTakenBackKept = 1'000;
 /// Labels of one robot, and bytes of each name and value.
 inline constexpr std::size_t kLabelsMax = 16;
 inline constexpr std::size_t kLabelBytesMax = 64;

@@ -14,6 +14,11 @@ bool HoldsAnything(const storage::RobotSetting& setting) {
          setting.disconnect_at.has_value();
 }
 
+bool ChangesNothing(const RobotSettings::Change& change) {
+  if (change.before == nullptr || change.now == nullptr) return change.before == change.now;
+  return *change.before == *change.now;
+}
+
 bool AsksDisconnect(const RobotSettingPtr& before, const storage::RobotSetting& now) {
   const auto last = before == nullptr ? std::nullopt : before->disconnect_at;
   return now.disconnect_at.has_value() && now.disconnect_at != last;
@@ -105,7 +110,7 @@ void RobotSettings::Apply(std::vector<storage::RobotSetting> settings) {
   Tell(changes);
 }
 
-void RobotSettings::Replace(std::vector<storage::RobotSetting> settings) {
+bool RobotSettings::Replace(std::vector<storage::RobotSetting> settings) {
   std::vector<Change> changes;
   {
     const std::lock_guard lock(mutex_);
@@ -128,7 +133,9 @@ void RobotSettings::Replace(std::vector<storage::RobotSetting> settings) {
       changes.push_back({.ruri = ruri, .before = setting, .now = nullptr});
     }
   }
+  std::erase_if(changes, ChangesNothing);
   Tell(changes);
+  return !changes.empty();
 }
 
 void RobotSettings::Tell(std::span<const Change> changes) const {

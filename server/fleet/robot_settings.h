@@ -72,9 +72,10 @@ class RobotSettings final {
   /// Takes over settings, each as a whole. One whose version is not above the known one changes
   /// nothing.
   void Apply(std::vector<storage::RobotSetting> settings);
-  /// Takes over all settings: robots that are not among them have none. For a store whose versions
-  /// went back. It asks no stream to end, except those of robots that are blocked now.
-  void Replace(std::vector<storage::RobotSetting> settings);
+  /// Takes over all settings, whatever their versions: robots that are not among them have none. It
+  /// asks no stream to end, except those of robots that are blocked now. Returns whether anything
+  /// is other than before; only that is told.
+  bool Replace(std::vector<storage::RobotSetting> settings);
 
  private:
   using Table = std::map<std::string, RobotSettingPtr, std::less<>>;

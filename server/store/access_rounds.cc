@@ -1,6 +1,9 @@
 #include "server/store/access_rounds.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include <absl/status/statusor.h>
@@ -42,6 +45,23 @@ absl::StatusOr<Changes> ChangesAfter(storage::AccessStore& store, AccessVersion 
   return Changes{*std::move(revocations), *std::move(settings)};
 }
 
+/// The store has no row any more, revoked or taken back, of one of those that it had.
+template <typename Known>
+bool LacksAny(const Known& known, const std::vector<storage::Revocation>& all) {
+  std::set<typename Known::key_type> names;
+  for (const storage::Revocation& each : all) names.emplace(each.by, each.value);
+  return !std::ranges::all_of(known,
+                              [&names](const auto& each) { return names.contains(each.first); });
+}
+
+std::vector<storage::RobotSetting> NewerThan(AccessVersion seen,
+                                             const std::vector<storage::RobotSetting>& all) {
+  std::vector<storage::RobotSetting> newer;
+  std::ranges::copy_if(all, std::back_inserter(newer),
+                       [seen](const storage::RobotSetting& each) { return each.version > seen; });
+  return newer;
+}
+
 }  // namespace
 
 AccessRounds::AccessRounds(Context context)
@@ -55,7 +75,7 @@ AccessRounds::AccessRounds(Context context)
 void AccessRounds::Begin(const absl::Status& away) {
   LookAtFiles();
   const absl::Status read = away.ok() ? Look() : away;
-  if (read.ok()) return Save();
+  if (read.ok()) return;
   NoteOutcome(read);
   UseSaved(read);
 }
@@ -77,7 +97,9 @@ void AccessRounds::Wake() {
 
 milliseconds AccessRounds::Round() {
   const SteadyTime now = context_.clock.Steady();
-  const absl::Status looked = Look();
+  absl::Status looked = Look();
+  // Its connection may have died or stand still while the way is free: a new one is made at once.
+  if (!looked.ok() && !failing_.load()) looked = Look();
   NoteOutcome(looked);
   if (!looked_at_files_ || now - *looked_at_files_ >= kLookAtAccessFilesEvery) {
     LookAtFiles();
@@ -87,29 +109,44 @@ milliseconds AccessRounds::Round() {
 }
 
 absl::Status AccessRounds::Look() {
+  absl::Status read = Read();
+  failed_ = !read.ok();
+  return read;
+}
+
+absl::Status AccessRounds::Read() {
   const absl::StatusOr<AccessVersion> version = context_.store.Version();
   if (!version.ok()) return version.status();
-  if (seen_ == *version) return absl::OkStatus();
   // A store that was put back to an earlier state has counted less.
-  if (!seen_ || *version < *seen_) return ReadAll(*version);
-  return ReadNewer(*version);
+  if (!seen_ || failed_ || *version < *seen_ ||
+      context_.clock.Steady() - read_all_at_ >= kWholeReadEvery) {
+    return ReadAll(*version);
+  }
+  return seen_ == *version ? absl::OkStatus() : ReadNewer(*version);
 }
 
 absl::Status AccessRounds::ReadAll(AccessVersion version) {
   absl::StatusOr<Changes> all = ChangesAfter(context_.store, 0);
   if (!all.ok()) return all.status();
-  if (seen_) {
+  read_all_at_ = context_.clock.Steady();
+  const bool at_first = !seen_;
+  const auto before = std::exchange(revocations_, {});
+  if (!at_first && (version < *seen_ || LacksAny(before, all->revocations))) {
     context_.logger.Warn("access_went_back", {{"version", version}, {"seen", *seen_}});
   }
-  revocations_.clear();
-  context_.settings.Replace(std::move(all->settings));
   Take(std::move(all->revocations));
-  SetDenied();
+  const bool denies_others = at_first || before != revocations_;
+  if (denies_others) SetDenied();
+  // What is replaced asks no stream to end.
+  if (!at_first) context_.settings.Apply(NewerThan(*seen_, all->settings));
+  const bool sets_others = context_.settings.Replace(std::move(all->settings));
+  unsaved_ = unsaved_ || denies_others || sets_others || seen_ != version;
   seen_ = version;
   unread_.store(false);
   context_.settings.SetRead();
-  unsaved_ = true;
-  if (revocations_.empty() && context_.settings.size() == 0) return absl::OkStatus();
+  Save();
+  if (at_first && revocations_.empty() && context_.settings.size() == 0) return absl::OkStatus();
+  if (!denies_others && !sets_others) return absl::OkStatus();
   context_.logger.Info("access_read", {{"version", version},
                                        {"revocations", revocations_.size()},
                                        {"settings", context_.settings.size()}});
@@ -180,6 +217,7 @@ void AccessRounds::UseSaved(const absl::Status& why) {
                                            {"saved_why", std::string(copy.status().message())}});
     return;
   }
+  saved_version_ = copy->version;
   Take(std::move(copy->revocations));
   context_.settings.Replace(std::move(copy->settings));
   SetDenied();
@@ -193,16 +231,35 @@ void AccessRounds::UseSaved(const absl::Status& why) {
 void AccessRounds::Save() {
   if (!unsaved_ || context_.saved_path.empty()) return;
   AccessCopy copy;
+  copy.version = seen_.value_or(0);
   for (const auto& [name, revocation] : revocations_) copy.revocations.push_back(revocation);
   for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
     if (each->blocked || each->registered) copy.settings.push_back(*each);
   }
-  const absl::Status saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
+  absl::Status saved = KeepNewerCopy(copy.version);
+  if (saved.ok()) saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
+  if (saved.ok()) saved_version_ = copy.version;
   unsaved_ = !saved.ok();
   const std::string before = std::exchange(save_error_, std::string(saved.message()));
   if (!saved.ok() && before != save_error_) {
     context_.logger.Warn("access_not_saved", {{"why", save_error_}});
   }
+}
+
+absl::Status AccessRounds::KeepNewerCopy(AccessVersion version) {
+  if (!saved_version_) {
+    saved_version_ = SavedAccessVersion(context_.saved_path, context_.store_name);
+  }
+  if (*saved_version_ <= version) return absl::OkStatus();
+  const std::string kept = context_.saved_path + ".old";
+  absl::Status done = KeepSavedAccess(context_.saved_path, kept);
+  if (!done.ok()) return done;
+  context_.logger.Warn("access_saved_list_newer", {{"version", version},
+                                                   {"saved_version", *saved_version_},
+                                                   {"saved_list", context_.saved_path},
+                                                   {"kept", kept}});
+  saved_version_ = version;
+  return done;
 }
 
 void AccessRounds::NoteOutcome(const absl::Status& status) {

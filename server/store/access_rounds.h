@@ -31,6 +31,9 @@ inline constexpr milliseconds kLookAtAccessEvery{500};
 inline constexpr milliseconds kLookAtAccessAgainEvery{1'000};
 /// Looks of signals do not follow each other faster.
 inline constexpr milliseconds kLookAtAccessApart{10};
+/// How often everything is read, whatever the version says: a store that was replaced by an older
+/// state and written since may have a version that tells nothing.
+inline constexpr std::chrono::minutes kWholeReadEvery{1};
 /// How often the files of authorities are looked at, and a copy that could not be saved is tried
 /// again.
 inline constexpr std::chrono::seconds kLookAtAccessFilesEvery{5};
@@ -88,8 +91,10 @@ class AccessRounds final {
  private:
   using Name = std::pair<storage::RevokedBy, std::string>;
 
-  /// Reads what is newer than what was read.
+  /// Reads what is newer than what was read, or everything: after a look that failed, for the store
+  /// may be another one since; if it went back; and each kWholeReadEvery.
   [[nodiscard]] absl::Status Look();
+  [[nodiscard]] absl::Status Read();
   [[nodiscard]] absl::Status ReadAll(storage::AccessVersion version);
   [[nodiscard]] absl::Status ReadNewer(storage::AccessVersion version);
   void LookAtFiles();
@@ -97,18 +102,25 @@ class AccessRounds final {
   void SetDenied();
   void UseSaved(const absl::Status& why);
   void Save();
+  /// A saved copy that is newer than the store stays beside the one that replaces it.
+  [[nodiscard]] absl::Status KeepNewerCopy(storage::AccessVersion version);
   void NoteOutcome(const absl::Status& status);
   loop::Next Listen(const std::stop_token& stop);
 
   const Context context_;
   /// The version that was read; nothing: none of this store.
   std::optional<storage::AccessVersion> seen_;
+  /// The last look failed.
+  bool failed_ = false;
+  SteadyTime read_all_at_;
   /// Those that are revoked.
   std::map<Name, storage::Revocation> revocations_;
   std::vector<std::string> of_files_;
   std::optional<SteadyTime> looked_at_files_;
   /// The copy on disk is not what is known.
   bool unsaved_ = false;
+  /// Of the copy on disk; nothing: not looked at yet.
+  std::optional<storage::AccessVersion> saved_version_;
   std::string save_error_;
   std::atomic<bool> failing_{false};
   std::atomic<bool> unread_{true};

@@ -141,7 +141,8 @@ absl::StatusOr<Stores> OpenPostgres(const config::Config& config, const storage:
   Keep(storage::postgres::MakeClockMarks(options, clock), stores.marks, status);
   Keep(storage::postgres::MakeForgetStore(options, clock), stores.forget, status);
   Keep(storage::postgres::MakeSharedItems(options, clock), stores.shared, status);
-  Keep(storage::postgres::MakeAccessStore(options, clock), stores.access, status);
+  Keep(storage::postgres::MakeAccessStore(storage::postgres::FollowingAccess(options), clock),
+       stores.access, status);
   Keep(storage::postgres::MakeAccessStore(options, clock), stores.access_writes, status);
   if (!config.mqtt.url.empty()) {
     Keep(storage::postgres::MakeTopicLeases(options, clock), stores.topic_leases, status);

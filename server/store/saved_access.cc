@@ -20,9 +20,12 @@ namespace {
 
 constexpr std::string_view kHead = "uplinkd access 1";
 constexpr std::string_view kStore = "store ";
+constexpr std::string_view kVersion = "version ";
 constexpr std::string_view kRevoked = "revoked ";
 constexpr std::string_view kBlocked = "blocked ";
 constexpr std::string_view kAdded = "added ";
+/// Lines before the first of these: the head, the store, the version.
+constexpr std::size_t kLinesBefore = 3;
 /// The last line says how many lines stand before it.
 constexpr std::string_view kEnd = "end ";
 
@@ -113,8 +116,8 @@ bool WriteWhole(int file, std::string_view text) {
 }  // namespace
 
 std::string TextOf(const AccessCopy& copy, const std::string& store) {
-  std::string text = fmt::format("{}\n{}{}\n", kHead, kStore, store);
-  std::size_t lines = 2;
+  std::string text = fmt::format("{}\n{}{}\n{}{}\n", kHead, kStore, store, kVersion, copy.version);
+  std::size_t lines = kLinesBefore;
   const auto add = [&text, &lines](std::string_view word, std::string_view rest) {
     text.append(word).append(rest).append("\n");
     ++lines;
@@ -142,7 +145,10 @@ absl::StatusOr<AccessCopy> ParseAccess(const std::string& text, const std::strin
     return absl::FailedPreconditionError(fmt::format("it is of another store: {}", *line));
   }
   AccessCopy copy;
-  std::size_t lines = 2;
+  line = TakeLine(rest);
+  if (!line || !TakeWord(*line, kVersion)) return NotWhole();
+  std::from_chars(line->data(), line->data() + line->size(), copy.version);
+  std::size_t lines = kLinesBefore;
   while ((line = TakeLine(rest))) {
     if (TakeWord(*line, kEnd)) {
       std::size_t said = 0;
@@ -187,6 +193,19 @@ absl::StatusOr<std::string> ReadSavedAccess(const std::string& path) {
   FileText file = ReadFileText(path, kSavedAccessBytesMax);
   if (file.problem.empty()) return std::move(file.text);
   return absl::FailedPreconditionError(fmt::format("{}: {}", path, file.problem));
+}
+
+storage::AccessVersion SavedAccessVersion(const std::string& path, const std::string& store) {
+  const absl::StatusOr<std::string> text = ReadSavedAccess(path);
+  if (!text.ok()) return 0;
+  const absl::StatusOr<AccessCopy> copy = ParseAccess(*text, store);
+  return copy.ok() ? copy->version : 0;
+}
+
+absl::Status KeepSavedAccess(const std::string& path, const std::string& kept) {
+  ::unlink(kept.c_str());
+  if (::link(path.c_str(), kept.c_str()) == 0) return absl::OkStatus();
+  return Failed(kept, "cannot be made");
 }
 
 }  // namespace uplink::store

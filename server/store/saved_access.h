@@ -21,6 +21,8 @@ struct AccessCopy {
   std::vector<storage::Revocation> revocations;
   /// Robots that are blocked, or that an operator added; of each only these two.
   std::vector<storage::RobotSetting> settings;
+  /// Of the store when they were read.
+  storage::AccessVersion version = 0;
 };
 
 /// The copy as text, a line each; `store` is what the log calls the store. What a line cannot hold
@@ -38,5 +40,10 @@ struct AccessCopy {
 [[nodiscard]] absl::Status SaveAccess(const std::string& path, const std::string& text);
 /// Errors: also kNotFound: there is none; kFailedPrecondition: others than its owner may write it.
 [[nodiscard]] absl::StatusOr<std::string> ReadSavedAccess(const std::string& path);
+/// The version of the copy that is there; 0: none counts.
+[[nodiscard]] storage::AccessVersion SavedAccessVersion(const std::string& path,
+                                                        const std::string& store);
+/// Keeps the file under another name when it is replaced, in the place of an earlier one.
+[[nodiscard]] absl::Status KeepSavedAccess(const std::string& path, const std::string& kept);
 
 }  // namespace uplink::store

@@ -1,5 +1,6 @@
 #include "storage/access_store.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -52,10 +53,12 @@ constexpr std::string_view kSetSetting =
     " labels = excluded.labels, note = excluded.note, disconnect_at = excluded.disconnect_at,"
     " changed_at = excluded.changed_at, version = excluded.version";
 constexpr std::string_view kDropRevocations =
-    "DELETE FROM uplinkd.revocations WHERE NOT revoked AND at < $1::timestamptz";
-constexpr std::string_view kDropSettings =
-    "DELETE FROM uplinkd.robot_settings WHERE changed_at < $1::timestamptz AND NOT blocked"
-    " AND NOT registered AND labels = '{}' AND note = ''";
+    "DELETE FROM uplinkd.revocations WHERE NOT revoked AND version <= (SELECT version"
+    " FROM uplinkd.revocations WHERE NOT revoked ORDER BY version DESC LIMIT 1 OFFSET $1::bigint)";
+constexpr SqlText kDropSettings = {
+    "DELETE FROM uplinkd.robot_settings WHERE ", kSetsNothingSql,
+    " AND version <= (SELECT version FROM uplinkd.robot_settings WHERE ", kSetsNothingSql,
+    " ORDER BY version DESC LIMIT 1 OFFSET $1::bigint)"};
 /// As a batch of the robot does before it writes its rows, so that the two wait in one order.
 constexpr std::string_view kLockRobot =
     "SELECT 1 FROM uplinkd.robots WHERE ruri = $1::text FOR NO KEY UPDATE";
@@ -100,7 +103,8 @@ class PostgresAccessStore final : public AccessStore {
       : connection_(std::move(connection)) {}
 
   absl::StatusOr<AccessVersion> Version() override {
-    const auto row = connection_->Read(StoreCallOf(kVersion), "read the version of access");
+    const auto row =
+        connection_->ReadSoon(StoreCallOf(kVersion), "read the version of access", kAccessLookMax);
     if (!row.ok()) return row.status();
     return row->rows() == 0 ? 0 : static_cast<AccessVersion>(row->Int(0, 0));
   }
@@ -135,7 +139,7 @@ class PostgresAccessStore final : public AccessStore {
             return TooManyRevocations();
           }
           calls.push_back(StoreCallOf(kNextVersionSql.view()));
-          calls.push_back(StoreCallOf(kDropRevocations, row.at - kTakenBackKept));
+          calls.push_back(StoreCallOf(kDropRevocations, kTakenBackKept));
           calls.push_back(StoreCallOf(kSetRevocation, kind, revocation.value,
                                       revocation.revoked ? 1 : 0, row.at, row.who,
                                       revocation.reason));
@@ -170,7 +174,7 @@ class PostgresAccessStore final : public AccessStore {
             return TooManySettings();
           }
           calls.push_back(StoreCallOf(kNextVersionSql.view()));
-          calls.push_back(StoreCallOf(kDropSettings, row.at - kTakenBackKept));
+          calls.push_back(StoreCallOf(kDropSettings.view(), kTakenBackKept));
           calls.push_back(SettingCall(after, row.at));
           calls.push_back(StoreCallOf(kNotify));
           return calls;
@@ -206,6 +210,12 @@ class PostgresAccessStore final : public AccessStore {
 };
 
 }  // namespace
+
+StoreOptions FollowingAccess(StoreOptions options) {
+  options.connect_timeout = std::min(options.connect_timeout, kAccessConnectMax);
+  options.call_timeout = std::min(options.call_timeout, kAccessReadMax);
+  return options;
+}
 
 absl::StatusOr<std::unique_ptr<AccessStore>> MakeAccessStore(const StoreOptions& options,
                                                              const Clock& clock) {

@@ -69,4 +69,12 @@ absl::StatusOr<Result> OwnConnection::Read(StoreCall call, std::string_view doin
   return (*connection)->RunOne(std::move(call), doing);
 }
 
+absl::StatusOr<Result> OwnConnection::ReadSoon(StoreCall call, std::string_view doing,
+                                               milliseconds most) {
+  if (!link_.connected()) return Read(std::move(call), doing);
+  const absl::StatusOr<Connection*> connection = link_.Get();
+  if (!connection.ok()) return connection.status();
+  return (*connection)->RunOne(std::move(call), doing, most);
+}
+
 }  // namespace uplink::storage::postgres

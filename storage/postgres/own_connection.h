@@ -49,6 +49,11 @@ class OwnConnection final {
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);
   [[nodiscard]] absl::StatusOr<Result> Read(StoreCall call, std::string_view doing);
+  /// The same, within `most` if the connection stood before: then a network that has lost it
+  /// without a word costs no more, and the next call makes a new one. A new one has the time of any
+  /// call, so that a server that is slow answers.
+  [[nodiscard]] absl::StatusOr<Result> ReadSoon(StoreCall call, std::string_view doing,
+                                                milliseconds most);
   /// Store::ServerRun.
   [[nodiscard]] const std::string& server_run() const { return link_.facts().run; }
   /// Link::connections.

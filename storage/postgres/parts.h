@@ -35,6 +35,16 @@ namespace uplink::storage::postgres {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ClockMarks>> MakeClockMarks(
     const StoreOptions& options, const Clock& clock);
 
+/// How long AccessStore::Version may take over a connection that stood before.
+inline constexpr milliseconds kAccessLookMax{500};
+/// Of a server that follows decisions of operators: how long a page of rows may take, and
+/// connecting to each place.
+inline constexpr milliseconds kAccessReadMax{5'000};
+inline constexpr milliseconds kAccessConnectMax{2'000};
+/// The same options for a store that follows them, so that a network that passes nothing delays a
+/// revocation little once it does.
+[[nodiscard]] StoreOptions FollowingAccess(StoreOptions options);
+
 /// A commit that changes a version wakes those who listen to Channel::kAccess.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<AccessStore>> MakeAccessStore(
     const StoreOptions& options, const Clock& clock);

@@ -26,6 +26,13 @@ void BindTime(Statement& statement, int index, const std::optional<SystemTime>& 
   }
 }
 
+/// Of the rows that were taken back, all but so many of the newest go.
+std::string DropSql(const std::string& table, std::string_view taken_back) {
+  const std::string which = table + " WHERE " + std::string(taken_back);
+  return "DELETE FROM " + which + " AND version <= (SELECT version FROM " + which +
+         " ORDER BY version DESC LIMIT 1 OFFSET ?)";
+}
+
 class SqliteAccessStore final : public AccessStore {
  public:
   explicit SqliteAccessStore(SideConnection side) : side_(std::move(side)) {}
@@ -51,10 +58,8 @@ class SqliteAccessStore final : public AccessStore {
                  "INSERT OR REPLACE INTO robot_settings"
                  " (ruri, blocked, blocked_why, blocked_by, blocked_at, registered, labels, note,"
                  " disconnect_at, changed_at, version) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    prepare.Into(drop_revocations_, "DELETE FROM revocations WHERE NOT revoked AND at < ?");
-    prepare.Into(drop_settings_,
-                 "DELETE FROM robot_settings WHERE changed_at < ? AND NOT blocked"
-                 " AND NOT registered AND labels = '{}' AND note = ''");
+    prepare.Into(drop_revocations_, DropSql("revocations", "NOT revoked"));
+    prepare.Into(drop_settings_, DropSql("robot_settings", kSetsNothingSql));
     prepare.Into(acknowledge_,
                  "UPDATE faults_active SET acknowledged_at = ?3, acknowledged_by = ?4,"
                  " acknowledged_note = ?5 WHERE ruri = ?1 AND fault_id = ?2 RETURNING 1");
@@ -144,7 +149,7 @@ class SqliteAccessStore final : public AccessStore {
       if (!count.ok()) return count.status();
       if (*count >= static_cast<std::int64_t>(kRevocationsMax)) return TooManyRevocations();
     }
-    status = drop_revocations_->Run(audit.at - kTakenBackKept);
+    status = drop_revocations_->Run(kTakenBackKept);
     if (!status.ok()) return status;
     const absl::StatusOr<AccessVersion> version = NextVersion();
     if (!version.ok()) return version.status();
@@ -179,7 +184,7 @@ class SqliteAccessStore final : public AccessStore {
     if (!step->changes()) return ChangedSetting{.setting = std::move(step->after)};
     absl::Status status = Note(audit);
     if (!status.ok()) return status;
-    status = drop_settings_->Run(audit.at - kTakenBackKept);
+    status = drop_settings_->Run(kTakenBackKept);
     if (!status.ok()) return status;
     if (step->is_new) {
       const absl::StatusOr<std::int64_t> count = count_settings_->Select().OnlyInt();

@@ -19,8 +19,12 @@ using storage::Revocation;
 using storage::RevokedBy;
 using storage::RobotSetting;
 using storage::SettingChange;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::Field;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
@@ -142,25 +146,44 @@ TEST_P(AccessContract, WhatIsTakenBackIsToldAsWell) {
   EXPECT_THAT(Audit(), SizeIs(4)) << "what changed nothing leaves none";
 }
 
-TEST_P(AccessContract, WhatWasTakenBackGoesAfterAWhile) {
-  constexpr std::int64_t kKeptMs = storage::kTakenBackKept.count() * kDayMs;
+TEST_P(AccessContract, NoServersClockTakesAwayWhatWasTakenBack) {
   Revoke(Of("a"));
   Revoke(Of("a", false));
-  SettingChange note{.ruri = kRuri};
-  note.note = "x";
-  Change(note);
-  note.note = "";
-  Change(note);
+  Change({.ruri = kRuri, .disconnect = true});
   SettingChange other{.ruri = "rcan://robots/b"};
-  other.registered = true;
-  Revoke(Of("b"), kKeptMs);
-  EXPECT_THAT(RevokedAfter(), ElementsAre("not a", "b"));
-  Revoke(Of("c"), kKeptMs + 1);
-  EXPECT_THAT(RevokedAfter(), ElementsAre("b", "c"));
-  EXPECT_THAT(SettingsAfter(), SizeIs(1));
-  Change(other, kKeptMs + 1);
-  ASSERT_THAT(SettingsAfter(), SizeIs(1));
-  EXPECT_EQ(SettingsAfter()[0].ruri, other.ruri);
+  other.registered = false;
+  for (const std::int64_t after_ms : {40 * kDayMs, -40 * kDayMs}) {
+    Revoke(Of("b" + std::to_string(after_ms)), after_ms);
+    other.registered = !*other.registered;
+    Change(other, after_ms);
+  }
+  EXPECT_THAT(RevokedAfter(), Contains("not a"));
+  EXPECT_THAT(SettingsAfter(), Contains(Field(&RobotSetting::ruri, kRuri)));
+}
+
+TEST_P(AccessContract, TheNewestThatWereTakenBackStay) {
+  Revoke(Of("stays"));
+  SettingChange blocked{.ruri = "rcan://robots/stays"};
+  blocked.blocked = true;
+  Change(blocked);
+  const auto value = [](std::size_t number) { return "r" + std::to_string(number); };
+  for (std::size_t i = 0; i <= storage::kTakenBackKept; ++i) {
+    Revoke(Of(value(i)));
+    Revoke(Of(value(i), false));
+    Change({.ruri = "rcan://robots/" + value(i), .disconnect = true});
+  }
+  EXPECT_THAT(RevokedAfter(), SizeIs(storage::kTakenBackKept + 2)) << "a change drops, then sets";
+  Revoke(Of("new"));
+  Change(SettingChange{.ruri = kRuri, .registered = true});
+  const std::vector<std::string> values = RevokedAfter();
+  EXPECT_THAT(values, SizeIs(storage::kTakenBackKept + 2));
+  EXPECT_THAT(values, Not(Contains("not " + value(0))));
+  EXPECT_THAT(values, IsSupersetOf({std::string("stays"), "not " + value(1), std::string("new")}));
+  const std::vector<RobotSetting> settings = SettingsAfter();
+  ASSERT_THAT(settings, SizeIs(storage::kTakenBackKept + 2));
+  EXPECT_EQ(settings[0].ruri, blocked.ruri);
+  EXPECT_EQ(settings[1].ruri, "rcan://robots/" + value(1));
+  EXPECT_EQ(settings.back().ruri, kRuri);
 }
 
 TEST_P(AccessContract, ASettingIsAllThatWasSet) {

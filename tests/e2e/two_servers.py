@@ -55,13 +55,16 @@ class TwoServers(EndToEnd):
 
     # Of these programs is the store's schema at first.
     programs_of_store = BIN
+    way_to_store = TcpProxy
+    # Of the store, beside those of the scenarios.
+    settings = ""
 
     def setUp(self):
         super().setUp()
         self.cluster = self.keep(Cluster(self.folder).create()).migrate(self.programs_of_store)
         self.password = self.folder / "store.password"
         self.password.write_text("uplinkd\n", encoding="utf-8")
-        self.stores = [self.keep(TcpProxy(f"127.0.0.1:{self.cluster.place['port']}")) for _ in "AB"]
+        self.stores = [self.keep(self.way_to_store(f"127.0.0.1:{self.cluster.place['port']}")) for _ in "AB"]
         self.servers = [self.new_server(name, store) for name, store in zip("AB", self.stores)]
         self.road = None
         self.fleets = []
@@ -79,7 +82,7 @@ class TwoServers(EndToEnd):
         if self.folder.joinpath("A/pki").exists():
             (folder / "pki").symlink_to(self.folder / "A/pki")
         url = f"postgresql://uplinkd@127.0.0.1:{store.port}/uplinkd?sslmode=disable"
-        return self.keep(Server(folder, f'password_file = "{self.password}"\n{SETTINGS}', url))
+        return self.keep(Server(folder, f'password_file = "{self.password}"\n{self.settings}{SETTINGS}', url))
 
     def start(self, *places):
         """Starts these servers; the first time with the way to the first of them."""

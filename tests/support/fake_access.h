@@ -15,8 +15,6 @@ struct FakeAccess {
   storage::AccessVersion version = 0;
   std::map<std::pair<storage::RevokedBy, std::string>, storage::Revocation> revocations;
   std::map<std::string, storage::RobotSetting> settings;
-  /// When each was changed last.
-  std::map<std::string, SystemTime> changed_at;
   /// In the order of their entries.
   std::vector<FakeEntry<storage::AuditRow>> audit;
 

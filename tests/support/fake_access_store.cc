@@ -1,6 +1,7 @@
 #include "tests/support/fake_access_store.h"
 
 #include <algorithm>
+#include <functional>
 #include <mutex>
 #include <utility>
 
@@ -19,6 +20,21 @@ auto After(const Rows& rows, storage::AccessVersion after) {
   std::ranges::sort(newer, {}, [](const auto& row) { return row.version; });
   if (newer.size() > storage::kAccessPageMax) newer.resize(storage::kAccessPageMax);
   return newer;
+}
+
+/// Of the rows that were taken back, all but so many of the newest go.
+template <typename Rows, typename IsTakenBack>
+void DropTakenBack(Rows& rows, const IsTakenBack& is_taken_back) {
+  std::vector<storage::AccessVersion> versions;
+  for (const auto& [key, row] : rows) {
+    if (is_taken_back(row)) versions.push_back(row.version);
+  }
+  if (versions.size() <= storage::kTakenBackKept) return;
+  std::ranges::sort(versions, std::greater());
+  const storage::AccessVersion last = versions[storage::kTakenBackKept];
+  std::erase_if(rows, [&](const auto& one) {
+    return is_taken_back(one.second) && one.second.version <= last;
+  });
 }
 
 }  // namespace
@@ -60,9 +76,7 @@ absl::StatusOr<bool> FakeAccessStore::Revoke(const storage::Revocation& revocati
   }
   if (before == revocation.revoked) return false;
   Note(audit);
-  std::erase_if(access.revocations, [&audit](const auto& one) {
-    return !one.second.revoked && one.second.at < audit.at - storage::kTakenBackKept;
-  });
+  DropTakenBack(access.revocations, [](const storage::Revocation& one) { return !one.revoked; });
   storage::Revocation row = revocation;
   row.at = audit.at;
   row.who = storage::Bounded(audit).who;
@@ -86,11 +100,7 @@ absl::StatusOr<storage::ChangedSetting> FakeAccessStore::Change(
   const bool is_new = found == access.settings.end();
   if (is_new && access.settings.size() >= storage::kSettingsMax) return storage::TooManySettings();
   Note(audit);
-  std::erase_if(access.settings, [&access, &audit](const auto& one) {
-    return storage::SetsNothing(one.second) &&
-           access.changed_at[one.first] < audit.at - storage::kTakenBackKept;
-  });
-  access.changed_at[change.ruri] = audit.at;
+  DropTakenBack(access.settings, storage::SetsNothing);
   after->version = ++access.version;
   access.settings.insert_or_assign(change.ruri, *after);
   return storage::ChangedSetting{.setting = *std::move(after), .changed = true};

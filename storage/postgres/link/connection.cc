@@ -121,8 +121,15 @@ absl::Status Connection::NoAnswer(std::string_view doing) {
 
 absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>& calls,
                                                     std::string_view doing, OnError on_error) {
+  return RunWithin(options_.call_timeout, calls, doing, on_error);
+}
+
+absl::StatusOr<std::vector<Result>> Connection::RunWithin(milliseconds most,
+                                                          const std::vector<StoreCall>& calls,
+                                                          std::string_view doing,
+                                                          OnError on_error) {
   UPLINK_CHECK(!broken_, "a broken connection is not used again");
-  absl::StatusOr<std::vector<Result>> results = Exchange(calls, doing);
+  absl::StatusOr<std::vector<Result>> results = Exchange(most, calls, doing);
   // What no row is to blame for may lie in the session: a new one is looked at anew.
   if (absl::IsInternal(results.status())) broken_ = true;
   if (results.ok() || broken_ || on_error == OnError::kLeave) return results;
@@ -134,8 +141,10 @@ absl::StatusOr<std::vector<Result>> Connection::Run(const std::vector<StoreCall>
   return results;
 }
 
-absl::StatusOr<Result> Connection::RunOne(StoreCall call, std::string_view doing) {
-  auto results = Run(PipelineOf(std::move(call)), doing);
+absl::StatusOr<Result> Connection::RunOne(StoreCall call, std::string_view doing,
+                                          milliseconds most) {
+  auto results = RunWithin(std::min(most, options_.call_timeout), PipelineOf(std::move(call)),
+                           doing, OnError::kRollBack);
   if (!results.ok()) return results.status();
   return std::move(results->front());
 }
@@ -144,10 +153,11 @@ absl::Status Connection::RollBack() {
   if (PQtransactionStatus(handle_.get()) == PQTRANS_IDLE) return absl::OkStatus();
   std::vector<StoreCall> calls;
   calls.push_back({"ROLLBACK", {}});
-  return Exchange(calls, "roll back").status();
+  return Exchange(options_.call_timeout, calls, "roll back").status();
 }
 
-absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<StoreCall>& calls,
+absl::StatusOr<std::vector<Result>> Connection::Exchange(milliseconds most,
+                                                         const std::vector<StoreCall>& calls,
                                                          std::string_view doing) {
   is_preparation_.clear();
   preparing_.clear();
@@ -155,7 +165,7 @@ absl::StatusOr<std::vector<Result>> Connection::Exchange(const std::vector<Store
   taken_ = 0;
   warning_.reset();
   if (!Send(calls)) return Broken(doing, PQerrorMessage(handle_.get()));
-  absl::StatusOr<std::vector<Result>> results = Receive(calls.size(), doing);
+  absl::StatusOr<std::vector<Result>> results = Receive(most, calls.size(), doing);
   if (!results.ok()) {
     for (std::size_t i = prepared_now_; i < preparing_.size(); ++i) prepared_.erase(preparing_[i]);
   }
@@ -234,8 +244,9 @@ absl::Status Connection::Take(Result result, Answers& answers, std::string_view 
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<Result>> Connection::Receive(std::size_t calls, std::string_view doing) {
-  const SteadyTime deadline = clock_.Steady() + options_.call_timeout;
+absl::StatusOr<std::vector<Result>> Connection::Receive(milliseconds most, std::size_t calls,
+                                                        std::string_view doing) {
+  const SteadyTime deadline = clock_.Steady() + most;
   Answers answers;
   answers.results.reserve(calls);
   while (true) {

@@ -92,8 +92,9 @@ class Connection final {
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Run(const std::vector<StoreCall>& calls,
                                                         std::string_view doing,
                                                         OnError on_error = OnError::kRollBack);
-  /// The same for one statement.
-  [[nodiscard]] absl::StatusOr<Result> RunOne(StoreCall call, std::string_view doing);
+  /// The same for one statement; `most`: how long it may take, if that is less than a call may.
+  [[nodiscard]] absl::StatusOr<Result> RunOne(StoreCall call, std::string_view doing,
+                                              milliseconds most = milliseconds::max());
   /// Ends an open transaction without its writes; OK if there is none.
   [[nodiscard]] absl::Status RollBack();
   /// Statements without parameters, as a script has them.
@@ -126,7 +127,11 @@ class Connection final {
   Connection(Handle handle, const ConnectionOptions& options, const Clock& clock);
   /// libpq's notice receiver; `connection` is the Connection.
   static void OnNotice(void* connection, const pg_result* notice);
-  absl::StatusOr<std::vector<Result>> Exchange(const std::vector<StoreCall>& calls,
+  absl::StatusOr<std::vector<Result>> RunWithin(milliseconds most,
+                                                const std::vector<StoreCall>& calls,
+                                                std::string_view doing, OnError on_error);
+  absl::StatusOr<std::vector<Result>> Exchange(milliseconds most,
+                                               const std::vector<StoreCall>& calls,
                                                std::string_view doing);
   bool Send(const std::vector<StoreCall>& calls);
   bool SendOne(const StoreCall& call);
@@ -137,7 +142,8 @@ class Connection final {
     std::optional<ServerError> error;
   };
   absl::Status Take(Result result, Answers& answers, std::string_view doing);
-  absl::StatusOr<std::vector<Result>> Receive(std::size_t calls, std::string_view doing);
+  absl::StatusOr<std::vector<Result>> Receive(milliseconds most, std::size_t calls,
+                                              std::string_view doing);
   /// Waits until a result can be taken without blocking.
   absl::Status AwaitResult(SteadyTime deadline, std::string_view doing);
   absl::Status Broken(std::string_view doing, std::string_view why);

@@ -1,6 +1,9 @@
 // What operators of several servers decide at once, in one database.
 #include <atomic>
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <fstream>
 #include <memory>
 #include <set>
 #include <string>
@@ -11,6 +14,8 @@
 
 #include "storage/postgres/parts.h"
 #include "tests/support/eventually.h"
+#include "tests/support/fault_proxy.h"
+#include "tests/support/temp_folder.h"
 #include "tests/unit/storage/postgres_fixture.h"
 
 namespace uplink::storage::postgres {
@@ -83,6 +88,75 @@ TEST_F(PostgresAccessTest, ChangesOfOneRobotByTwoServersBothStay) {
   ASSERT_TRUE(settings.ok()) << settings.status();
   ASSERT_EQ(settings->size(), 1U);
   EXPECT_EQ(settings->front().labels.size(), 2U * kEach);
+}
+
+/// A store behind a proxy, whose calls may take longer than a test.
+class PostgresStuckAccessTest : public PostgresAccessTest {
+ protected:
+  PostgresStuckAccessTest() {
+    const std::string password = folder_.File("password");
+    std::ofstream(password) << "uplinkd\n";
+    StoreOptions options = Options();
+    options.url = "postgresql://uplinkd@127.0.0.1:" + std::to_string(proxy_.port()) + "/" +
+                  database_.name() + "?sslmode=disable&gssencmode=disable";
+    options.password_file = password;
+    options.call_timeout = std::chrono::hours(1);
+    access_ = *MakeAccessStore(options, clock_);
+    EXPECT_TRUE(access_->Version().ok());
+  }
+
+  testing::TempFolder folder_;
+  testing::FaultProxy proxy_{static_cast<std::uint16_t>(std::stoi(database_.cluster().port))};
+  std::unique_ptr<AccessStore> access_;
+};
+
+TEST_F(PostgresStuckAccessTest, ALookGivesUpSoonAndTheNextTakesANewConnection) {
+  const int connections = proxy_.connections();
+  proxy_.Set(testing::ProxyMode::kBlackHole);
+  const auto looked = access_->Version();
+  EXPECT_TRUE(absl::IsUnavailable(looked.status())) << looked.status();
+  EXPECT_EQ(proxy_.connections(), connections);
+  proxy_.Set(testing::ProxyMode::kPass);
+  const auto version = access_->Version();
+  EXPECT_TRUE(version.ok()) << version.status();
+  EXPECT_EQ(proxy_.connections(), connections + 1);
+}
+
+TEST_F(PostgresStuckAccessTest, AServerThatIsSlowerThanALookMayTakeAnswersTheNext) {
+  const int connections = proxy_.connections();
+  const auto locked = Connect();
+  ASSERT_TRUE(
+      locked->RunScript("BEGIN; LOCK TABLE uplinkd.access_version IN ACCESS EXCLUSIVE MODE", "lock")
+          .ok());
+  EXPECT_TRUE(absl::IsUnavailable(access_->Version().status()));
+  // The server process of the first look waits on without a client.
+  const std::string newest =
+      " FROM pg_stat_activity WHERE datname = current_database() AND application_name = 'uplinkd'"
+      " ORDER BY backend_start DESC LIMIT 1";
+  const std::string first = shell_.Read("SELECT pid" + newest);
+  absl::StatusOr<AccessVersion> version = absl::UnknownError("not asked");
+  std::jthread slow([&] { version = access_->Version(); });
+  EXPECT_TRUE(testing::Eventually([&] {
+    return shell_.Read("SELECT pid" + newest) != first &&
+           shell_.Read(
+               "SELECT wait_event_type = 'Lock' AND"
+               " clock_timestamp() - query_start > interval '600 ms'" +
+               newest) == "t\n";
+  }));
+  EXPECT_TRUE(locked->RunScript("COMMIT", "unlock").ok());
+  slow.join();
+  EXPECT_TRUE(version.ok()) << version.status();
+  EXPECT_EQ(proxy_.connections(), connections + 1);
+}
+
+TEST(FollowingAccess, WaitsForNothingAsLongAsAWriterDoes) {
+  StoreOptions options;
+  const StoreOptions following = FollowingAccess(options);
+  EXPECT_LT(following.call_timeout, options.call_timeout);
+  EXPECT_LT(following.connect_timeout, options.connect_timeout);
+  options.call_timeout = options.connect_timeout = milliseconds(100);
+  EXPECT_EQ(FollowingAccess(options).call_timeout, milliseconds(100));
+  EXPECT_EQ(FollowingAccess(options).connect_timeout, milliseconds(100));
 }
 
 TEST_F(PostgresAccessTest, VersionsGoOnAboveThoseBeforeARestore) {

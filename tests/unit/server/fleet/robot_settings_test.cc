@@ -120,6 +120,18 @@ TEST_F(RobotSettingsTest, ReplaceForgetsWhatIsNotNamed) {
   EXPECT_EQ(told_[1].now, nullptr);
 }
 
+TEST_F(RobotSettingsTest, ReplaceTellsOnlyWhatIsOther) {
+  settings_.Apply({Blocked(kOne, 1), Noted(kTwo, 2)});
+  told_.clear();
+  EXPECT_FALSE(settings_.Replace({Blocked(kOne, 1), Noted(kTwo, 2)}));
+  EXPECT_TRUE(told_.empty());
+  EXPECT_TRUE(settings_.Replace({Blocked(kOne, 1), {.ruri = kTwo, .version = 3}}));
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(told_[0].ruri, kTwo);
+  EXPECT_EQ(told_[0].now, nullptr);
+  EXPECT_TRUE(settings_.Find(kOne)->blocked);
+}
+
 TEST_F(RobotSettingsTest, AllAreInTheOrderOfTheirRuris) {
   settings_.Apply({Blocked(kTwo, 1), Noted(kOne, 2)});
   const auto all = settings_.All();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,8 +24,10 @@ namespace {
 
 using storage::AccessVersion;
 using storage::RevokedBy;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kStore = "db:5432/fleet";
 const absl::Status kAway = absl::UnavailableError("no route to the store");
@@ -33,6 +36,7 @@ const absl::Status kAway = absl::UnavailableError("no route to the store");
 class ListedAccess final : public storage::AccessStore {
  public:
   absl::StatusOr<AccessVersion> Version() override {
+    if (std::exchange(fails_once, false)) return kAway;
     if (!status.ok()) return status;
     return version;
   }
@@ -70,6 +74,8 @@ class ListedAccess final : public storage::AccessStore {
   absl::Status Append(const storage::AuditRow& /*audit*/) override { return status; }
 
   absl::Status status;
+  /// The next call of Version fails.
+  bool fails_once = false;
   AccessVersion version = 0;
   std::vector<storage::Revocation> revocations;
   std::vector<storage::RobotSetting> settings;
@@ -144,6 +150,19 @@ class AccessRoundsTest : public ::testing::Test {
     }
     EXPECT_TRUE(one.NamesDigest(shown));
     return denied_.Get()->NamesDigest(shown);
+  }
+  /// The store has the first revocation alone, and got another since.
+  void PutBack() {
+    store_.revocations.resize(1);
+    store_.settings.clear();
+    Revoke(3);
+  }
+  void ExpectAsPutBack() {
+    EXPECT_TRUE(Denies(1));
+    EXPECT_FALSE(Denies(2));
+    EXPECT_TRUE(Denies(3));
+    EXPECT_FALSE(IsBlocked("rcan://a/1"));
+    EXPECT_EQ(probe_.of_store.value(), 2);
   }
   [[nodiscard]] bool IsBlocked(const std::string& ruri) const {
     const fleet::RobotSettingPtr found = settings_->Find(ruri);
@@ -251,6 +270,120 @@ TEST_F(AccessRoundsTest, AStoreThatWentBackIsReadAnew) {
   EXPECT_FALSE(Denies(2));
   EXPECT_FALSE(IsBlocked("rcan://a/1"));
   EXPECT_THAT(lines_, Contains(HasSubstr("access_went_back")));
+}
+
+TEST_F(AccessRoundsTest, ARestoredStoreThatWasWrittenSinceIsReadAnew) {
+  Revoke(1);
+  Revoke(2);
+  Block("rcan://a/1");
+  rounds().Begin(absl::OkStatus());
+  store_.status = kAway;
+  rounds().Round();
+  PutBack();
+  store_.status = absl::OkStatus();
+  rounds().Round();
+  ExpectAsPutBack();
+  EXPECT_THAT(lines_, Contains(HasSubstr("access_went_back")));
+}
+
+TEST_F(AccessRoundsTest, ARestoreThatNoLookNoticesCountsWithinAMinute) {
+  Revoke(1);
+  Revoke(2);
+  Block("rcan://a/1");
+  rounds().Begin(absl::OkStatus());
+  PutBack();
+  rounds().Round();
+  EXPECT_TRUE(Denies(3));
+  EXPECT_TRUE(Denies(2)) << "its version tells nothing of it";
+  clock_.Advance(kWholeReadEvery);
+  rounds().Round();
+  ExpectAsPutBack();
+}
+
+TEST_F(AccessRoundsTest, AWholeReadThatFindsNothingNewTellsNobody) {
+  Revoke(1);
+  Block("rcan://a/1");
+  rounds().Begin(absl::OkStatus());
+  const auto told = std::pair(changes_, lines_.size());
+  const auto saved = std::filesystem::last_write_time(saved_path_);
+  clock_.Advance(kWholeReadEvery);
+  const int reads = store_.reads;
+  rounds().Round();
+  EXPECT_EQ(store_.reads, reads + 1);
+  EXPECT_EQ(std::pair(changes_, lines_.size()), told);
+  EXPECT_EQ(std::filesystem::last_write_time(saved_path_), saved);
+  rounds().Round();
+  EXPECT_EQ(store_.reads, reads + 1);
+}
+
+TEST_F(AccessRoundsTest, AWholeReadEndsStreamsAsOperatorsAskedSince) {
+  rounds().Begin(absl::OkStatus());
+  std::size_t asked = 0;
+  settings_->OnChange([&asked](std::span<const fleet::RobotSettings::Change> changes) {
+    asked += static_cast<std::size_t>(
+        std::ranges::count_if(changes, [](const auto& each) { return each.disconnect; }));
+  });
+  store_.settings.push_back(
+      {.ruri = "rcan://a/1", .disconnect_at = FromUnixMs(1), .version = ++store_.version});
+  clock_.Advance(kWholeReadEvery);
+  rounds().Round();
+  EXPECT_EQ(asked, 1U);
+  clock_.Advance(kWholeReadEvery);
+  rounds().Round();
+  EXPECT_EQ(asked, 1U);
+}
+
+TEST_F(AccessRoundsTest, ALookThatFailsIsRepeatedAtOnceAndReadsAll) {
+  Revoke(1);
+  Revoke(2);
+  rounds().Begin(absl::OkStatus());
+  PutBack();
+  store_.fails_once = true;
+  EXPECT_EQ(rounds().Round(), kLookAtAccessEvery);
+  ExpectAsPutBack();
+  EXPECT_FALSE(rounds().unread());
+  EXPECT_THAT(lines_, Not(Contains(HasSubstr("access_fails"))));
+}
+
+TEST_F(AccessRoundsTest, ACopyThatIsNewerThanTheStoreIsKept) {
+  Revoke(1);
+  Revoke(2);
+  rounds().Begin(absl::OkStatus());
+  const auto text = ReadSavedAccess(saved_path_);
+  store_.revocations.resize(1);
+  store_.version = 1;
+  Restart();
+  rounds().Begin(absl::OkStatus());
+  EXPECT_FALSE(Denies(2)) << "the store counts";
+  EXPECT_THAT(lines_, Contains(AllOf(HasSubstr("access_saved_list_newer"), HasSubstr("version=1"),
+                                     HasSubstr("saved_version=2"), HasSubstr(saved_path_))));
+  EXPECT_EQ(ReadSavedAccess(saved_path_ + ".old").value(), *text);
+  EXPECT_EQ(SavedAccessVersion(saved_path_, kStore), 1U);
+  // So it is where a server that runs sees its store go back.
+  Revoke(3);
+  rounds().Round();
+  const auto later = ReadSavedAccess(saved_path_);
+  store_.revocations.resize(1);
+  store_.version = 1;
+  rounds().Round();
+  EXPECT_EQ(ReadSavedAccess(saved_path_ + ".old").value(), *later);
+}
+
+TEST_F(AccessRoundsTest, ANewerCopyThatCannotBeKeptIsNotReplaced) {
+  Revoke(1);
+  rounds().Begin(absl::OkStatus());
+  std::filesystem::create_directories(saved_path_ + ".old");
+  store_.revocations.clear();
+  store_.version = 0;
+  Restart();
+  rounds().Begin(absl::OkStatus());
+  EXPECT_THAT(lines_, Contains(HasSubstr("access_not_saved")));
+  EXPECT_EQ(SavedAccessVersion(saved_path_, kStore), 1U);
+  std::filesystem::remove(saved_path_ + ".old");
+  clock_.Advance(kLookAtAccessFilesEvery);
+  rounds().Round();
+  EXPECT_EQ(SavedAccessVersion(saved_path_, kStore), 0U);
+  EXPECT_EQ(SavedAccessVersion(saved_path_ + ".old", kStore), 1U);
 }
 
 TEST_F(AccessRoundsTest, TheSavedCopyCountsWhileTheStoreIsAwayAtTheStart) {

@@ -31,7 +31,8 @@ AccessCopy Copy() {
   return {.revocations = {Revoked(storage::RevokedBy::kIssuerSerial, "0A CN=a b,O=c"),
                           Revoked(storage::RevokedBy::kKey, std::string(64, 'a'))},
           .settings = {Setting("rcan://a/1", true, false), Setting("rcan://a/2", false, true),
-                       Setting("rcan://a/3", true, true)}};
+                       Setting("rcan://a/3", true, true)},
+          .version = 1'764'441'210'123};
 }
 
 TEST(SavedAccess, ComesBackAsItWas) {
@@ -39,6 +40,7 @@ TEST(SavedAccess, ComesBackAsItWas) {
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->revocations, Copy().revocations);
   EXPECT_EQ(read->settings, Copy().settings);
+  EXPECT_EQ(read->version, Copy().version);
 }
 
 TEST(SavedAccess, AnEmptyCopyIsWhole) {
@@ -100,6 +102,30 @@ TEST_F(SavedAccessFile, OneThatOthersMayWriteDoesNotCount) {
   ASSERT_TRUE(SaveAccess(path_, "text").ok());
   ASSERT_EQ(::chmod(path_.c_str(), 0620), 0);
   EXPECT_EQ(ReadSavedAccess(path_).status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(SavedAccessFile, ItsVersionIsFoundIfItCounts) {
+  EXPECT_EQ(SavedAccessVersion(path_, kStore), 0U) << "there is none";
+  ASSERT_TRUE(SaveAccess(path_, TextOf(Copy(), kStore)).ok());
+  EXPECT_EQ(SavedAccessVersion(path_, kStore), Copy().version);
+  EXPECT_EQ(SavedAccessVersion(path_, "db:5432/other"), 0U);
+}
+
+TEST_F(SavedAccessFile, AKeptOneStaysAsItWas) {
+  const std::string kept = path_ + ".old";
+  for (const std::string text : {"first", "second"}) {
+    ASSERT_TRUE(SaveAccess(path_, text).ok());
+    ASSERT_TRUE(KeepSavedAccess(path_, kept).ok());
+    ASSERT_TRUE(SaveAccess(path_, "later").ok());
+    EXPECT_EQ(ReadSavedAccess(kept).value(), text);
+    EXPECT_EQ(ReadSavedAccess(path_).value(), "later");
+  }
+  struct stat status {};
+  ASSERT_EQ(::stat(kept.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0600U);
+  std::filesystem::remove(path_);
+  EXPECT_EQ(KeepSavedAccess(path_, kept).message(),
+            kept + ": cannot be made: No such file or directory");
 }
 
 TEST_F(SavedAccessFile, AFolderThatIsMissingIsSaid) {
