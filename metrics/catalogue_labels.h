@@ -15,8 +15,10 @@ inline constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"}
 inline constexpr std::array<std::string_view, 1> kByCode{"code"};
 inline constexpr std::array<std::string_view, 1> kByPresence{"presence"};
 inline constexpr std::array<std::string_view, 1> kByFleet{"fleet"};
+inline constexpr std::array<std::string_view, 2> kByFleetWithin{"fleet", "within"};
 inline constexpr std::array<std::string_view, 2> kByFleetPresence{"fleet", "presence"};
 inline constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
+inline constexpr std::array<std::string_view, 2> kByMethodOutcome{"method", "outcome"};
 inline constexpr std::array<std::string_view, 1> kByListener{"listener"};
 inline constexpr std::array<std::string_view, 1> kByCause{"cause"};
 inline constexpr std::array<std::string_view, 1> kByShard{"shard"};

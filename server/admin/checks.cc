@@ -32,6 +32,10 @@ bool IsOfLabel(char c) {
   return IsLetterOrDigit(c) || std::string_view("._/-").find(c) != std::string_view::npos;
 }
 
+bool IsOneLine(std::string_view text) {
+  return CountControls(text) == 0 && text.find_first_of("\t\r\n") == std::string_view::npos;
+}
+
 enum class Case : std::uint8_t { kLower, kUpper };
 
 /// Without colons; nothing if it is no hexadecimal.
@@ -95,8 +99,7 @@ absl::Status CheckLabels(const google::protobuf::Map<std::string, std::string>& 
       return Wrong("labels", fmt::format("must have names of 1 to {} letters, digits and ._/-",
                                          storage::kLabelBytesMax));
     }
-    const auto controls = CountControls(value);
-    if (value.size() > storage::kLabelBytesMax || !controls || *controls > 0) {
+    if (value.size() > storage::kLabelBytesMax || !IsOneLine(value)) {
       return Wrong("labels", fmt::format("must have values of at most {} bytes of text in one line",
                                          storage::kLabelBytesMax));
     }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <toml++/toml.h>
 
 #include "schema/base/file_text.h"
@@ -120,13 +121,19 @@ absl::Status Take(const fs::path& path, AuthorityFolder& folder) {
   return absl::OkStatus();
 }
 
+/// What Kubernetes mounts is open to everybody by its mode, and read-only.
+bool IsReadOnly(const std::string& folder) {
+  struct statvfs system {};
+  return ::statvfs(folder.c_str(), &system) == 0 && (system.f_flag & ST_RDONLY) != 0;
+}
+
 /// Who may write the folder chooses whom the server trusts.
 absl::Status CheckFolder(const std::string& folder) {
   struct stat status {};
   if (::stat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) {
     return Unfit(folder, "is no folder that can be read");
   }
-  if ((status.st_mode & S_IWOTH) == 0) return absl::OkStatus();
+  if ((status.st_mode & S_IWOTH) == 0 || IsReadOnly(folder)) return absl::OkStatus();
   return Unfit(folder, fmt::format("everybody on this machine may write it: chmod o-w {}", folder));
 }
 

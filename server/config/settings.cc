@@ -130,7 +130,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "fleet",
      .kind = Kind::kAddress,
      .empty = "no such listener",
-     .text = "Operators: gRPC FleetView, with gRPC's reflection and health, always with TLS and "
+     .text = "Operators: gRPC FleetView and FleetAdmin, reflection and health, always with TLS and "
              "the server's certificate. Callers show an operator's certificate, as "
              "tls.operator_ca_file signs, or a token of http.tokens_file in the metadata "
              "authorization.",

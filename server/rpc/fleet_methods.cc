@@ -74,7 +74,8 @@ Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::M
 }
 
 transport::Method MethodOf(const RpcContext& context, std::string_view path,
-                           const google::protobuf::Message& prototype, const Clock& clock) {
+                           const google::protobuf::Message& prototype, CallCounts& counts,
+                           const Clock& clock) {
   return {.open = true,
           .admission = transport::Admission::kCall,
           .serve = [context, route = RouteOf(path), &prototype,
@@ -85,7 +86,8 @@ transport::Method MethodOf(const RpcContext& context, std::string_view path,
             return UnaryCall::Make(
                 context.calls, call, clock,
                 AskOf(context.site, route, prototype, *std::move(caller), WithoutPort(proof.from)));
-          }};
+          },
+          .ended = CountedIn(counts)};
 }
 
 transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
@@ -103,18 +105,22 @@ transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
         return std::make_unique<WatchCall>(
             WatchCall::Context{context.watches, context.calls.post, clock, std::move(may_go_on)},
             call, *std::move(caller));
-      }};
+      },
+      .ended = CountedIn(context.probe.Of(OtherMethod::kWatchRobots))};
 }
 
 template <std::size_t kCount>
 void AddMethods(const RpcContext& context, const google::protobuf::FileDescriptor& file,
                 std::string_view service, const std::array<PathMethod, kCount>& rows,
-                const Clock& clock, transport::Methods& methods) {
+                std::array<CallCounts, kCount>& counts, const Clock& clock,
+                transport::Methods& methods) {
   const auto* described = file.FindServiceByName(std::string(service));
   UPLINK_CHECK(described != nullptr, "the contract has the service");
-  for (const PathMethod& row : rows) {
-    methods.emplace(fmt::format("/{}/{}", described->full_name(), row.name),
-                    MethodOf(context, row.path, PrototypeOf(*described, row.name), clock));
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const PathMethod& row = rows[i];
+    methods.emplace(
+        fmt::format("/{}/{}", described->full_name(), row.name),
+        MethodOf(context, row.path, PrototypeOf(*described, row.name), counts[i], clock));
   }
 }
 
@@ -126,18 +132,20 @@ transport::Method ReflectionOf(const RpcContext& context) {
             const auto caller = CallerOf(context.guard, nullptr, route, call.proof());
             if (!caller.ok()) return caller.status();
             return std::make_unique<ReflectionCall>(call);
-          }};
+          },
+          .ended = CountedIn(context.probe.Of(OtherMethod::kReflection))};
 }
 
 }  // namespace
 
 transport::MethodsMaker FleetMethods(const RpcContext& context) {
   return [context](const Clock& clock) {
-    transport::Methods methods = HealthMethods(context.monitor, context.calls, clock);
+    transport::Methods methods =
+        HealthMethods(context.monitor, context.calls, context.probe, clock);
     AddMethods(context, *v1::ListRobotsRequest::descriptor()->file(), "FleetView", kViewMethods,
-               clock, methods);
+               context.probe.view, clock, methods);
     AddMethods(context, *v1::ReloadRequest::descriptor()->file(), "FleetAdmin", kAdminMethods,
-               clock, methods);
+               context.probe.admin, clock, methods);
     methods.emplace("/uplink.v1.FleetView/WatchRobots", WatchOf(context, clock));
     for (const std::string_view package : kReflectionPackages) {
       methods.emplace(fmt::format("/{}.ServerReflection/ServerReflectionInfo", package),

@@ -42,7 +42,7 @@ absl::StatusOr<std::string> Check(const health::Monitor& monitor, const std::str
 
 }  // namespace
 
-transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& calls,
+transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& calls, RpcProbe& probe,
                                  const Clock& clock) {
   using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
   const Ask ask = [&monitor](std::string_view bytes) -> absl::StatusOr<Work> {
@@ -58,14 +58,16 @@ transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& cal
                       .admission = transport::Admission::kCall,
                       .serve = [&calls, &clock, ask](transport::ServedCall& call) -> CallHandlerOr {
                         return UnaryCall::Make(calls, call, clock, ask);
-                      }});
+                      },
+                      .ended = CountedIn(probe.Of(OtherMethod::kHealthCheck))});
   methods.emplace(
       "/grpc.health.v1.Health/Watch",
       transport::Method{.kind = transport::MethodKind::kServerStream,
                         .open = true,
                         .serve = [&monitor, &clock](transport::ServedCall& call) -> CallHandlerOr {
                           return std::make_unique<HealthWatch>(monitor, call, clock);
-                        }});
+                        },
+                        .ended = CountedIn(probe.Of(OtherMethod::kHealthWatch))});
   return methods;
 }
 

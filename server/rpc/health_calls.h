@@ -8,6 +8,7 @@
 
 #include "schema/base/clock.h"
 #include "server/health/monitor.h"
+#include "server/rpc/probe.h"
 #include "server/rpc/unary_call.h"
 #include "server/transport/call_handler.h"
 #include "server/transport/methods.h"
@@ -21,7 +22,7 @@ inline constexpr std::uint64_t kHealthBytesMax = 512;
 
 /// gRPC's health service: the server serves while /readyz says so. Anyone may ask.
 [[nodiscard]] transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& calls,
-                                               const Clock& clock);
+                                               RpcProbe& probe, const Clock& clock);
 
 /// One Watch of the health: how it is, then each change.
 ///

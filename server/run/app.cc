@@ -10,6 +10,7 @@
 #include "server/identity/expiry.h"
 #include "server/log/logger.h"
 #include "server/robot/connection_reports.h"
+#include "server/rpc/probe.h"
 #include "server/run/broker_side.h"
 #include "server/run/command_side.h"
 #include "server/run/drain.h"
@@ -62,7 +63,7 @@ class App::Impl {
                    [this] { return ReadAgain(); }, [this] { store_.WakeAccess(); }}),
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, commands_.commands(), settings_,
-               options_.random, in_effect_}),
+               options_.random, in_effect_, rpc_probe_}),
         reload_(options_.config,
                 {.read = options_.read_config,
                  .allowances = allowances_,
@@ -255,9 +256,10 @@ class App::Impl {
   HealthSide health_;
   config::InEffect in_effect_{options_.config_file, options_.config, options_.places};
   CommandSide commands_;
+  rpc::RpcProbe rpc_probe_;
   ViewSide view_;
-  FleetSide operators_{
-      {options_.logger, options_.config, early_, relay_, health_, view_.site(), view_.watches()}};
+  FleetSide operators_{{options_.logger, options_.config, early_, relay_, health_, view_.site(),
+                        view_.watches(), rpc_probe_}};
   Reload reload_;
   FollowedFile config_file_{options_.config_file};
 };

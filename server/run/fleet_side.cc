@@ -23,9 +23,10 @@ FleetSide::FleetSide(const Context& context) : context_(context) {
 absl::Status FleetSide::Listen() {
   if (!config::IsSet(context_.config.listen.fleet)) return absl::OkStatus();
   auto server = front::FrontServer::Start(
-      FleetOptionsOf(context_.config, health::MemoryMax()), context_.relay.FrontContext(probe_),
+      FleetOptionsOf(context_.config, health::MemoryMax()),
+      context_.relay.FrontContext(context_.probe.listener),
       rpc::FleetMethods({context_.site, context_.early.access().guard(), context_.health.monitor(),
-                         context_.watches, calls_}));
+                         context_.watches, calls_, context_.probe}));
   if (!server.ok()) return server.status();
   server_ = *std::move(server);
   listening_.store(server_.get());

@@ -13,11 +13,11 @@
 #include "server/http/site.h"
 #include "server/log/logger.h"
 #include "server/rpc/fleet_methods.h"
+#include "server/rpc/probe.h"
 #include "server/rpc/unary_call.h"
 #include "server/run/early_services.h"
 #include "server/run/health_side.h"
 #include "server/run/relay_side.h"
-#include "server/transport/probe.h"
 #include "server/view/watches.h"
 
 namespace uplink::run {
@@ -37,6 +37,7 @@ class FleetSide final {
     HealthSide& health;
     const http::Site& site;
     view::Watches& watches;
+    rpc::RpcProbe& probe;
   };
   explicit FleetSide(const Context& context);
 
@@ -55,7 +56,6 @@ class FleetSide final {
 
  private:
   const Context context_;
-  transport::RelayProbe probe_;
   rpc::UnaryCalls calls_;
   /// Why the files did not fit at the last look.
   std::string why_;

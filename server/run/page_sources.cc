@@ -7,6 +7,7 @@
 #include "server/journal/samples.h"
 #include "server/log/samples.h"
 #include "server/rcan/samples.h"
+#include "server/rpc/probe.h"
 #include "server/run/broker_side.h"
 #include "server/run/uncrew_side.h"
 #include "server/session/samples.h"
@@ -43,7 +44,10 @@ std::vector<metrics::PageSource> PageSourcesOf(const PageParts& parts) {
       [start = health::ProcessStart{parts.version, parts.clock.System()}](auto& page) {
         health::AddProcessSamples(start, page);
       },
-      [parts](auto& page) { session::AddSamples(parts.relay, parts.sessions, page); },
+      [parts](auto& page) {
+        session::AddSamples(parts.relay, parts.rpc.listener, parts.sessions, page);
+      },
+      [parts](auto& page) { rpc::AddSamples(parts.rpc, page); },
   };
 }
 

@@ -18,6 +18,7 @@
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
 #include "server/rcan/probe.h"
+#include "server/rpc/probe.h"
 #include "server/session/probe.h"
 #include "server/store/access_probe.h"
 #include "server/store/lease_probe.h"
@@ -55,6 +56,7 @@ struct PageParts {
   const view::WatchProbe& watches;
   health::Monitor& monitor;
   const transport::RelayProbe& relay;
+  const rpc::RpcProbe& rpc;
   const BrokerSide& broker;
   const UncrewSide& uncrew;
   const log::Logger& logger;

@@ -17,6 +17,7 @@
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
 #include "server/rcan/scrape.h"
+#include "server/rpc/probe.h"
 #include "server/run/broker_side.h"
 #include "server/run/early_services.h"
 #include "server/run/health_side.h"
@@ -54,6 +55,7 @@ class ViewSide final {
     /// Evenly drawn numbers.
     const std::function<std::uint64_t()>& random;
     const config::InEffect& in_effect;
+    const rpc::RpcProbe& rpc_probe;
   };
   explicit ViewSide(const Context& context);
 

@@ -51,8 +51,8 @@ void AddSamples(const SessionProbe& probe, metrics::Exposition& page) {
   page.Add(kAckSeconds, probe.ack_seconds);
 }
 
-void AddSamples(const transport::RelayProbe& probe, const SessionProbe& sessions,
-                metrics::Exposition& page) {
+void AddSamples(const transport::RelayProbe& probe, const transport::RelayProbe& operators,
+                const SessionProbe& sessions, metrics::Exposition& page) {
   using enum metrics::MetricId;
   page.Add(kStreamsRefused, probe.refused_full_total.value() + sessions.refused_full_total.value(),
            {"full"});
@@ -74,7 +74,9 @@ void AddSamples(const transport::RelayProbe& probe, const SessionProbe& sessions
              {transport::kTurnedAwayTexts[cause]});
   }
   for (std::size_t why = 0; why < transport::kDeniedTexts.size(); ++why) {
-    page.Add(kCertificatesDenied, probe.denied_total[why], {transport::kDeniedTexts[why]});
+    page.Add(kCertificatesDenied,
+             probe.denied_total[why].value() + operators.denied_total[why].value(),
+             {transport::kDeniedTexts[why]});
   }
   page.Add(kConnections, probe.connections);
   page.Add(kConnectionsLimit, probe.connections_limit);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,8 @@ struct Method {
   absl::Status at_deadline = absl::DeadlineExceededError("the time that grpc-timeout gave is over");
   /// Makes the handler of an admitted call. Errors: the call ends with them before it has begun.
   std::function<absl::StatusOr<std::unique_ptr<CallHandler>>(ServedCall&)> serve;
+  /// Called once at each call's end, if set: with its code, or nothing if it broke off without one.
+  std::function<void(std::optional<absl::StatusCode>)> ended{};
 };
 
 /// The methods that are served, by path. Immutable once the first connection comes.

@@ -127,10 +127,12 @@ class Chart(unittest.TestCase):
                 listen = {**defaults["listen"], **set_here}
                 wanted = {"relay": port_of(listen["relay"]), "metrics": port_of(listen["metrics"])}
                 # Without the API the chart leaves it on loopback, where only the probes ask.
-                if "http" in set_here:
-                    wanted["http"] = port_of(listen["http"])
+                for name in ("http", "fleet"):
+                    if name in set_here:
+                        wanted[name] = port_of(listen[name])
                 self.assertEqual(ports, wanted)
                 self.assertEqual("http" in set_here, values.name == "http.yaml")
+                self.assertEqual("fleet" in set_here, values.name in ("http.yaml", "cert-manager.yaml"))
 
     def test_every_named_port_is_one_of_the_pod(self):
         named = set()
@@ -147,7 +149,7 @@ class Chart(unittest.TestCase):
                 }.get(kind, list)()
                 self.assertLessEqual(set(names), ports, f"{values.name}: {kind}")
                 named.update((kind, name) for name in names)
-        both = {(kind, name) for kind in ("Service", "NetworkPolicy") for name in ("relay", "metrics", "http")}
+        both = {(kind, name) for kind in ("Service", "NetworkPolicy") for name in ("relay", "metrics", "http", "fleet")}
         self.assertEqual(named, both | {("PodMonitor", "metrics")})
 
     def test_numbers_and_texts_keep_their_type(self):
@@ -193,6 +195,31 @@ class Chart(unittest.TestCase):
         for key in ("tokens_file", "plain_from", "tls.certificate_file"):
             helm("template", "robots", CHART, "--values", CHART / "ci/sqlite.yaml",
                  "--set-json", f'config.http={{"{key}":"x"}}', code=1)  # fmt: skip
+
+    def test_operators_are_known_on_the_listener_of_grpc(self):
+        _, documents = rendered(CHART / "ci/http.yaml", KUBERNETES[-1])
+        settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])
+        self.assertEqual(settings["tls"]["operator_ca_file"], "/etc/uplinkd/operators/ca.crt")
+        self.assertEqual(settings["tls"]["client_crl_file"], "/etc/uplinkd/robots/ca.crl")
+        self.assertEqual(settings["identity"], {"authorities": "/etc/uplinkd/authorities"})
+        pod = one(documents, "StatefulSet")["spec"]["template"]["spec"]
+        mounts = {mount["name"]: mount for mount in pod["containers"][0]["volumeMounts"]}
+        for name in ("authorities", "operators"):
+            self.assertEqual(mounts[name]["mountPath"], f"/etc/uplinkd/{name}")
+            # Kubernetes' own folders are open to everybody by their mode: uplinkd takes one that is read-only.
+            self.assertTrue(mounts[name]["readOnly"])
+        robots = next(volume["secret"] for volume in pod["volumes"] if volume["name"] == "robots")
+        self.assertEqual([item["key"] for item in robots["items"]], ["ca.crt", "ca.crl"])
+        helm("template", "robots", CHART, "--values", CHART / "ci/sqlite.yaml",
+             "--set-json", 'config.identity={"authorities":"x"}', code=1)  # fmt: skip
+
+    def test_grpc_alone_knows_the_tokens_and_its_names_are_in_the_certificate(self):
+        _, documents = rendered(CHART / "ci/cert-manager.yaml", KUBERNETES[-1])
+        settings = tomllib.loads(one(documents, "ConfigMap")["data"]["uplinkd.toml"])
+        self.assertEqual(settings["http"], {"tokens_file": "/etc/uplinkd/access/tokens"})
+        (container,) = one(documents, "StatefulSet")["spec"]["template"]["spec"]["containers"]
+        self.assertIn("access", {mount["name"] for mount in container["volumeMounts"]})
+        self.assertIn("robots-uplinkd-fleet.robots.svc", one(documents, "Certificate")["spec"]["dnsNames"])
 
     def test_a_changed_setting_restarts_pods_and_an_unchanged_one_does_not(self):
         def template(*flags):

@@ -1,7 +1,7 @@
 """A client of listen.fleet: Python's gRPC library, of Debian.
 
 Run by test_fleet_rpc.py with the system's Python, which has that library. Reads what to do as JSON, and
-prints what came of each call.
+prints what came of each call; or, to follow one stream, each answer as a line, and its end.
 """
 
 import json
@@ -53,6 +53,18 @@ def many(factory, path, into, out, requests, metadata, take):
     return answers
 
 
+def follow(channel, pool, path, request, metadata):
+    into, out = method_of(channel, pool, path)
+    call = channel.unary_stream(path, request_serializer=into.SerializeToString, response_deserializer=out.FromString)
+    try:
+        for answer in call(json_format.ParseDict(request, into()), metadata=metadata, timeout=PATIENCE_SECONDS):
+            print(json.dumps(json_format.MessageToDict(answer)), flush=True)
+        end = {"code": "OK"}
+    except grpc.RpcError as error:
+        end = {"code": error.code().name, "details": error.details()}
+    print(json.dumps({"end": end}), flush=True)
+
+
 def ask(channel, pool, path, request, kind, metadata, take):
     into, out = method_of(channel, pool, path)
     try:
@@ -75,11 +87,13 @@ def main():
     pool = pool_of(task["files"])
     metadata = (("authorization", f"Bearer {task['token']}"),) if task.get("token") else ()
     with channel_of(task) as channel:
+        if "follow" in task:
+            return follow(channel, pool, *task["follow"], metadata)
         seen = [
             ask(channel, pool, path, request, kind, metadata, take)
             for path, request, kind, take in task["calls"]
         ]  # fmt: skip
-    json.dump(seen, sys.stdout)
+    return json.dump(seen, sys.stdout)
 
 
 main()

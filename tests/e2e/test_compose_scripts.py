@@ -4,6 +4,7 @@ import base64
 import hashlib
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -16,6 +17,21 @@ SHIM = """#!/bin/sh
 printf '%s\\n' "$*" >>{arguments}
 exec {program} "$@"
 """
+
+
+class Settings(unittest.TestCase):
+    def test_each_variable_of_the_compose_files_is_a_key(self):
+        section, keys = "", set()
+        for line in (SOURCE / "deploy/uplinkd.toml").read_text(encoding="utf-8").splitlines():
+            if head := re.match(r"\[([a-z]+)\]", line):
+                section = head.group(1)
+            elif key := re.match(r"# ([a-z0-9_.]+) = ", line):
+                keys.add(f"UPLINKD_{section}_{key.group(1).replace('.', '_')}".upper())
+        used = set()
+        for path in sorted(COMPOSE.glob("compose*.yaml")):
+            used |= set(re.findall(r"UPLINKD_[A-Z_]+(?=:)", path.read_text(encoding="utf-8")))
+        self.assertLessEqual({"UPLINKD_LISTEN_FLEET", "UPLINKD_STORE_URL"}, used)
+        self.assertLessEqual(used, keys)
 
 
 class Scripts(unittest.TestCase):

@@ -39,6 +39,7 @@ PATHS = {
     "ListScopeUpdates": "scope-updates",
     "ListFleets": "fleets",
     "ListTop": "top",
+    "ListCandidates": "candidates",
     "GetStatus": "status",
     "GetConfig": "config",
 }
@@ -80,15 +81,28 @@ class FleetRpc(test_access.Access):
         server.wait_for_status(lambda status: int(status["messages"]["counts"].get("stored", 0)) > 5, SECONDS, "messages")
         self.assert_agrees(fleet)
 
-    def call(self, server, *calls, pair=None, token=None):
+    def task(self, server, pair, token):
         certificate, key = pair or (None, None)
-        task = {"target": server.fleet, "ca": str(server.pki / "ca.crt"), "certificate": certificate and str(certificate),
-                "key": key and str(key), "token": token, "files": str(self.files),
-                "calls": [(*call, "unary", 0)[:4] if len(call) == 2 else call for call in calls]}  # fmt: skip
+        return {"target": server.fleet, "ca": str(server.pki / "ca.crt"), "certificate": certificate and str(certificate),
+                "key": key and str(key), "token": token, "files": str(self.files)}  # fmt: skip
+
+    def call(self, server, *calls, pair=None, token=None):
+        task = self.task(server, pair, token)
+        task["calls"] = [(*call, "unary", 0)[:4] if len(call) == 2 else call for call in calls]
         done = subprocess.run([PYTHON, str(CLIENT)], input=json.dumps(task), capture_output=True, text=True,
                               timeout=SECONDS, check=False)  # fmt: skip
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)
+
+    def follow(self, server, method, request, pair=None, token=None):
+        """The answers of a stream as they come, and its end."""
+        client = subprocess.Popen([PYTHON, str(CLIENT)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(client.stdout.close)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        with client.stdin as sent:
+            json.dump({**self.task(server, pair, token), "follow": [method, request]}, sent)
+        return (json.loads(line) for line in client.stdout)
 
 
 class View(FleetRpc):
@@ -210,6 +224,10 @@ class Tools(FleetRpc):
             services, files, unknown = seen["answers"]
             names = {each["name"] for each in services["listServicesResponse"]["service"]}
             self.assertLessEqual({"uplink.v1.FleetView", "grpc.health.v1.Health"}, names)
+            [talk] = self.call(server, (path, [{"fileContainingSymbol": "uplink.v1.FleetAdmin.BlockRobot"},
+                                               {"fileByFilename": "uplink/v1/admin.proto"}], "talk", 3), pair=viewer)  # fmt: skip
+            by_symbol, by_name = talk["answers"]
+            self.assertEqual(by_symbol["fileDescriptorResponse"], by_name["fileDescriptorResponse"])
             first, *others = (
                 descriptor_pb2.FileDescriptorProto.FromString(base64.b64decode(each))
                 for each in files["fileDescriptorResponse"]["fileDescriptorProto"]

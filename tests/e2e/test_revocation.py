@@ -9,6 +9,7 @@ import subprocess
 import urllib.request
 
 from harness import SOURCE, EndToEnd, uplinkctl, wait_until
+from test_disk_full import NAMESPACE, may_mount
 
 PYTHON = "/usr/bin/python3"
 CLIENT = pathlib.Path(__file__).with_name("relay_client.py")
@@ -230,3 +231,18 @@ class Revocation(EndToEnd):
         self.assertEqual((end["code"], end["details"]),
                          ("UNAUTHENTICATED", "client certificate: its authority hall may not vouch for the fleet acme"))  # fmt: skip
         self.assertEqual(self.running.metric('uplinkd_certificates_denied_total{why="authority"}'), 2)
+
+    def test_a_folder_of_kubernetes_is_open_by_its_mode_and_read_only(self):
+        authorities = self.folder / "authorities"
+        authorities.mkdir()
+        (authorities / "hall.pem").write_bytes((self.running.pki / "ca.crt").read_bytes())
+        (authorities / "hall.toml").touch()
+        authorities.chmod(0o777)
+        self.running.environment = {"UPLINKD_IDENTITY_AUTHORITIES": str(authorities)}
+        with self.assertRaises(AssertionError) as refused:
+            self.running.start()
+        self.assertIn("everybody on this machine may write it", str(refused.exception))
+        if may_mount():
+            read_only = 'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" && shift && exec "$@"'
+            self.running.wrapper = [*NAMESPACE, "sh", "-c", read_only, "sh", str(authorities)]
+            self.running.start()

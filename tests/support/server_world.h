@@ -19,6 +19,7 @@
 #include "server/journal/shards.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
+#include "server/rpc/probe.h"
 #include "server/session/probe.h"
 #include "server/store/access_probe.h"
 #include "server/store/lease_probe.h"
@@ -86,6 +87,7 @@ class ServerWorld {
   http::HttpProbe http_probe;
   rcan::RcanProbe rcan_probe;
   transport::RelayProbe relay_probe;
+  rpc::RpcProbe rpc_probe;
   store::VouchedClock vouched_clock{clock};
   store::SpaceView space_view{
       .space = storage::DiskSpace{.free_bytes = 7, .total_bytes = 9, .wal_bytes = 1}};

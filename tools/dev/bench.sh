@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward|cyberwave|avatar|questions] [--json FILE] [--rounds N] [--seconds N]: benchmarks
+# bench.sh [relay|decode|connect|memory|scrape|store|fair|hostile|forward|cyberwave|avatar|questions|watch] [--json FILE] [--rounds N] [--seconds N]: benchmarks
 # with their comparators in the same run. `store` runs on a private PostgreSQL cluster with the
 # settings that it is installed with. `relay` and what it is called with takes `--only SCENARIO` too.
 # `forward` takes `--receivers N`, `avatar` `--drones N` and `--only SCENARIO`. `cyberwave` runs on a private cluster too, with brokers of its own,
@@ -7,6 +7,8 @@
 # `hostile` takes `--only ATTACK` and `--server-bin FILE`.
 # `fair` takes `--only SCENARIO`, `--store sqlite|postgres`, `--server-bin FILE` and `--robots N`; its
 # store lies in TMPDIR.
+# `watch` shows what operators' watches cost ingestion: CPU per message and ack p99, with 100 watchers of 50
+# robots each and one of all 10,000 beside without. It takes `--robots N`, `--watchers N` and `--each N`.
 # `questions` takes `--store sqlite|postgres`, `--robots N`, `--rows N`, `--rate N`, `--asks N` and `--only TEXT`.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -148,5 +150,10 @@ case "$name" in
     build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet
     UPLINK_BIN_DIR="$bin" PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/questions/questions.py "$@"
     ;;
-  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile, forward, cyberwave, avatar or questions)" ;;
+  watch)
+    need_packages
+    build_preset release bin/uplinkd bin/uplinkctl bin/uplink-fleet
+    UPLINK_BIN_DIR="$bin" PYTHONDONTWRITEBYTECODE=1 python3 tests/bench/watch/watch.py --commit "$commit" "$@"
+    ;;
+  *) die_usage "bench: unknown benchmark: $name (relay, decode, connect, memory, scrape, store, fair, hostile, forward, cyberwave, avatar, questions or watch)" ;;
 esac

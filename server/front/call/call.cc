@@ -68,6 +68,7 @@ void Call::Serve(RequestHead& head) {
     return Refuse(absl::UnimplementedError("no such method is served here"));
   }
   kind_ = method->second.kind;
+  ended_ = &method->second.ended;
   const absl::Status in = admittance_.Enter(owner_.tls_peer().identity, method->second.admission);
   if (!in.ok()) return Finish(in);
   if (head.timeout()) {
@@ -215,6 +216,7 @@ void Call::Finish(const absl::Status& status) {
   over_ = true;
   finish_by_ = thread_.clock.Steady() + session::kFinishWait;
   response_.Finish(status);
+  NoteEnd(status.code());
   owner_.Touch(*this);
 }
 
@@ -236,6 +238,7 @@ void Call::Break() {
   if (handler_ != nullptr) {
     handler_->OnBroken({.cause = CauseOfBreak(), .code = reset_code_});
   }
+  NoteEnd(std::nullopt);
   handler_.reset();
   admittance_.Leave();
   finish_by_.reset();

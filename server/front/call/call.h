@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -162,6 +163,10 @@ class Call final : public Http2Stream, public transport::ServedCall {
   void SetTimer();
   /// A write may begin.
   void BeginWrite();
+  /// Tells the method of its end, once.
+  void NoteEnd(std::optional<absl::StatusCode> code) {
+    if (const auto* told = std::exchange(ended_, nullptr); told != nullptr && *told) (*told)(code);
+  }
   /// Why the peer gets nothing more.
   [[nodiscard]] transport::EndCause CauseOfBreak() const;
   [[nodiscard]] bool serving() const { return handler_ != nullptr && !over_ && !cancelled_; }
@@ -182,6 +187,8 @@ class Call final : public Http2Stream, public transport::ServedCall {
   bool asks_peer_ = false;
   bool peer_ended_ = false;
   transport::MethodKind kind_ = transport::MethodKind::kBidirectional;
+  /// The method's, until it was told.
+  const std::function<void(std::optional<absl::StatusCode>)>* ended_ = nullptr;
   Admittance admittance_;
 
   Response response_;

@@ -50,6 +50,11 @@ app.kubernetes.io/component: server
 {{ .Values.tls.secret | default (printf "%s-tls" (include "uplinkd.fullname" .)) }}
 {{- end -}}
 
+{{- /* Whether others than the robots may ask. */ -}}
+{{- define "uplinkd.asked" -}}
+{{- if or .Values.http.enabled .Values.fleet.enabled -}}yes{{- end -}}
+{{- end -}}
+
 {{- define "uplinkd.podSecurity" -}}
 runAsNonRoot: true
 runAsUser: 10001
@@ -92,7 +97,22 @@ capabilities:
 {{- $_ := set $own.store "url" .Values.store.postgres.url -}}
 {{- $_ := set $own.store "password_file" (printf "/etc/uplinkd/store/%s" .Values.store.postgres.passwordKey) -}}
 {{- end -}}
+{{- if .Values.tls.robotsCrlKey -}}
+{{- $_ := set $own.tls "client_crl_file" (printf "/etc/uplinkd/robots/%s" .Values.tls.robotsCrlKey) -}}
+{{- end -}}
+{{- if .Values.tls.operatorsSecret -}}
+{{- $_ := set $own.tls "operator_ca_file" (printf "/etc/uplinkd/operators/%s" .Values.tls.operatorsKey) -}}
+{{- end -}}
+{{- if .Values.tls.authoritiesConfigMap -}}
+{{- $_ := set $own "identity" (dict "authorities" "/etc/uplinkd/authorities") -}}
+{{- end -}}
+{{- if .Values.fleet.enabled -}}
+{{- $_ := set $own.listen "fleet" "[::]:7444" -}}
+{{- end -}}
 {{- $http := dict -}}
+{{- if and (include "uplinkd.asked" .) .Values.http.tokensSecret -}}
+{{- $_ := set $http "tokens_file" (printf "/etc/uplinkd/access/%s" .Values.http.tokensKey) -}}
+{{- end -}}
 {{- if .Values.http.enabled -}}
 {{- $service := printf "%s-http" (include "uplinkd.fullname" .) -}}
 {{- $names := list $service (printf "%s.%s" $service .Release.Namespace) (printf "%s.%s.svc" $service .Release.Namespace) -}}
@@ -102,9 +122,6 @@ capabilities:
 {{- $_ := set $http "tls.key_file" "/etc/uplinkd/http/tls.key" -}}
 {{- /* The probes ask over loopback. */ -}}
 {{- $_ := set $http "plain_from" (concat (list "127.0.0.0/8" "::1") .Values.http.plainFrom) -}}
-{{- if .Values.http.tokensSecret -}}
-{{- $_ := set $http "tokens_file" (printf "/etc/uplinkd/access/%s" .Values.http.tokensKey) -}}
-{{- end -}}
 {{- end -}}
 {{- if .Values.metrics.tokenSecret -}}
 {{- $_ := set $http "metrics_token_file" (printf "/etc/uplinkd/metrics/%s" .Values.metrics.tokenKey) -}}

@@ -49,11 +49,6 @@ TEST(ReferenceTest, NeitherShowsSettingsThatHaveNoEffect) {
   EXPECT_EQ(ExampleToml().find(":7444"), std::string::npos);
 }
 
-TEST(ReferenceTest, AChoiceThatIsNotServedIsNotOffered) {
-  EXPECT_EQ(ExampleToml().find("\"closed\""), std::string::npos);
-  EXPECT_EQ(SettingsTable().find("\"closed\""), std::string::npos);
-}
-
 TEST(ReferenceTest, TheExampleFileReadsBackToTheDefaultsWhenUncommented) {
   const std::regex setting("(^|\n)# ([a-z0-9_.]+ = )");
   std::string text = std::regex_replace(ExampleToml(), setting, "$1$2");

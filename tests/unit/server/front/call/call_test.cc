@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -250,6 +251,29 @@ TEST(MethodKinds, ACallThatWasAnsweredGivesItsPlacesBack) {
   EXPECT_TRUE(bench.door_book().known().IsKnown(wire.origin().source, bench.now()));
   EXPECT_FALSE(bench.door_book().known().IsKnown(wire.origin().source, bench.now() + 2 * kKnownFor))
       << "it has ended";
+}
+
+TEST(MethodKinds, AMethodIsToldOfEachCallsEndOnce) {
+  using Ends = std::vector<std::optional<absl::StatusCode>>;
+  Ends ends;
+  transport::Methods methods = Echoes(MethodKind::kUnary, 1);
+  methods.at("/e.E/Echo").ended = [&ends](auto code) { ends.push_back(code); };
+  FrontBench bench(std::move(methods));
+  FrontWire& wire = bench.Connect(kRobot);
+  wire.Receive(http2::Preface() + http2::Settings({}));
+  const auto open = [&wire](std::uint32_t stream) {
+    wire.Receive(OpenRelay(stream, {{":path", "/e.E/Echo"}}));
+  };
+  open(1);
+  wire.Receive(http2::Data(1, WithPrefix("x"), http2::kEndStream));
+  open(3);
+  wire.Receive(http2::Data(3, "", http2::kEndStream));
+  open(5);
+  wire.Receive(http2::RstStream(5, http2::kCancel));
+  open(7);
+  wire.Break();
+  EXPECT_EQ(ends,
+            (Ends{absl::StatusCode::kOk, absl::StatusCode::kInternal, std::nullopt, std::nullopt}));
 }
 
 TEST(MethodKindsDeathTest, TwoAnswersOfAUnaryCallAreABug) {
