@@ -60,6 +60,8 @@ struct TlsConfig {
   std::string operator_ca_file;
   /// Lists of revoked certificates by the authorities of client_ca_file; empty: none.
   std::string client_crl_file;
+  /// The same by the authorities of operators' certificates.
+  std::string operator_crl_file;
   TlsVersion min_version = TlsVersion::k13;
   /// Groups for agreeing on keys, the best first; with TLS 1.2 ServedGroups has more.
   std::vector<std::string> groups{"X25519", "P-256"};

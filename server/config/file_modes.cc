@@ -68,6 +68,7 @@ FileModes CheckFileModes(const Config& config) {
   CheckTrusted("tls.client_ca_file", tls.client_ca_file, modes);
   CheckTrusted("tls.operator_ca_file", tls.operator_ca_file, modes);
   CheckTrusted("tls.client_crl_file", tls.client_crl_file, modes);
+  CheckTrusted("tls.operator_crl_file", tls.operator_crl_file, modes);
   const HttpConfig& http = config.http;
   CheckTrusted("http.tls.certificate_file", http.tls_certificate_file, modes);
   CheckSecret("http.tls.key_file", http.tls_key_file, modes);

@@ -70,15 +70,20 @@ void CheckAuthorities(const std::string& key, const std::string& path,
   static_cast<void>(ReadGood(key, path, identity::CheckAuthorities, problems));
 }
 
-void CheckLists(const TlsConfig& tls, std::vector<Problem>& problems) {
-  const std::string& path = tls.client_crl_file;
+void CheckLists(const std::string& key, const std::string& path, const std::string& signers,
+                std::vector<Problem>& problems) {
   if (path.empty()) return;
-  const auto authorities = identity::ReadPem(tls.client_ca_file);
+  if (signers.empty()) {
+    return problems.push_back({path, key,
+                               "needs tls.client_ca_file; the lists of a folder of authorities are "
+                               "named there, by crl_file"});
+  }
+  const auto authorities = identity::ReadPem(signers);
   if (!authorities.ok()) return;  // said of its own key
   const auto file = identity::ReadPem(path);
   const absl::Status good =
       file.ok() ? identity::ReadRevocationLists(*file, *authorities).status() : file.status();
-  if (!good.ok()) problems.push_back({path, "tls.client_crl_file", WithoutPath(path, good)});
+  if (!good.ok()) problems.push_back({path, key, WithoutPath(path, good)});
 }
 
 void CheckAuthorityFolder(const IdentityConfig& identity, std::vector<Problem>& problems) {
@@ -168,7 +173,8 @@ std::vector<Problem> ValidateFiles(const Config& config) {
             problems);
   CheckAuthorities("tls.client_ca_file", tls.client_ca_file, problems);
   CheckAuthorities("tls.operator_ca_file", tls.operator_ca_file, problems);
-  CheckLists(tls, problems);
+  CheckLists("tls.client_crl_file", tls.client_crl_file, tls.client_ca_file, problems);
+  CheckLists("tls.operator_crl_file", tls.operator_crl_file, OperatorCaFile(tls), problems);
   CheckAuthorityFolder(config.identity, problems);
   CheckStoreFolder(config.store, problems);
   CheckPasswordFile(config.store, problems);

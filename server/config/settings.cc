@@ -178,9 +178,14 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "client_crl_file",
      .kind = Kind::kFile,
      .text = "Lists of revoked certificates (CRL) that authorities of tls.client_ca_file signed: "
-             "one or more in PEM, or one in DER; read again each 5 s. A list whose next update is "
-             "over counts all the same.",
+             "one or more in PEM, or one in DER; read again each 5 s. A list counts for what the "
+             "key that signed it has signed, also once its next update is over.",
      UPLINK_BIND(tls, TlsConfig, client_crl_file)},
+    {.section = "tls",
+     .key = "operator_crl_file",
+     .kind = Kind::kFile,
+     .text = "The same of the authorities that sign operators' certificates.",
+     UPLINK_BIND(tls, TlsConfig, operator_crl_file)},
     {.section = "tls",
      .key = "min_version",
      .kind = Kind::kChoice,

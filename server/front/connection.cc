@@ -18,6 +18,7 @@ Connection::Connection(Thread& thread, EventLoop& loop, ConnectionOwner& owner, 
       origin_(std::move(setup.origin)),
       age_max_(setup.age_max),
       gateway_streams_max_(setup.gateway_streams_max),
+      served_(setup.served),
       socket_(loop, setup.descriptor, *this, thread.received),
       tls_(std::make_unique<TlsEngine>(std::move(setup.tls), thread.buffer_method, thread.tls)),
       place_(thread.book, setup.id) {}
@@ -58,12 +59,7 @@ void Connection::Handshake() {
 
 void Connection::BeginGrpc() {
   const SteadyTime now = thread_.clock.Steady();
-  TlsPeer peer = tls_->Peer();
-  if (peer.outside_authority) CountDenied(transport::Denied::kAuthority);
-  if (IsDenied(peer)) {
-    peer.identity = transport::CertificateRevoked();
-    CountDenied(transport::Denied::kRevoked);
-  }
+  TlsPeer peer = JudgedPeer();
   // Those without a certificate share the places of their source.
   if (peer.anonymous) peer.key = KeyOf(origin_.source);
   origin_.NotePeer(peer.ruri, peer.gateway, peer.subject);
@@ -211,14 +207,6 @@ void Connection::Evict() {
   }
   // A connection that already lingered, or does not read, has had its place for long enough.
   Close();
-}
-
-void Connection::LookAtDenied() {
-  if (phase_ != Phase::kOpen || !grpc_->tls_peer().identity.ok() || grpc_->banned()) return;
-  if (!IsDenied(grpc_->tls_peer())) return;
-  CountDenied(transport::Denied::kEnded);
-  grpc_->Ban(transport::CertificateRevoked(), EndCause::kRevoked);
-  Settle();
 }
 
 void Connection::Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,

@@ -43,6 +43,8 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
     int descriptor = -1;
     Origin origin;
     std::shared_ptr<const TlsContext> tls;
+    /// Where later ones stand; null: there are none.
+    const ServedContext* served = nullptr;
     /// limits.connection_age_max; zero: never.
     milliseconds age_max{0};
     /// limits.gateway_streams_max.
@@ -66,6 +68,8 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   void Evict();
   /// Ends its calls if its certificate is on the list now.
   void LookAtDenied();
+  /// Ends its calls if its authority does not vouch for it any more.
+  void LookAtAuthorities(const TlsContext& now);
   /// The server drains: tells its calls one after the other, the first as number `first` of
   /// `spread`. They have until `end`.
   void Drain(const transport::DrainSpread& spread, std::size_t first, SteadyTime end,
@@ -136,13 +140,11 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
                                          thread_.relay.clock_trust.vouched());
   }
   void FailHandshake(transport::TurnedAway cause);
-  [[nodiscard]] bool IsDenied(const TlsPeer& peer) const {
-    const identity::DenyList* const denied = thread_.relay.denied;
-    return denied != nullptr && tls_->IsDenied(*denied->Get(), peer);
-  }
-  void CountDenied(transport::Denied why) {
-    thread_.relay.probe.denied_total[static_cast<std::size_t>(why)].Add();
-  }
+  /// The peer of the handshake, by authorities and deny list as they are now.
+  [[nodiscard]] TlsPeer JudgedPeer();
+  [[nodiscard]] bool MayBeBanned() const;
+  [[nodiscard]] bool IsDenied(const TlsPeer& peer) const;
+  void CountDenied(transport::Denied why);
 
   Thread& thread_;
   ConnectionOwner& owner_;
@@ -150,6 +152,7 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
   Origin origin_;
   const milliseconds age_max_;
   const std::uint32_t gateway_streams_max_;
+  const ServedContext* const served_;
 
   Phase phase_ = Phase::kHandshake;
   Socket socket_;

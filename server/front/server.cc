@@ -115,7 +115,11 @@ struct FrontServer::Impl {
 absl::Status FrontServer::Impl::Serve(const transport::PemTexts& texts) {
   auto made = TlsContext::Make(texts, options.tls);
   if (!made.ok()) return made.status();
+  const std::shared_ptr<const TlsContext> before = tls.get();
+  const bool changes = before != nullptr && before->trusted() != (*made)->trusted();
   tls.Set(*std::move(made));
+  if (!changes) return absl::OkStatus();
+  for (const auto& worker : workers) worker->LookAtAuthorities();
   return absl::OkStatus();
 }
 

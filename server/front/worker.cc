@@ -70,6 +70,7 @@ void Worker::Begin(std::uint64_t id, IncomingConnection incoming) {
                         .descriptor = incoming.descriptor.Release(),
                         .origin = std::move(incoming.origin),
                         .tls = tls_.get(),
+                        .served = &tls_,
                         .age_max = setup_.connection_age_max,
                         .gateway_streams_max = setup_.gateway_streams_max});
   if (ending_) return connection->Shutdown();
@@ -97,6 +98,13 @@ void Worker::LookAtDenied() {
   // A connection that is not here yet looks at its handshake's end, with the list as it is then.
   Post([this] {
     for (const auto& [id, connection] : connections_) connection->LookAtDenied();
+  });
+}
+
+void Worker::LookAtAuthorities() {
+  Post([this] {
+    const std::shared_ptr<const TlsContext> now = tls_.get();
+    for (const auto& [id, connection] : connections_) connection->LookAtAuthorities(*now);
   });
 }
 

@@ -26,8 +26,8 @@ namespace uplink::front {
 /// and the inbox through which other threads wake them.
 ///
 /// Order:  Start; Stop, which ends all connections. Wakes do nothing afterwards.
-/// Thread: Adopt, CutHandshake, Evict, LookAtDenied, Drain, Wake, load: any; Start, Stop: main; the
-/// rest: its own.
+/// Thread: Adopt, CutHandshake, Evict, LookAtDenied, LookAtAuthorities, Drain, Wake, load: any;
+/// Start, Stop: main; the rest: its own.
 class Worker final : public loop::WakeInbox, public ConnectionOwner {
  public:
   struct Setup {
@@ -58,6 +58,8 @@ class Worker final : public loop::WakeInbox, public ConnectionOwner {
   void Evict(std::uint64_t id);
   /// The deny list changed: looks at each connection.
   void LookAtDenied();
+  /// Authorities, or what they may vouch for, changed: looks at each connection.
+  void LookAtAuthorities();
   void Wake(std::uint64_t call) override;
   /// Tells every stream to drain, one after the other, over a part of the grace.
   void Drain(milliseconds grace);

@@ -47,6 +47,7 @@ constexpr auto kDegradedWords = std::to_array<DegradedWord>({
     {"certificate_mismatch",
      [](const Facts& facts) { return !facts.certificate_fits || !facts.http.certificate_fits; }},
     {"tokens_unread", [](const Facts& facts) { return facts.http.tokens_unread; }},
+    {"crl_unread", [](const Facts& facts) { return facts.http.crl_unread; }},
     {"identity", [](const Facts& facts) { return facts.identity_unread; }},
     {"descriptors",
      [](const Facts& facts) { return facts.descriptors.above(kDescriptorsPercent); }},

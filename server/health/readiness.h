@@ -51,7 +51,7 @@ struct BrokerFacts {
   Fill twins;
 };
 
-/// What is wrong with the files by which operators come in. A value.
+/// What is wrong with the files that say who comes in. A value.
 struct HttpFacts {
   /// Of the certificate of listen.http that is served; nothing: it speaks no TLS.
   std::optional<SystemTime> certificate_expiry{};
@@ -59,6 +59,8 @@ struct HttpFacts {
   bool certificate_fits = true;
   /// A file of tokens cannot be read; those that were good last count.
   bool tokens_unread = false;
+  /// Authorities' lists (CRL) cannot be used, or are over; those that were good last count.
+  bool crl_unread = false;
 };
 
 /// All that readiness depends on. A value.

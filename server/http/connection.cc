@@ -212,7 +212,8 @@ class Connection final : public PlaceHolder,
     Note(Places::State::kWatching);
     NoteAnswered(context_->server, route_, answer.status, started_);
     events_.emplace(EventAnswer::Parts{
-        *context_, wire_, weak_from_this(), answer.events, [this, request = ToRequest()] {
+        *context_, wire_, weak_from_this(), answer.events, [this, request = ToRequest()]() mutable {
+          if (wire_.is_tls()) request.certificate = judged_.Now(*context_->tls, wire_.connection());
           return context_->server.entrance.Resolve(request).lane != Lane::kIo;
         }});
     events_->Begin();

@@ -65,14 +65,11 @@ std::shared_ptr<const PeerCertificate> Shown(X509& certificate, const STACK_OF(X
       PeerCertificate{.identity = identity::IdentityOf(certificate),
                       .subject = identity::SubjectOf(certificate),
                       .expiry = identity::NotAfterOf(certificate),
-                      .chain = {identity::NamedBy(certificate)}});
+                      .chain = identity::NamedBy(certificate, chain)});
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
   }
   const int size = sk_X509_num(chain);
-  for (int i = 1; i + 1 < size; ++i) {
-    shown->chain.push_back(identity::NamedBy(*sk_X509_value(chain, i)));
-  }
   const identity::AuthorityRules* const rules = RulesOf(context);
   if (rules != nullptr && shown->identity.ok() && size > 0) {
     absl::Status may = rules->Judge(*shown->identity, *sk_X509_value(chain, size - 1));

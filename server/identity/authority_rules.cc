@@ -4,7 +4,6 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
@@ -15,13 +14,6 @@ namespace {
 
 constexpr std::array kRoles = {Role::kRobot,    Role::kGateway, Role::kViewer,
                                Role::kOperator, Role::kAdmin,   Role::kMetrics};
-
-ShownCertificate::Sha256 DigestOf(const X509& certificate) {
-  ShownCertificate::Sha256 digest{};
-  unsigned int size = 0;
-  X509_digest(&certificate, EVP_sha256(), digest.data(), &size);
-  return digest;
-}
 
 absl::Status Outside(const AuthorityRule& rule, std::string_view what) {
   return absl::UnauthenticatedError(
@@ -56,7 +48,12 @@ absl::Status AuthorityRules::Add(const NamedPem& authorities, const AuthorityRul
 }
 
 absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const X509& authority) const {
-  const auto found = rules_.find(DigestOf(authority));
+  return Judge(peer, DigestOf(authority));
+}
+
+absl::Status AuthorityRules::Judge(const PeerIdentity& peer,
+                                   const ShownCertificate::Sha256& authority) const {
+  const auto found = rules_.find(authority);
   if (found == rules_.end()) return absl::OkStatus();
   const AuthorityRule& rule = found->second;
   if (!rule.roles.empty() && std::ranges::find(rule.roles, peer.role) == rule.roles.end()) {

@@ -42,9 +42,16 @@ class AuthorityRules final {
   /// Errors: kUnauthenticated with a sentence for the peer: the authority that verified its chain
   ///         may not vouch for its role or fleet.
   [[nodiscard]] absl::Status Judge(const PeerIdentity& peer, const X509& authority) const;
+  /// The same by the digest of the authority's certificate.
+  [[nodiscard]] absl::Status Judge(const PeerIdentity& peer,
+                                   const ShownCertificate::Sha256& authority) const;
   /// The same of the chain that a handshake verified.
   [[nodiscard]] absl::Status Judge(const PeerIdentity& peer, const SSL* connection) const;
 
+  /// Whether the certificate with this digest has a rule.
+  [[nodiscard]] bool Has(const ShownCertificate::Sha256& authority) const {
+    return rules_.contains(authority);
+  }
   [[nodiscard]] std::size_t size() const { return rules_.size(); }
   friend bool operator==(const AuthorityRules&, const AuthorityRules&) = default;
 

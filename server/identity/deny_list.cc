@@ -36,8 +36,25 @@ std::string_view BytesOf(const ShownCertificate::Sha256& digest) {
   return {reinterpret_cast<const char*>(digest.data()), digest.size()};
 }
 
-bool NamesIssued(const DeniedCertificates& list, const X509& certificate, std::string_view serial) {
-  return list.NamesSerial(serial) && list.NamesIssued(serial, IssuerOf(certificate));
+/// What signed a certificate of a verified chain; its last, and one without a chain, is its own.
+const X509& SignerOf(const X509& certificate, const STACK_OF(X509) * chain, int at) {
+  if (at + 1 >= sk_X509_num(chain)) return certificate;
+  return *sk_X509_value(chain, at + 1);
+}
+
+/// How many certificates of the chain are the peer's. The last is ours: who takes it back takes it
+/// out of the file of authorities.
+int ShownOf(const STACK_OF(X509) * chain) { return std::max(1, sk_X509_num(chain) - 1); }
+
+std::string SignedText(std::string_view serial, const ShownCertificate::Sha256& signer) {
+  return std::string(BytesOf(signer)).append(serial);
+}
+
+bool Names(const DeniedCertificates& list, const X509& certificate, const ShownCertificate& shown,
+           const X509& signer) {
+  if (list.NamesDigest(shown)) return true;
+  return list.NamesSerial(shown.serial) && (list.NamesIssued(shown.serial, IssuerOf(certificate)) ||
+                                            list.NamesSigned(shown.serial, KeyDigestOf(signer)));
 }
 
 }  // namespace
@@ -54,6 +71,11 @@ bool DeniedCertificates::Add(storage::RevokedBy by, std::string_view value) {
   if (!digest) return false;
   (by == storage::RevokedBy::kKey ? by_key_ : by_certificate_).insert(*std::move(digest));
   return true;
+}
+
+void DeniedCertificates::Add(const SignedSerial& certificate) {
+  by_signer_serial_.insert(SignedText(certificate.serial, certificate.signer));
+  serials_.insert(certificate.serial);
 }
 
 bool DeniedCertificates::NamesDigest(const ShownCertificate& certificate) const {
@@ -73,14 +95,28 @@ bool DeniedCertificates::NamesIssued(std::string_view serial, std::string_view i
   return by_issuer_serial_.contains(text);
 }
 
-NamedCertificate NamedBy(const X509& certificate) {
-  return {ShownBy(certificate), IssuerOf(certificate)};
+bool DeniedCertificates::NamesSigned(std::string_view serial,
+                                     const ShownCertificate::Sha256& signer) const {
+  return by_signer_serial_.contains(SignedText(serial, signer));
+}
+
+std::vector<NamedCertificate> NamedBy(const X509& own, const STACK_OF(X509) * chain) {
+  std::vector<NamedCertificate> named;
+  for (int i = 0; i < ShownOf(chain); ++i) {
+    const X509* const at = i == 0 ? &own : sk_X509_value(chain, i);
+    const X509& each = *at;
+    named.push_back({.shown = ShownBy(each),
+                     .issuer = IssuerOf(each),
+                     .signer = KeyDigestOf(SignerOf(each, chain, i))});
+  }
+  return named;
 }
 
 bool Denies(const DeniedCertificates& list, const std::vector<NamedCertificate>& chain) {
   return std::ranges::any_of(chain, [&list](const NamedCertificate& each) {
     return list.NamesDigest(each.shown) || (list.NamesSerial(each.shown.serial) &&
-                                            list.NamesIssued(each.shown.serial, each.issuer));
+                                            (list.NamesIssued(each.shown.serial, each.issuer) ||
+                                             list.NamesSigned(each.shown.serial, each.signer)));
   });
 }
 
@@ -88,13 +124,11 @@ bool Denies(const DeniedCertificates& list, const SSL* connection, const ShownCe
   if (list.size() == 0) return false;
   const X509* const own = SSL_get0_peer_certificate(connection);
   if (own == nullptr) return false;
-  if (list.NamesDigest(shown) || NamesIssued(list, *own, shown.serial)) return true;
   const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
-  // The last is ours: who takes it back takes it out of the file of authorities.
-  for (int i = 1; i + 1 < sk_X509_num(chain); ++i) {
-    const X509& signer = *sk_X509_value(chain, i);
-    const ShownCertificate its = ShownBy(signer);
-    if (list.NamesDigest(its) || NamesIssued(list, signer, its.serial)) return true;
+  if (Names(list, *own, shown, SignerOf(*own, chain, 0))) return true;
+  for (int i = 1; i < ShownOf(chain); ++i) {
+    const X509& each = *sk_X509_value(chain, i);
+    if (Names(list, each, ShownBy(each), SignerOf(each, chain, i))) return true;
   }
   return false;
 }

@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include <openssl/safestack.h>
 #include <openssl/types.h>
+#include <openssl/x509.h>
 
 #include "server/identity/shown_certificate.h"
 #include "storage/access_store.h"
@@ -22,15 +24,21 @@ class DeniedCertificates final {
  public:
   /// False if the value is not one of its kind: then it names nothing.
   bool Add(storage::RevokedBy by, std::string_view value);
+  void Add(const SignedSerial& certificate);
 
   [[nodiscard]] std::size_t size() const {
-    return by_issuer_serial_.size() + by_certificate_.size() + by_key_.size();
+    return by_issuer_serial_.size() + by_signer_serial_.size() + by_certificate_.size() +
+           by_key_.size();
   }
   /// Whether the list names the certificate by a digest of it or of its key.
   [[nodiscard]] bool NamesDigest(const ShownCertificate& certificate) const;
   /// Whether it names one with this serial. Cheap, so that few issuers are written out.
   [[nodiscard]] bool NamesSerial(std::string_view serial) const;
+  /// By the issuer's name: that of every authority which has it.
   [[nodiscard]] bool NamesIssued(std::string_view serial, std::string_view issuer) const;
+  /// By the issuer's key.
+  [[nodiscard]] bool NamesSigned(std::string_view serial,
+                                 const ShownCertificate::Sha256& signer) const;
 
  private:
   /// So that a view can be looked up.
@@ -39,8 +47,9 @@ class DeniedCertificates final {
   };
   using Set = std::unordered_set<std::string, Hash, std::equal_to<>>;
 
-  /// `SERIAL ISSUER`, and their serials.
+  /// `SERIAL ISSUER`; the bytes of the signer's digest and the serial; the serials of both.
   Set by_issuer_serial_;
+  Set by_signer_serial_;
   Set serials_;
   /// The 32 bytes of each digest.
   Set by_certificate_;
@@ -74,9 +83,14 @@ class DenyList final {
 struct NamedCertificate {
   ShownCertificate shown;
   std::string issuer;
+  /// The digest of the key that signed it.
+  ShownCertificate::Sha256 signer{};
 };
 
-[[nodiscard]] NamedCertificate NamedBy(const X509& certificate);
+/// What a list may name of a peer that showed `own`: that, and what signed it, other than the
+/// authority that we trust. `chain`: as the handshake verified it, `own` first; null or empty: it
+/// did not.
+[[nodiscard]] std::vector<NamedCertificate> NamedBy(const X509& own, const STACK_OF(X509) * chain);
 /// Whether the list names one of them. Pure.
 [[nodiscard]] bool Denies(const DeniedCertificates& list,
                           const std::vector<NamedCertificate>& chain);

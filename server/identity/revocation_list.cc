@@ -87,7 +87,8 @@ bool MaySign(X509* authority) {
   return (X509_get_key_usage(authority) & KU_CRL_SIGN) != 0;
 }
 
-bool IsSigned(X509_CRL* list, const std::vector<Certificate>& authorities) {
+/// The authority that signed the list; null: none of these.
+const X509* SignerOf(X509_CRL* list, const std::vector<Certificate>& authorities) {
   for (const Certificate& authority : authorities) {
     if (X509_NAME_cmp(X509_get_subject_name(authority.get()), X509_CRL_get_issuer(list)) != 0) {
       continue;
@@ -95,9 +96,9 @@ bool IsSigned(X509_CRL* list, const std::vector<Certificate>& authorities) {
     EVP_PKEY* const key = X509_get0_pubkey(authority.get());
     const bool good = key != nullptr && MaySign(authority.get()) && X509_CRL_verify(list, key) == 1;
     ERR_clear_error();
-    if (good) return true;
+    if (good) return authority.get();
   }
-  return false;
+  return nullptr;
 }
 
 std::optional<SystemTime> NextUpdateOf(const X509_CRL* list) {
@@ -107,15 +108,16 @@ std::optional<SystemTime> NextUpdateOf(const X509_CRL* list) {
   return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
 }
 
-RevocationList ValueOf(X509_CRL* list) {
+RevocationList ValueOf(X509_CRL* list, const X509& signer) {
   RevocationList value{.issuer = NameOf(*X509_CRL_get_issuer(list)),
                        .revoked = {},
                        .next_update = NextUpdateOf(list)};
+  const ShownCertificate::Sha256 key = KeyDigestOf(signer);
   const STACK_OF(X509_REVOKED)* const entries = X509_CRL_get_REVOKED(list);
   for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i) {
     const X509_REVOKED* const entry = sk_X509_REVOKED_value(entries, i);
     value.revoked.push_back(
-        fmt::format("{} {}", SerialText(*X509_REVOKED_get0_serialNumber(entry)), value.issuer));
+        {.serial = SerialText(*X509_REVOKED_get0_serialNumber(entry)), .signer = key});
   }
   return value;
 }
@@ -135,12 +137,13 @@ absl::StatusOr<std::vector<RevocationList>> ReadRevocationLists(const NamedPem& 
     if (const std::string flaw = FlawOf(list.get()); !flaw.empty()) {
       return Unfit(file, fmt::format("the list of {} {}; name a whole list", issuer, flaw));
     }
-    if (!IsSigned(list.get(), *trusted)) {
+    const X509* const signer = SignerOf(list.get(), *trusted);
+    if (signer == nullptr) {
       return Unfit(file, fmt::format("the list of {} is not signed by an authority of {} that may "
                                      "sign lists",
                                      issuer, authorities.name));
     }
-    values.push_back(ValueOf(list.get()));
+    values.push_back(ValueOf(list.get(), *signer));
     revoked += values.back().revoked.size();
     if (revoked > storage::kRevocationsMax) {
       return Unfit(file,

@@ -9,6 +9,7 @@
 
 #include "schema/base/clock.h"
 #include "server/identity/pem_file.h"
+#include "server/identity/shown_certificate.h"
 
 namespace uplink::identity {
 
@@ -18,8 +19,8 @@ inline constexpr std::size_t kRevocationListsMax = 64;
 /// What an authority has taken back (a CRL). A value.
 struct RevocationList {
   std::string issuer;
-  /// `SERIAL ISSUER` of each certificate, as storage::RevokedBy::kIssuerSerial.
-  std::vector<std::string> revoked;
+  /// Of certificates that the key which signed the list has signed too.
+  std::vector<SignedSerial> revoked;
   /// When the authority promised the next list; nothing: it did not.
   std::optional<SystemTime> next_update;
 };

@@ -97,21 +97,6 @@ std::string UsualForm(const X509_PUBKEY& shown, const std::string& der) {
   return usual;
 }
 
-ShownCertificate::Sha256 KeyDigestOf(const X509& certificate) {
-  const X509_PUBKEY* const key = X509_get_X509_PUBKEY(&certificate);
-  unsigned char* bytes = nullptr;
-  const int size = i2d_X509_PUBKEY(key, &bytes);
-  if (size <= 0) return {};
-  std::string der(bytes, bytes + size);
-  OPENSSL_free(bytes);
-  if (HasOddForm(key)) {
-    if (std::string usual = UsualForm(*key, der); !usual.empty()) der = std::move(usual);
-  }
-  ShownCertificate::Sha256 digest{};
-  EVP_Digest(der.data(), der.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
-  return digest;
-}
-
 std::string HexOf(const ShownCertificate::Sha256& digest) {
   constexpr std::string_view kHex = "0123456789abcdef";
   std::string text;
@@ -154,12 +139,33 @@ SystemTime NotAfterOf(const X509& certificate) {
   return FromUnixMs(std::int64_t{timegm(&utc)} * 1000);
 }
 
+ShownCertificate::Sha256 DigestOf(const X509& certificate) {
+  ShownCertificate::Sha256 digest{};
+  unsigned int size = 0;
+  X509_digest(&certificate, EVP_sha256(), digest.data(), &size);
+  return digest;
+}
+
+ShownCertificate::Sha256 KeyDigestOf(const X509& certificate) {
+  const X509_PUBKEY* const key = X509_get_X509_PUBKEY(&certificate);
+  unsigned char* bytes = nullptr;
+  const int size = i2d_X509_PUBKEY(key, &bytes);
+  if (size <= 0) return {};
+  std::string der(bytes, bytes + size);
+  OPENSSL_free(bytes);
+  if (HasOddForm(key)) {
+    if (std::string usual = UsualForm(*key, der); !usual.empty()) der = std::move(usual);
+  }
+  ShownCertificate::Sha256 digest{};
+  EVP_Digest(der.data(), der.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
+  return digest;
+}
+
 ShownCertificate ShownBy(const X509& certificate) {
   ShownCertificate shown;
   shown.serial = SerialText(*X509_get0_serialNumber(&certificate));
   shown.not_after = NotAfterOf(certificate);
-  unsigned int size = 0;
-  X509_digest(&certificate, EVP_sha256(), shown.sha256.data(), &size);
+  shown.sha256 = DigestOf(certificate);
   shown.key_sha256 = KeyDigestOf(certificate);
   ERR_clear_error();
   return shown;

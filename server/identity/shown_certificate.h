@@ -25,12 +25,26 @@ struct ShownCertificate {
   SystemTime not_after{};
 };
 
+/// A certificate by its serial number and the key that signed it: authorities may share a name, and
+/// have keys of their own. A value.
+struct SignedSerial {
+  /// As ShownCertificate::serial.
+  std::string serial;
+  /// As ShownCertificate::key_sha256, of the authority.
+  ShownCertificate::Sha256 signer{};
+
+  friend bool operator==(const SignedSerial&, const SignedSerial&) = default;
+};
+
 /// Bytes of a serial number's text that are kept: 20 bytes (RFC 5280), and as many again of
 /// certificates that do not keep to that.
 inline constexpr std::size_t kSerialTextBytesMax = 80;
 
 /// The facts of a certificate. Computes two digests, some microseconds.
 [[nodiscard]] ShownCertificate ShownBy(const X509& certificate);
+/// As ShownCertificate::sha256, and key_sha256.
+[[nodiscard]] ShownCertificate::Sha256 DigestOf(const X509& certificate);
+[[nodiscard]] ShownCertificate::Sha256 KeyDigestOf(const X509& certificate);
 /// The issuer as `openssl x509 -issuer -nameopt RFC2253` writes it; empty if it cannot be written.
 [[nodiscard]] std::string IssuerOf(const X509& certificate);
 /// A name in the same form.

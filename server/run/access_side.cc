@@ -47,6 +47,9 @@ std::vector<transport::CrlFile> AccessSide::ListsNow() {
   if (!context_.tls.client_crl_file.empty()) {
     lists.push_back({context_.tls.client_crl_file, context_.tls.client_ca_file});
   }
+  if (!context_.tls.operator_crl_file.empty()) {
+    lists.push_back({context_.tls.operator_crl_file, config::OperatorCaFile(context_.tls)});
+  }
   if (context_.identity.authorities.empty()) return lists;
   const auto folder = config::ReadAuthorityFolder(context_.identity.authorities);
   // The listeners say what is wrong with it; what was good last counts, as there.
@@ -110,7 +113,9 @@ absl::Status AccessSide::LookAtTls() {
 }
 
 health::HttpFacts AccessSide::facts() const {
-  health::HttpFacts facts{.certificate_fits = tls_fits_.load(), .tokens_unread = tokens_.unread()};
+  health::HttpFacts facts{.certificate_fits = tls_fits_.load(),
+                          .tokens_unread = tokens_.unread(),
+                          .crl_unread = lists_.unread()};
   if (tls_) facts.certificate_expiry = FromUnixMs(expiry_ms_.load());
   return facts;
 }

@@ -71,7 +71,7 @@ class StoreSide final {
     /// The deny list changed. On a thread of this side: short.
     std::function<void()> denied_changed;
     /// As store::AccessRounds::Context has it.
-    std::function<std::optional<std::vector<std::string>>()> file_lists;
+    std::function<std::optional<std::vector<identity::SignedSerial>>()> file_lists;
   };
   StoreSide(const Context& context, store::Stores stores);
 

@@ -180,7 +180,7 @@ void AccessRounds::Take(std::vector<storage::Revocation> revocations) {
 
 void AccessRounds::LookAtFiles() {
   looked_at_files_ = context_.clock.Steady();
-  std::optional<std::vector<std::string>> lists = context_.file_lists();
+  std::optional<std::vector<identity::SignedSerial>> lists = context_.file_lists();
   if (!lists) return;
   of_files_ = *std::move(lists);
   SetDenied();
@@ -192,9 +192,7 @@ void AccessRounds::SetDenied() {
     if (denied->Add(name.first, name.second)) continue;
     context_.logger.Warn("revocation_unreadable", {{"value", name.second}});
   }
-  for (const std::string& each : of_files_) {
-    static_cast<void>(denied->Add(storage::RevokedBy::kIssuerSerial, each));
-  }
+  for (const identity::SignedSerial& each : of_files_) denied->Add(each);
   context_.probe.of_store.Set(static_cast<std::int64_t>(revocations_.size()));
   context_.probe.of_files.Set(static_cast<std::int64_t>(of_files_.size()));
   context_.denied.Set(std::move(denied));

@@ -61,10 +61,10 @@ class AccessRounds final {
     std::string saved_path;
     /// The deny list has changed. On the thread of the rounds.
     std::function<void()> denied_changed = [] {};
-    /// What the authorities' files revoke (`SERIAL ISSUER`), if that has changed since the last
+    /// What the authorities' files revoke, if that has changed since the last
     /// call; nothing: it has not.
-    std::function<std::optional<std::vector<std::string>>()> file_lists = [] {
-      return std::optional<std::vector<std::string>>();
+    std::function<std::optional<std::vector<identity::SignedSerial>>()> file_lists = [] {
+      return std::optional<std::vector<identity::SignedSerial>>();
     };
     /// Null: no server tells of changes.
     storage::ChangeSignal* signal = nullptr;
@@ -115,7 +115,7 @@ class AccessRounds final {
   SteadyTime read_all_at_;
   /// Those that are revoked.
   std::map<Name, storage::Revocation> revocations_;
-  std::vector<std::string> of_files_;
+  std::vector<identity::SignedSerial> of_files_;
   std::optional<SteadyTime> looked_at_files_;
   /// The copy on disk is not what is known.
   bool unsaved_ = false;

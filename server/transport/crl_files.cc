@@ -28,7 +28,7 @@ absl::StatusOr<Texts> Read(const CrlFile& file) {
 
 }  // namespace
 
-std::optional<std::vector<std::string>> CrlFiles::Look() {
+std::optional<std::vector<identity::SignedSerial>> CrlFiles::Look() {
   const std::vector<CrlFile> files = files_();
   // A file that is not named any more has no say.
   bool changed = std::erase_if(followed_, [&files](const Followed& each) {
@@ -43,8 +43,10 @@ std::optional<std::vector<std::string>> CrlFiles::Look() {
     changed = LookAt(*found) || changed;
     TellOver(*found);
   }
+  unread_.store(std::ranges::any_of(
+      followed_, [](const Followed& each) { return !each.why.empty() || each.told_over; }));
   if (!changed) return std::nullopt;
-  std::vector<std::string> revoked;
+  std::vector<identity::SignedSerial> revoked;
   for (const Followed& each : followed_) {
     for (const identity::RevocationList& list : each.lists) {
       revoked.insert(revoked.end(), list.revoked.begin(), list.revoked.end());

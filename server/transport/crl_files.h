@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,7 +26,7 @@ struct CrlFile {
 /// used leaves its last good lists in use; one that is over counts all the same. A change, a
 /// failure, its end and a list that is over have a line in the log each.
 ///
-/// Thread: one at a time; blocks on the files.
+/// Thread: one at a time, which blocks on the files; what says so any.
 class CrlFiles final {
  public:
   /// The references outlive it. `files`: as they are now, asked at each look.
@@ -37,7 +38,9 @@ class CrlFiles final {
 
   /// What all lists revoke, as identity::RevocationList::revoked, if that has changed since the
   /// last call; nothing: it has not.
-  [[nodiscard]] std::optional<std::vector<std::string>> Look();
+  [[nodiscard]] std::optional<std::vector<identity::SignedSerial>> Look();
+  /// As of the last look a file could not be used, or a list of it is over. Any thread.
+  [[nodiscard]] bool unread() const { return unread_.load(); }
 
  private:
   struct Followed {
@@ -59,6 +62,7 @@ class CrlFiles final {
   const Clock& clock_;
   const log::Logger& logger_;
   std::vector<Followed> followed_;
+  std::atomic<bool> unread_{false};
 };
 
 }  // namespace uplink::transport

@@ -1,15 +1,18 @@
 """FleetView by gRPC on listen.fleet: who may ask what, and that it says what HTTP says."""
 
 import base64
+import contextlib
+import hashlib
 import json
 import pathlib
 import re
+import ssl
 import subprocess
 import urllib.parse
 
 import test_access
 from google.protobuf import descriptor_pb2
-from harness import SOURCE
+from harness import SOURCE, wait_until
 
 PYTHON = "/usr/bin/python3"
 CLIENT = pathlib.Path(__file__).with_name("fleet_rpc_client.py")
@@ -232,3 +235,30 @@ class Tools(FleetRpc):
             self.assertEqual(first.name, "uplink/v1/fleet.proto")
             self.assertEqual(set(first.dependency), {each.name for each in others})
             self.assertEqual(unknown["errorResponse"]["errorCode"], 5)
+
+
+class Revoked(FleetRpc):
+    def test_a_revoked_certificate_opens_nothing_by_either_door(self):
+        server = self.server()
+        server.settings = f'[http]\ntls.certificate_file = "{server.pki}/server.crt"\ntls.key_file = "{server.pki}/server.key"\n'
+        server.environment = {"UPLINKD_LISTEN_FLEET": "127.0.0.1:0"}
+        self.again(server)
+        viewer, admin = self.certificate(server, "viewer"), self.certificate(server, "admin")
+        held, operator = self.https(server, viewer), self.https(server, admin)
+        with contextlib.closing(held), contextlib.closing(operator):
+
+            def status(connection, method="GET", path="/api/v1/robots", body=None):
+                connection.request(method, path, body, {"Content-Type": "application/json"} if body else {})
+                answer = connection.getresponse()
+                answer.read()
+                return answer.status
+
+            self.assertEqual(status(held), 200)
+            self.assertEqual(self.call(server, (VIEW + "ListRobots", {}), pair=viewer)[0]["code"], "OK")
+            der = ssl.PEM_cert_to_DER_cert(viewer[0].read_text())
+            body = json.dumps({"sha256": hashlib.sha256(der).hexdigest(), "reason": "lost"})
+            self.assertEqual(status(operator, "POST", "/api/v1/certificates/revoke", body), 200)
+            wait_until(server.process, lambda: status(held) == 401, SECONDS, "the revocation counts")
+        [refused] = self.call(server, (VIEW + "ListRobots", {}), pair=viewer)
+        self.assertEqual((refused["code"], refused["details"]), ("UNAUTHENTICATED", "certificate revoked"))
+        self.assertEqual(self.call(server, (VIEW + "ListRobots", {}), pair=admin)[0]["code"], "OK")

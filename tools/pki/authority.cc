@@ -1,6 +1,8 @@
 #include "tools/pki/authority.h"
 
 #include <array>
+#include <cstddef>
+#include <string>
 #include <utility>
 
 #include <fmt/core.h>
@@ -13,6 +15,7 @@
 #include <openssl/x509v3.h>
 
 #include "server/identity/pem.h"
+#include "server/identity/shown_certificate.h"
 #include "tools/pki/shown.h"
 
 namespace uplink::pki {
@@ -33,6 +36,8 @@ using BigNumber = std::unique_ptr<BIGNUM, Freed<BN_free>>;
 
 /// Random bits of a serial number: positive and within RFC 5280's 20 octets.
 constexpr int kSerialBits = 127;
+/// Digits of it in an authority's name.
+constexpr std::size_t kNameDigits = 16;
 /// A certificate is valid a little before it was made: clocks differ.
 constexpr long kBackdateSeconds = 3600;
 
@@ -130,6 +135,12 @@ absl::StatusOr<Key> NewKey() {
   return key;
 }
 
+/// By its serial number, which is drawn at random.
+std::string NewName(const X509& certificate) {
+  const std::string serial = identity::SerialText(*X509_get0_serialNumber(&certificate));
+  return fmt::format("uplinkd development authority {}", serial.substr(0, kNameDigits));
+}
+
 }  // namespace
 
 struct Authority::Handles {
@@ -149,7 +160,8 @@ absl::StatusOr<std::unique_ptr<Authority>> Authority::Create(const std::string& 
   if (!made.ok()) return made.status();
   X509* const certificate = made->get();
   X509_NAME* const name = X509_get_subject_name(certificate);
-  if (!AddNamePart(name, "CN", common_name) || X509_set_issuer_name(certificate, name) != 1 ||
+  if (!AddNamePart(name, "CN", common_name.empty() ? NewName(*certificate) : common_name) ||
+      X509_set_issuer_name(certificate, name) != 1 ||
       !AddExtension(certificate, certificate, NID_basic_constraints,
                     "critical,CA:TRUE,pathlen:0") ||
       !AddExtension(certificate, certificate, NID_key_usage, "critical,keyCertSign,cRLSign") ||

@@ -23,7 +23,8 @@ struct Credentials {
 /// Thread: immutable once made; Issue may be called from several threads.
 class Authority final {
  public:
-  /// A new self-signed authority. `days` is 1 to kDaysMax, here and below.
+  /// A new self-signed authority. `days` is 1 to kDaysMax, here and below. An empty name: one that
+  /// no other authority has, since programs tell authorities apart by it.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Authority>> Create(
       const std::string& common_name, int days);
   /// One that was made before.

@@ -172,10 +172,10 @@ void AddName(config::Flags& flags, Request& request, const std::string& name) {
 void AddInit(config::Flags& noun) {
   const auto request = std::make_shared<Request>();
   request->days = pki::kAuthorityDaysDefault;
-  request->name = "uplinkd development authority";
   config::Flags& flags =
       AddVerb(noun, request, {"init", "Make an authority: ca.crt and ca.key", Init});
-  flags.Add({"--common-name", "The authority's name, for people"}, request->name);
+  flags.Add({"--common-name", "The authority's name (default: one that no other has)"},
+            request->name);
   flags.Example("uplinkctl pki init --dir pki");
 }
 

@@ -1,5 +1,7 @@
 #include "server/front/tls/tls_context.h"
 
+#include <utility>
+
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
@@ -37,9 +39,12 @@ void SetHandshake(SSL_CTX* context, const transport::TlsRules& rules) {
 absl::StatusOr<std::shared_ptr<const TlsContext>> TlsContext::Make(
     const transport::PemTexts& texts, const transport::TlsRules& rules) {
   if (absl::Status good = transport::CheckTexts(texts); !good.ok()) return good;
+  auto trusted =
+      identity::TrustedAuthorities::Of({"the client authority", texts.client_ca}, texts.rules);
+  if (!trusted.ok()) return trusted.status();
   SSL_CTX* context = SSL_CTX_new(TLS_server_method());
   if (context == nullptr) return absl::InternalError("OpenSSL: no context");
-  std::shared_ptr<const TlsContext> made(new TlsContext(context, rules, texts.rules));
+  std::shared_ptr<const TlsContext> made(new TlsContext(context, rules, *std::move(trusted)));
   SetHandshake(context, rules);
   if (!transport::SetProtocol(context, rules)) {
     ERR_clear_error();

@@ -2,10 +2,12 @@
 
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include <absl/status/statusor.h>
 #include <openssl/types.h>
 
+#include "server/identity/trusted_authorities.h"
 #include "server/transport/options.h"
 
 namespace uplink::front {
@@ -28,17 +30,16 @@ class TlsContext final {
 
   [[nodiscard]] SSL_CTX* get() const { return context_; }
   [[nodiscard]] const transport::TlsRules& rules() const { return rules_; }
-  /// What its authorities may vouch for.
-  [[nodiscard]] const identity::AuthorityRules& authorities() const { return authorities_; }
+  [[nodiscard]] const identity::TrustedAuthorities& trusted() const { return trusted_; }
 
  private:
   TlsContext(SSL_CTX* context, const transport::TlsRules& rules,
-             const identity::AuthorityRules& authorities)
-      : context_(context), rules_(rules), authorities_(authorities) {}
+             identity::TrustedAuthorities trusted)
+      : context_(context), rules_(rules), trusted_(std::move(trusted)) {}
 
   SSL_CTX* const context_;
   const transport::TlsRules rules_;
-  const identity::AuthorityRules authorities_;
+  const identity::TrustedAuthorities trusted_;
 };
 
 /// The context that new connections begin with; replaced when the files change. Thread-safe.

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include <absl/status/status.h>
 #include <openssl/bio.h>
 #include <openssl/types.h>
 
@@ -108,7 +109,13 @@ class TlsEngine final {
   [[nodiscard]] identity::CertificateFlaw certificate_flaw() const { return messages_.flaw(); }
   /// The peer; after the handshake.
   [[nodiscard]] TlsPeer Peer() const {
-    return PeerOf(ssl_, verify_error_, context_->authorities());
+    return PeerOf(ssl_, verify_error_, context_->trusted().rules());
+  }
+  /// Whether the peer, which came in, may stay by what is served now.
+  [[nodiscard]] absl::Status JudgeAgain(const TlsContext& now,
+                                        const identity::PeerIdentity& peer) const {
+    if (&now == context_.get()) return absl::OkStatus();
+    return now.trusted().JudgeAgain(peer, ssl_, context_->trusted().rules());
   }
   /// Whether the list names what the peer has shown; after the handshake.
   [[nodiscard]] bool IsDenied(const identity::DeniedCertificates& list, const TlsPeer& peer) const {

@@ -1,6 +1,7 @@
 #include "tests/component/front/connection_bench.h"
 
 #include <future>
+#include <string>
 #include <utility>
 
 #include <netinet/in.h>
@@ -15,17 +16,17 @@ namespace {
 
 constexpr std::uint32_t kGatewayStreamsMax = 16;
 
-}  // namespace
-
-ConnectionBench::ConnectionBench(config::TlsVersion minimum) {
+std::string GroupsOf(config::TlsVersion minimum) {
   config::TlsConfig tls;
   tls.min_version = minimum;
-  const KeyPair server = authority_.Issue(ServerSpec());
-  auto made = front::TlsContext::Make(
-      {.certificate = server.certificate, .key = server.key, .client_ca = authority_.certificate()},
-      {.minimum = minimum, .groups = config::ServedGroups(tls)});
-  UPLINK_CHECK(made.ok(), made.status().ToString());
-  tls_ = *std::move(made);
+  return config::ServedGroups(tls);
+}
+
+}  // namespace
+
+ConnectionBench::ConnectionBench(config::TlsVersion minimum)
+    : rules_{.minimum = minimum, .groups = GroupsOf(minimum)} {
+  Trust({});
   // Certificates are judged by the machine's clock.
   bench_.clock().SetSystem(SystemClock{}.System());
   Listen();
@@ -69,7 +70,8 @@ void ConnectionBench::Accept() {
         front::Connection::Setup{.id = id,
                                  .descriptor = descriptor,
                                  .origin = {},
-                                 .tls = tls_,
+                                 .tls = tls_.get(),
+                                 .served = &tls_,
                                  .gateway_streams_max = kGatewayStreamsMax});
     ++open_;
     connection->Start();
@@ -118,6 +120,20 @@ void ConnectionBench::Deny(identity::DeniedCertificates denied) {
   bench_.denied().Set(std::make_shared<const identity::DeniedCertificates>(std::move(denied)));
   Do([this] {
     for (const auto& [id, connection] : connections_) connection->LookAtDenied();
+  });
+}
+
+void ConnectionBench::Trust(const identity::AuthorityRules& rules) {
+  auto made = front::TlsContext::Make({.certificate = server_.certificate,
+                                       .key = server_.key,
+                                       .client_ca = authority_.certificate(),
+                                       .rules = rules},
+                                      rules_);
+  UPLINK_CHECK(made.ok(), made.status().ToString());
+  tls_.Set(*std::move(made));
+  if (!thread_.joinable()) return;
+  Do([this] {
+    for (const auto& [id, connection] : connections_) connection->LookAtAuthorities(*tls_.get());
   });
 }
 

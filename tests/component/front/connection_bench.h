@@ -44,6 +44,8 @@ class ConnectionBench final : public front::ConnectionOwner {
   void ShutDown();
   /// These may not come in from now on, and connections are looked at.
   void Deny(identity::DeniedCertificates denied);
+  /// What the authorities' entries are from now on, and connections are looked at.
+  void Trust(const identity::AuthorityRules& rules);
   /// Others wait for a place.
   void Press();
 
@@ -63,7 +65,9 @@ class ConnectionBench final : public front::ConnectionOwner {
   void RunTimers();
 
   const TestAuthority authority_;
-  std::shared_ptr<const front::TlsContext> tls_;
+  const KeyPair server_ = authority_.Issue(ServerSpec());
+  const transport::TlsRules rules_;
+  front::ServedContext tls_;
   fuzz::FrontBench bench_;
   int listener_ = -1;
   std::uint16_t port_ = 0;

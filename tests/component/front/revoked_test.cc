@@ -6,8 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/identity/authority_rules.h"
 #include "server/identity/deny_list.h"
 #include "server/identity/pem.h"
+#include "server/identity/scope.h"
 #include "tests/component/front/connection_bench.h"
 #include "tests/support/eventually.h"
 #include "tests/support/relay_bytes.h"
@@ -16,6 +18,7 @@ namespace uplink::testing {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr const char* kUnauthenticated = "16";
@@ -133,6 +136,28 @@ TEST_F(Revoked, NoCallFollowsOnAConnectionThatWasEnded) {
   Deny(storage::RevokedBy::kCertificate, names_.sha256);
   ExpectEnd();
   EXPECT_TRUE(robot_->ReadUntilEnd());
+}
+
+TEST_F(Revoked, AStreamOutsideItsAuthoritysNewEntryEnds) {
+  Begin();
+  const auto entry = [this](const identity::Scope& fleets) {
+    identity::AuthorityRules rules;
+    EXPECT_TRUE(
+        rules
+            .Add({"hall.pem", bench_.authority().certificate()}, {.name = "hall", .fleets = fleets})
+            .ok());
+    return rules;
+  };
+  bench_.Trust(entry(identity::Scope::All()));
+  ASSERT_TRUE(robot_->Sync());
+  EXPECT_FALSE(robot_->At(1).over());
+  bench_.Trust(entry(identity::Scope::Of({"north"})));
+  ASSERT_TRUE(robot_->ReadUntil([&] { return robot_->At(1).over(); }));
+  EXPECT_EQ(StatusOf(robot_->At(1)), kUnauthenticated);
+  EXPECT_THAT(robot_->At(1).Trailer("grpc-message"),
+              HasSubstr("its authority hall may not vouch for the fleet"));
+  EXPECT_EQ(Count(transport::Denied::kAuthority), 1);
+  EXPECT_EQ(StatusOfNew(keys_), kUnauthenticated);
 }
 
 TEST_F(Revoked, AConnectionWithoutCallsEndsToo) {

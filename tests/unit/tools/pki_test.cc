@@ -11,6 +11,7 @@
 #include "server/identity/certificate_gate.h"
 #include "server/identity/peer_identity.h"
 #include "server/identity/pem.h"
+#include "server/identity/shown_certificate.h"
 #include "tests/support/der.h"
 #include "tests/support/odd_certificates.h"
 #include "tests/support/pem_texts.h"
@@ -50,6 +51,21 @@ mode_t ModeOf(const std::string& path) {
 }
 
 std::string Message(const absl::Status& status) { return std::string(status.message()); }
+
+TEST(Authority, HasANameOfItsOwnUnlessOneIsGiven) {
+  const auto name_of = [](const std::string& given) {
+    const auto authority = Authority::Create(given, 1);
+    EXPECT_TRUE(authority.ok()) << authority.status();
+    const auto read =
+        identity::ReadCertificates({"ca.crt", (*authority)->credentials().certificate_pem});
+    EXPECT_TRUE(read.ok()) << read.status();
+    return identity::IssuerOf(*read->front());
+  };
+  EXPECT_EQ(name_of("hall"), "CN=hall");
+  const std::string first = name_of("");
+  EXPECT_EQ(first.rfind("CN=uplinkd development authority ", 0), 0U) << first;
+  EXPECT_NE(first, name_of(""));
+}
 
 TEST(Profiles, TheServerReadsTheIdentityThatWasAskedFor) {
   const auto authority = Authority::Create("test", 10);

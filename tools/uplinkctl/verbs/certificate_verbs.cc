@@ -137,8 +137,10 @@ void AddChange(config::Flags& noun, const char* name, const char* about, bool re
            request->key_sha256);
   verb.Add({"--sha256", "By the certificate itself"}, request->sha256);
   verb.Add({"--serial", "By its serial number, with --issuer"}, request->serial);
-  verb.Add({"--issuer", "Who signed it, as in openssl x509 -issuer -nameopt RFC2253"},
-           request->issuer);
+  verb.Add(
+      {"--issuer",
+       "Who signed it, as in openssl x509 -issuer -nameopt RFC2253: every authority of that name"},
+      request->issuer);
   if (revokes) verb.Add({"--reason", "Why, for operators"}, request->reason);
   AddOutputFlags(verb, request->common, false);
   AddServerFlags(verb, request->common.server,

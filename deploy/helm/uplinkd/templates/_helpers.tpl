@@ -102,6 +102,9 @@ capabilities:
 {{- end -}}
 {{- if .Values.tls.operatorsSecret -}}
 {{- $_ := set $own.tls "operator_ca_file" (printf "/etc/uplinkd/operators/%s" .Values.tls.operatorsKey) -}}
+{{- if .Values.tls.operatorsCrlKey -}}
+{{- $_ := set $own.tls "operator_crl_file" (printf "/etc/uplinkd/operators/%s" .Values.tls.operatorsCrlKey) -}}
+{{- end -}}
 {{- end -}}
 {{- if .Values.tls.authoritiesConfigMap -}}
 {{- $_ := set $own "identity" (dict "authorities" "/etc/uplinkd/authorities") -}}

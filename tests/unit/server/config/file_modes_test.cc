@@ -113,6 +113,18 @@ TEST_F(FileModesTest, CertificatesThatEverybodyMayWriteAreAProblem) {
                   Field(&Problem::key, "tls.operator_ca_file")));
 }
 
+TEST_F(FileModesTest, ListsThatEverybodyMayWriteAreAProblem) {
+  config_.tls.client_crl_file = Make("robots.crl");
+  config_.tls.operator_crl_file = Make("operators.crl");
+  Change(config_.tls.client_crl_file, 0644);
+  Change(config_.tls.operator_crl_file, 0644);
+  EXPECT_THAT(Check().problems, IsEmpty());
+  Change(config_.tls.client_crl_file, 0646);
+  Change(config_.tls.operator_crl_file, 0646);
+  EXPECT_THAT(Check().problems, ElementsAre(Field(&Problem::key, "tls.client_crl_file"),
+                                            Field(&Problem::key, "tls.operator_crl_file")));
+}
+
 TEST_F(FileModesTest, TheFilesForABrokerAreJudgedWhereThereIsOne) {
   config_.mqtt.ca_file = Make("broker_ca.crt");
   config_.mqtt.client_certificate_file = Make("c.crt");

@@ -164,6 +164,33 @@ TEST_F(ValidateFilesTest, ReadsEveryCertificateOfAnAuthorityFile) {
   EXPECT_THAT(problems[1].text, StartsWith("PEM block 2"));
 }
 
+TEST_F(ValidateFilesTest, AListIsSignedByAnAuthorityOfItsOwnFile) {
+  const testing::TestAuthority operators("operators");
+  config_.tls.operator_ca_file = Write("operators.crt", operators.certificate());
+  config_.tls.client_crl_file = Write("robots.crl", authority_.Revoke({}));
+  config_.tls.operator_crl_file = Write("operators.crl", operators.Revoke({}));
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+  std::swap(config_.tls.client_crl_file, config_.tls.operator_crl_file);
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(2));
+  EXPECT_EQ(problems[0].key, "tls.client_crl_file");
+  EXPECT_EQ(problems[1].key, "tls.operator_crl_file");
+  // Without a file of their own, operators' authorities are the robots'.
+  config_.tls.operator_ca_file.clear();
+  config_.tls.operator_crl_file = Write("operators.crl", authority_.Revoke({}));
+  config_.tls.client_crl_file.clear();
+  EXPECT_THAT(ValidateFiles(config_), IsEmpty());
+}
+
+TEST_F(ValidateFilesTest, AListWithoutAFileOfAuthoritiesIsAProblem) {
+  config_.tls.client_crl_file = Write("robots.crl", authority_.Revoke({}));
+  config_.tls.client_ca_file.clear();
+  const std::vector<Problem> problems = ValidateFiles(config_);
+  ASSERT_THAT(problems, SizeIs(1));
+  EXPECT_EQ(problems[0].key, "tls.client_crl_file");
+  EXPECT_THAT(problems[0].text, HasSubstr("needs tls.client_ca_file"));
+}
+
 TEST_F(ValidateFilesTest, KnowsACertificateFromAKey) {
   std::swap(config_.tls.certificate_file, config_.tls.key_file);
   EXPECT_THAT(ValidateFiles(config_), SizeIs(2));

@@ -67,6 +67,13 @@ TEST(Readiness, ReportsTokensThatCannotBeRead) {
   EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("tokens_unread"));
 }
 
+TEST(Readiness, ReportsListsOfAuthoritiesThatCannotBeRead) {
+  ReadinessFacts facts = Good();
+  facts.http.crl_unread = true;
+  EXPECT_TRUE(ReadinessOf(facts).ready());
+  EXPECT_THAT(ReadinessOf(facts).degraded, ElementsAre("crl_unread"));
+}
+
 TEST(Readiness, ReportsThatItDoesNotKnowWhoMayNotComeIn) {
   ReadinessFacts facts = Good();
   facts.identity_unread = true;
@@ -178,7 +185,7 @@ TEST(Readiness, EveryWordIsOnceInItsList) {
   bad.robots = {10, 10};
   bad.certificate_expiry = bad.now + milliseconds(1);
   bad.certificate_fits = false;
-  bad.http.tokens_unread = true;
+  bad.http.tokens_unread = bad.http.crl_unread = bad.identity_unread = true;
   bad.descriptors = {1000, 1000};
   std::vector<std::string> words;
   for (const DegradedWord& each : DegradedWords()) words.emplace_back(each.word);

@@ -1,6 +1,8 @@
 #include "server/identity/deny_list.h"
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <openssl/x509.h>
@@ -17,6 +19,17 @@ Certificate CertificateOf(const testing::KeyPair& keys) {
   auto read = ReadCertificates({"a.crt", keys.certificate});
   EXPECT_TRUE(read.ok()) << read.status();
   return read.ok() ? std::move(read->front()) : nullptr;
+}
+
+struct ChainFree {
+  void operator()(STACK_OF(X509) * chain) const { sk_X509_free(chain); }
+};
+
+/// Its certificates stay those of the caller.
+std::unique_ptr<STACK_OF(X509), ChainFree> ChainOf(const std::vector<X509*>& certificates) {
+  std::unique_ptr<STACK_OF(X509), ChainFree> chain(sk_X509_new_null());
+  for (X509* const each : certificates) sk_X509_push(chain.get(), each);
+  return chain;
 }
 
 TEST(DenyList, NothingIsDeniedAtFirst) {
@@ -65,6 +78,38 @@ TEST(DeniedCertificates, ASerialIsOfItsIssuer) {
   EXPECT_FALSE(denied.NamesSerial("A"));
   EXPECT_TRUE(denied.NamesIssued("0A", "CN=north,O=a b"));
   EXPECT_FALSE(denied.NamesIssued("0A", "CN=south"));
+}
+
+TEST(DeniedCertificates, AnAuthoritysListNamesNothingOfItsNamesake) {
+  const testing::TestAuthority authority;
+  const testing::TestAuthority namesake;
+  const Certificate own = CertificateOf(authority.Issue(testing::RobotSpec("rcan://a/1")));
+  const Certificate signer = CertificateOf({authority.certificate(), ""});
+  const Certificate other = CertificateOf({namesake.certificate(), ""});
+  DeniedCertificates denied;
+  denied.Add({.serial = ShownBy(*own).serial, .signer = KeyDigestOf(*signer)});
+  EXPECT_EQ(denied.size(), 1U);
+  EXPECT_TRUE(Denies(denied, NamedBy(*own, ChainOf({own.get(), signer.get()}).get())));
+  EXPECT_FALSE(Denies(denied, NamedBy(*own, ChainOf({own.get(), other.get()}).get())));
+  // The authority's own is ours.
+  DeniedCertificates root;
+  root.Add({.serial = ShownBy(*signer).serial, .signer = KeyDigestOf(*signer)});
+  EXPECT_FALSE(Denies(root, NamedBy(*own, ChainOf({own.get(), signer.get()}).get())));
+  // One that an operator trusts without another's word.
+  EXPECT_TRUE(Denies(root, NamedBy(*signer, ChainOf({signer.get()}).get())));
+  EXPECT_TRUE(Denies(root, NamedBy(*signer, nullptr)));
+}
+
+TEST(DeniedCertificates, AnAuthorityBetweenIsDeniedByTheListOfItsOwn) {
+  const testing::TestAuthority root;
+  const testing::TestAuthority between("between", root);
+  const Certificate own = CertificateOf(between.Issue(testing::RobotSpec("rcan://a/1")));
+  const Certificate signer = CertificateOf({between.certificate(), ""});
+  const Certificate top = CertificateOf({root.certificate(), ""});
+  const auto chain = ChainOf({own.get(), signer.get(), top.get()});
+  DeniedCertificates denied;
+  denied.Add({.serial = ShownBy(*signer).serial, .signer = KeyDigestOf(*top)});
+  EXPECT_TRUE(Denies(denied, NamedBy(*own, chain.get())));
 }
 
 TEST(DeniedCertificates, WhatIsNoneOfItsKindNamesNothing) {

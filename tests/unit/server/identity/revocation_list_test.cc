@@ -25,10 +25,13 @@ class RevocationListTest : public ::testing::Test {
   [[nodiscard]] absl::StatusOr<std::vector<RevocationList>> Read(const std::string& text) const {
     return ReadRevocationLists({"a.crl", text}, {"ca.crt", authority_.certificate()});
   }
-  static std::string NamedBy(const testing::KeyPair& keys) {
-    const auto read = ReadCertificates({"a.crt", keys.certificate});
+  static ShownCertificate ShownOf(const std::string& pem) {
+    const auto read = ReadCertificates({"a.crt", pem});
     EXPECT_TRUE(read.ok()) << read.status();
-    return FactsOf(ShownBy(*read->front())).serial + " " + IssuerOf(*read->front());
+    return ShownBy(*read->front());
+  }
+  static SignedSerial Named(const testing::KeyPair& keys, const testing::TestAuthority& signer) {
+    return {ShownOf(keys.certificate).serial, ShownOf(signer.certificate()).key_sha256};
   }
 
   const testing::TestAuthority authority_;
@@ -40,7 +43,7 @@ TEST_F(RevocationListTest, NamesWhatAListOfRevocationsNames) {
   ASSERT_TRUE(lists.ok()) << lists.status();
   ASSERT_THAT(*lists, SizeIs(1));
   EXPECT_EQ(lists->front().issuer, "CN=test authority");
-  EXPECT_THAT(lists->front().revoked, ElementsAre(NamedBy(keys_)));
+  EXPECT_THAT(lists->front().revoked, ElementsAre(Named(keys_, authority_)));
   EXPECT_TRUE(lists->front().next_update.has_value());
 }
 
@@ -80,6 +83,15 @@ TEST_F(RevocationListTest, SeveralListsOfAFileCount) {
                           {"ca.crt", authority_.certificate() + other.certificate()});
   ASSERT_TRUE(lists.ok()) << lists.status();
   EXPECT_THAT(*lists, SizeIs(2));
+}
+
+TEST_F(RevocationListTest, AListIsOfTheNamesakeThatSignedIt) {
+  const testing::TestAuthority namesake;
+  const auto lists =
+      ReadRevocationLists({"a.crl", namesake.Revoke({keys_})},
+                          {"ca.crt", authority_.certificate() + namesake.certificate()});
+  ASSERT_TRUE(lists.ok()) << lists.status();
+  EXPECT_THAT(lists->front().revoked, ElementsAre(Named(keys_, namesake)));
 }
 
 TEST_F(RevocationListTest, AListOfAnotherAuthorityIsNone) {

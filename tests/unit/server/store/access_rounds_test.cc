@@ -186,7 +186,7 @@ class AccessRoundsTest : public ::testing::Test {
   std::unique_ptr<fleet::RobotSettings> settings_;
   AccessProbe probe_;
   int changes_ = 0;
-  std::optional<std::vector<std::string>> lists_;
+  std::optional<std::vector<identity::SignedSerial>> lists_;
   std::unique_ptr<AccessRounds> rounds_;
 };
 
@@ -450,18 +450,18 @@ TEST_F(AccessRoundsTest, ACopyThatCannotBeSavedIsTriedAgain) {
 
 TEST_F(AccessRoundsTest, TheListsOfFilesCountBesideTheStore) {
   Revoke(1);
-  lists_ = {"0A CN=north"};
+  lists_ = {{.serial = "0A"}};
   rounds().Begin(absl::OkStatus());
-  EXPECT_TRUE(denied_.Get()->NamesIssued("0A", "CN=north"));
+  EXPECT_TRUE(denied_.Get()->NamesSigned("0A", {}));
   EXPECT_TRUE(Denies(1));
   EXPECT_EQ(probe_.of_files.value(), 1);
-  lists_ = {"0B CN=north"};
+  lists_ = {{.serial = "0B"}};
   rounds().Round();
-  EXPECT_TRUE(denied_.Get()->NamesIssued("0A", "CN=north")) << "the next look is due later";
+  EXPECT_TRUE(denied_.Get()->NamesSigned("0A", {})) << "the next look is due later";
   clock_.Advance(kLookAtAccessFilesEvery);
   rounds().Round();
-  EXPECT_FALSE(denied_.Get()->NamesIssued("0A", "CN=north"));
-  EXPECT_TRUE(denied_.Get()->NamesIssued("0B", "CN=north"));
+  EXPECT_FALSE(denied_.Get()->NamesSigned("0A", {}));
+  EXPECT_TRUE(denied_.Get()->NamesSigned("0B", {}));
   EXPECT_TRUE(Denies(1));
 }
 

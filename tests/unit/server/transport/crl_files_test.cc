@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "server/identity/pem.h"
+#include "server/identity/shown_certificate.h"
 #include "tests/support/certificates.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
@@ -73,8 +75,10 @@ TEST_F(CrlFilesTest, ABrokenFileLeavesTheLastGoodLists) {
   EXPECT_EQ(crl_.Look(), std::nullopt);
   EXPECT_EQ(crl_.Look(), std::nullopt);
   EXPECT_EQ(Lines("crl_unreadable"), 1);
+  EXPECT_TRUE(crl_.unread());
   Write(file_.lists, authority_.Revoke({keys_}));
   EXPECT_THAT(crl_.Look(), Optional(SizeIs(1)));
+  EXPECT_FALSE(crl_.unread());
 }
 
 TEST_F(CrlFilesTest, AFileThatEverybodyMayWriteDoesNotCount) {
@@ -92,14 +96,33 @@ TEST_F(CrlFilesTest, AnotherAuthorityNeedsAnotherList) {
   EXPECT_EQ(Lines("crl_unreadable"), 1);
 }
 
+TEST_F(CrlFilesTest, ListsOfNamesakesStayApart) {
+  const testing::TestAuthority namesake;
+  const CrlFile second{.lists = folder_ + "/b.crl", .authorities = folder_ + "/b.crt"};
+  Write(second.authorities, namesake.certificate());
+  Write(file_.lists, authority_.Revoke({}));
+  Write(second.lists, namesake.Revoke({keys_}));
+  files_.push_back(second);
+  const auto revoked = crl_.Look();
+  ASSERT_THAT(revoked, Optional(SizeIs(1)));
+  const auto trusted = identity::ReadCertificates({"b.crt", namesake.certificate()});
+  ASSERT_TRUE(trusted.ok());
+  EXPECT_EQ(revoked->front().signer, identity::KeyDigestOf(*trusted->front()));
+}
+
 TEST_F(CrlFilesTest, AListThatIsOverIsToldAndCounts) {
   Write(file_.lists, authority_.Revoke({keys_}));
   ASSERT_THAT(crl_.Look(), Optional(SizeIs(1)));
   EXPECT_EQ(Lines("crl_expired"), 0);
+  EXPECT_FALSE(crl_.unread());
   clock_.Advance(std::chrono::hours(2));
   EXPECT_EQ(crl_.Look(), std::nullopt);
   EXPECT_EQ(crl_.Look(), std::nullopt);
   EXPECT_EQ(Lines("crl_expired"), 1);
+  EXPECT_TRUE(crl_.unread());
+  Write(file_.lists, authority_.Revoke({keys_}, 3 * 3600));
+  EXPECT_THAT(crl_.Look(), Optional(SizeIs(1)));
+  EXPECT_FALSE(crl_.unread());
 }
 
 TEST_F(CrlFilesTest, AFileThatIsNotNamedAnyMoreHasNoSay) {

@@ -4,11 +4,18 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openssl/bio.h>
+#include <openssl/pem.h>
 #include <openssl/ssl.h>
+#include <openssl/x509.h>
 
 #include "server/config/tls_groups.h"
+#include "server/identity/authority_rules.h"
 #include "server/identity/certificate_gate.h"
+#include "server/identity/pem.h"
+#include "server/identity/scope.h"
 #include "tests/support/memory_tls.h"
 #include "tests/support/odd_certificates.h"
 #include "tests/unit/server/front/tls/handshake.h"
@@ -19,6 +26,7 @@ namespace {
 namespace odd = testing::odd;
 using identity::CertificateFlaw;
 using testing::CertificateSpec;
+using ::testing::HasSubstr;
 using testing::KeyPair;
 using testing::MemoryTls;
 using testing::RobotSpec;
@@ -384,6 +392,85 @@ TEST_F(TlsEngineTest, AnAuthorityWithTheNameOfOursIsNoneOfOurs) {
   const testing::TestAuthority other("test authority");
   const Outcome outcome = Handshake({.identity = other.Issue(RobotSpec(kRuri)), .behind = nullptr});
   EXPECT_EQ(outcome.failure, Failure::kUntrusted);
+}
+
+/// A robot that came in, and authorities that change afterwards.
+class TlsEngineStay : public TlsEngineTest {
+ protected:
+  /// What the robot is told; empty: it stays.
+  std::string Told(const transport::PemTexts& later) {
+    const auto first = TlsContext::Make(texts_, rules_);
+    const auto now = TlsContext::Make(later, rules_);
+    EXPECT_TRUE(first.ok() && now.ok()) << first.status() << now.status();
+    TlsEngine engine(*first, method_, buffers_);
+    MemoryTls client(Robot());
+    EXPECT_EQ(ShakeHands(engine, buffers_, client), TlsEngine::Step::kDone);
+    buffers_.out.clear();
+    buffers_.in = {};
+    const TlsPeer peer = engine.Peer();
+    EXPECT_TRUE(peer.identity.ok()) << peer.identity.status();
+    return std::string(engine.JudgeAgain(**now, *peer.identity).message());
+  }
+  [[nodiscard]] identity::AuthorityRules Hall(const identity::Scope& fleets) const {
+    identity::AuthorityRules rules;
+    EXPECT_TRUE(
+        rules.Add({"hall.pem", authority_.certificate()}, {.name = "hall", .fleets = fleets}).ok());
+    return rules;
+  }
+  /// The authority's certificate with another serial number: the same name and key.
+  [[nodiscard]] std::string Renewed() const {
+    const auto read = identity::ReadCertificates({"ca.crt", authority_.certificate()});
+    EXPECT_TRUE(read.ok()) << read.status();
+    const identity::Certificate renewed(X509_dup(read->front().get()));
+    EXPECT_EQ(ASN1_INTEGER_set(X509_get_serialNumber(renewed.get()), 77), 1);
+    // From now on it is written anew.
+    EXPECT_GT(i2d_re_X509_tbs(renewed.get(), nullptr), 0);
+    const identity::Bio bio(BIO_new(BIO_s_mem()));
+    EXPECT_EQ(PEM_write_bio_X509(bio.get(), renewed.get()), 1);
+    char* text = nullptr;
+    const long size = BIO_get_mem_data(bio.get(), &text);
+    return {text, static_cast<std::size_t>(size)};
+  }
+  [[nodiscard]] transport::PemTexts With(const std::string& client_ca) const {
+    transport::PemTexts texts = texts_;
+    texts.client_ca = client_ca;
+    return texts;
+  }
+
+  const testing::TestAuthority other_{"other"};
+};
+
+TEST_F(TlsEngineStay, OneOutsideTheNewEntryIsToldAsAtItsHandshake) {
+  transport::PemTexts later = texts_;
+  later.rules = Hall(identity::Scope::All());
+  EXPECT_EQ(Told(later), "");
+  later.rules = Hall(identity::Scope::Of({"north"}));
+  EXPECT_THAT(Told(later), HasSubstr("its authority hall may not vouch for the fleet"));
+}
+
+TEST_F(TlsEngineStay, AnAuthorityThatHadAnEntryEndsItsRobotsAsItGoes) {
+  texts_.rules = Hall(identity::Scope::All());
+  transport::PemTexts later = With(other_.certificate());
+  later.rules = {};
+  EXPECT_EQ(Told(later), "client certificate: its authority is not trusted any more");
+  later.client_ca += authority_.certificate();
+  EXPECT_EQ(Told(later), "");
+}
+
+TEST_F(TlsEngineStay, OneThatHadNoneLetsItsStreamsGoOn) {
+  EXPECT_EQ(Told(With(other_.certificate())), "");
+}
+
+TEST_F(TlsEngineStay, ARenewedAuthorityIsTheSame) {
+  texts_.rules = Hall(identity::Scope::All());
+  transport::PemTexts later = With(Renewed());
+  later.rules = {};
+  EXPECT_EQ(Told(later), "");
+  ASSERT_TRUE(later.rules
+                  .Add({"hall.pem", later.client_ca},
+                       {.name = "hall", .fleets = identity::Scope::Of({"north"})})
+                  .ok());
+  EXPECT_THAT(Told(later), HasSubstr("its authority hall may not vouch for the fleet"));
 }
 
 TEST_F(TlsEngineTest, AServersCertificateMayBeOnACurveThatIsNoGroup) {
