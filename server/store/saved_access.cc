@@ -203,9 +203,15 @@ storage::AccessVersion SavedAccessVersion(const std::string& path, const std::st
 }
 
 absl::Status KeepSavedAccess(const std::string& path, const std::string& kept) {
-  ::unlink(kept.c_str());
-  if (::link(path.c_str(), kept.c_str()) == 0) return absl::OkStatus();
-  return Failed(kept, "cannot be made");
+  const std::string aside = kept + ".new";
+  ::unlink(aside.c_str());
+  absl::Status done;
+  if (::link(path.c_str(), aside.c_str()) != 0 || std::rename(aside.c_str(), kept.c_str()) != 0) {
+    done = Failed(kept, "cannot be made");
+  }
+  // Renamed to another name of the same file, it is still there.
+  ::unlink(aside.c_str());
+  return done;
 }
 
 }  // namespace uplink::store

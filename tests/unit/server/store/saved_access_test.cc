@@ -126,6 +126,8 @@ TEST_F(SavedAccessFile, AKeptOneStaysAsItWas) {
   std::filesystem::remove(path_);
   EXPECT_EQ(KeepSavedAccess(path_, kept).message(),
             kept + ": cannot be made: No such file or directory");
+  EXPECT_EQ(ReadSavedAccess(kept).value(), "second");
+  EXPECT_FALSE(std::filesystem::exists(kept + ".new"));
 }
 
 TEST_F(SavedAccessFile, AFolderThatIsMissingIsSaid) {
