@@ -57,8 +57,8 @@ constexpr auto kServerSpecs = std::to_array<MetricSpec>({
      kByFleet, "0.2.0"},
     {kRobotCertificatesExpiring, "uplinkd_robot_certificates_expiring", kGauge, "robots",
      "Robots that are connected here by a certificate, their own or a gateway's, that expires "
-     "within 14 days.",
-     kByFleet, "0.2.0"},
+     "within this time.",
+     kByFleetWithin, "0.2.0"},
     {kRobotsLimit, "uplinkd_robots_limit", kGauge, "robots",
      "Robots that are admitted at most (limits.robots_max)."},
     {kRobotsLeaving, "uplinkd_robots_leaving", kGauge, "robots",

@@ -15,6 +15,7 @@ inline constexpr std::array<std::string_view, 2> kByKindReason{"kind", "reason"}
 inline constexpr std::array<std::string_view, 1> kByCode{"code"};
 inline constexpr std::array<std::string_view, 1> kByPresence{"presence"};
 inline constexpr std::array<std::string_view, 1> kByFleet{"fleet"};
+inline constexpr std::array<std::string_view, 2> kByFleetWithin{"fleet", "within"};
 inline constexpr std::array<std::string_view, 2> kByFleetPresence{"fleet", "presence"};
 inline constexpr std::array<std::string_view, 2> kByRouteCode{"route", "code"};
 inline constexpr std::array<std::string_view, 2> kByMethodOutcome{"method", "outcome"};

@@ -95,6 +95,14 @@ struct SettingChange {
   bool disconnect = false;
 };
 
+/// What a change came to. A value.
+struct ChangedSetting {
+  /// As it is now.
+  RobotSetting setting;
+  /// False: it was so before.
+  bool changed = false;
+};
+
 /// A fault that an operator has seen: all active rows of the robot with that id, of any source.
 struct Acknowledgement {
   std::string ruri;
@@ -104,7 +112,8 @@ struct Acknowledgement {
 
 /// What operators decide about who may come in, and what they note: the same for all servers that
 /// share the store. Each change and its audit row are one transaction; `audit.at` is its time and
-/// `audit.who` who made it. A change that changes nothing still leaves its audit row.
+/// `audit.who` who made it. What is so already is not written
+/// again, and leaves no audit row.
 ///
 /// Errors: as in Store: a status means that nothing of the call is known. Calling again is right.
 ///         kResourceExhausted: a bound is reached. kInvalidArgument, naming the field: a text is
@@ -132,10 +141,9 @@ class AccessStore {
   /// whether it was not so before.
   [[nodiscard]] virtual absl::StatusOr<bool> Revoke(const Revocation& revocation,
                                                     const AuditRow& audit) = 0;
-  /// The setting after it.
-  [[nodiscard]] virtual absl::StatusOr<RobotSetting> Change(const SettingChange& change,
-                                                            const AuditRow& audit) = 0;
-  /// The next raise of the fault clears it.
+  [[nodiscard]] virtual absl::StatusOr<ChangedSetting> Change(const SettingChange& change,
+                                                              const AuditRow& audit) = 0;
+  /// Each one is new, with its time. The next raise of the fault clears it.
   [[nodiscard]] virtual absl::Status Acknowledge(const Acknowledgement& fault,
                                                  const AuditRow& audit) = 0;
   /// Of what happened elsewhere.

@@ -11,6 +11,7 @@
 #include "server/admin/actions.h"
 #include "server/admin/checks.h"
 #include "server/admin/messages.h"
+#include "server/identity/ruri.h"
 #include "server/view/timestamps.h"
 
 namespace uplink::admin {
@@ -72,23 +73,25 @@ absl::Status Commands::JudgeRobot(const Asker& asker, Deed& deed) const {
 }
 
 template <typename Answer, typename Write>
-absl::StatusOr<Answer> Commands::Do(const Asker& asker, const Deed& deed,
-                                    const absl::Status& verdict, const Write& write) {
+absl::StatusOr<Answer> Commands::Do(const Asker& asker, const Deed& deed, absl::Status verdict,
+                                    const Write& write) {
   const SystemTime now = context_.clock.System();
-  absl::Status outcome = verdict;
-  if (outcome.ok()) {
+  if (verdict.ok()) verdict = rate_.Take(asker, deed.action, context_.clock.Steady());
+  if (verdict.ok()) {
     const AuditRow row = RowOf(asker, deed, absl::OkStatus(), now);
-    absl::StatusOr<Answer> answer =
+    absl::StatusOr<Done<Answer>> done =
         context_.store.With([&](AccessStore& store) { return write(store, row); });
-    if (answer.ok()) {
-      context_.audit.Tell(row);
-      if (context_.changed) context_.changed();
-      return answer;
+    if (done.ok()) {
+      if (done->changed) {
+        context_.audit.Tell(row);
+        if (context_.changed) context_.changed();
+      }
+      return std::move(done->answer);
     }
-    outcome = answer.status();
+    verdict = done.status();
   }
-  context_.audit.NoteRefused(RowOf(asker, deed, outcome, now));
-  return outcome;
+  context_.audit.NoteRefused(RowOf(asker, deed, verdict, now));
+  return verdict;
 }
 
 absl::StatusOr<v1::RobotSetting> Commands::Change(const Asker& asker, Deed deed,
@@ -97,11 +100,11 @@ absl::StatusOr<v1::RobotSetting> Commands::Change(const Asker& asker, Deed deed,
   change.ruri = deed.target;
   if (absl::Status judged = JudgeRobot(asker, deed); !judged.ok()) verdict = std::move(judged);
   return Do<v1::RobotSetting>(
-      asker, deed, verdict,
-      [&](AccessStore& store, const AuditRow& row) -> absl::StatusOr<v1::RobotSetting> {
-        const absl::StatusOr<storage::RobotSetting> setting = store.Change(change, row);
-        if (!setting.ok()) return setting.status();
-        return ToMessage(*setting);
+      asker, deed, std::move(verdict),
+      [&](AccessStore& store, const AuditRow& row) -> absl::StatusOr<Done<v1::RobotSetting>> {
+        const absl::StatusOr<storage::ChangedSetting> done = store.Change(change, row);
+        if (!done.ok()) return done.status();
+        return Done<v1::RobotSetting>{ToMessage(done->setting), done->changed};
       });
 }
 
@@ -125,7 +128,13 @@ absl::StatusOr<v1::RobotSetting> Commands::DisconnectRobot(
     const Asker& asker, const v1::DisconnectRobotRequest& request) {
   storage::SettingChange change;
   change.disconnect = true;
-  return Change(asker, {kRobotDisconnect, request.ruri()}, std::move(change));
+  absl::Status verdict;
+  if (identity::NamesTwin(request.ruri()) ||
+      (context_.only_calls && context_.only_calls(request.ruri()))) {
+    verdict = absl::FailedPreconditionError(
+        fmt::format("{} has no stream that could end: block it to keep it out", request.ruri()));
+  }
+  return Change(asker, {kRobotDisconnect, request.ruri()}, std::move(change), std::move(verdict));
 }
 
 absl::StatusOr<v1::RobotSetting> Commands::NoteRobot(const Asker& asker,
@@ -163,19 +172,20 @@ absl::StatusOr<v1::FaultAcknowledgement> Commands::AcknowledgeFault(
   }
   if (absl::Status judged = JudgeRobot(asker, deed); !judged.ok()) verdict = std::move(judged);
   return Do<v1::FaultAcknowledgement>(
-      asker, deed, verdict,
-      [&](AccessStore& store, const AuditRow& row) -> absl::StatusOr<v1::FaultAcknowledgement> {
+      asker, deed, std::move(verdict),
+      [&](AccessStore& store,
+          const AuditRow& row) -> absl::StatusOr<Done<v1::FaultAcknowledgement>> {
         if (absl::Status noted = store.Acknowledge(
                 {.ruri = request.ruri(), .fault_id = request.fault_id(), .note = request.note()},
                 row);
             !noted.ok()) {
           return noted;
         }
-        v1::FaultAcknowledgement message;
-        view::SetTime(message, &v1::FaultAcknowledgement::mutable_at, row.at);
-        message.set_by(row.who);
-        message.set_note(request.note());
-        return message;
+        Done<v1::FaultAcknowledgement> done;
+        view::SetTime(done.answer, &v1::FaultAcknowledgement::mutable_at, row.at);
+        done.answer.set_by(row.who);
+        done.answer.set_note(request.note());
+        return done;
       });
 }
 
@@ -184,12 +194,12 @@ absl::StatusOr<v1::Revocation> Commands::Revoke(const Asker& asker, Deed deed,
   if (revocation.ok()) deed.target = revocation->value;
   return Do<v1::Revocation>(
       asker, deed, revocation.status(),
-      [&](AccessStore& store, const AuditRow& row) -> absl::StatusOr<v1::Revocation> {
+      [&](AccessStore& store, const AuditRow& row) -> absl::StatusOr<Done<v1::Revocation>> {
         const absl::StatusOr<bool> changed = store.Revoke(*revocation, row);
         if (!changed.ok()) return changed.status();
         revocation->at = row.at;
         revocation->who = row.who;
-        return ToMessage(*revocation);
+        return Done<v1::Revocation>{ToMessage(*revocation), *changed};
       });
 }
 
@@ -263,6 +273,10 @@ absl::StatusOr<v1::ListAuditResponse> Commands::ListAudit(const v1::ListAuditReq
 
 absl::StatusOr<v1::ReloadResponse> Commands::Reload(const Asker& asker,
                                                     const v1::ReloadRequest& /*request*/) {
+  if (absl::Status over = rate_.Take(asker, kReload, context_.clock.Steady()); !over.ok()) {
+    context_.audit.NoteRefused(RowOf(asker, {kReload}, over, context_.clock.System()));
+    return over;
+  }
   const absl::StatusOr<Reloaded> reloaded =
       context_.reload ? context_.reload() : absl::UnavailableError("no server runs here");
   absl::Status outcome = reloaded.status();

@@ -13,6 +13,7 @@
 #include "server/admin/asker.h"
 #include "server/admin/audit_rows.h"
 #include "server/admin/audit_trail.h"
+#include "server/admin/command_rate.h"
 #include "server/admin/shared_store.h"
 #include "storage/reader.h"
 #include "uplink/v1/admin.pb.h"
@@ -36,11 +37,13 @@ struct Reloaded {
 /// robot that is out of scope is unknown, and a caller without all fleets decides only about robots
 /// that are known.
 ///
-/// Each command leaves an audit row and a line `audit`, also where it is refused.
+/// Each command leaves an audit row and a line `audit`, also where it is refused; one that asks for
+/// what is so already writes nothing, and leaves neither.
 ///
 /// Errors: kInvalidArgument, whose message begins with the field's JSON name; kNotFound for what is
-///         unknown; kResourceExhausted at a bound; those of the store, kUnavailable above all: then
-///         it is unknown whether it was done, and asking again is right.
+///         unknown; kResourceExhausted at a bound, with RetryAfterOf past CommandRate; those of the
+///         store, kUnavailable above all: then it is unknown whether it was done, and asking again
+///         is right.
 /// Thread: thread-safe. All wait for the store, so never on a thread that serves others.
 class Commands final {
  public:
@@ -55,6 +58,8 @@ class Commands final {
     /// The fleet of a robot that is known; nothing: it is not. Any thread. Empty: every robot is
     /// unknown.
     std::function<std::optional<std::string>(std::string_view ruri)> fleet_of{};
+    /// A robot that is known has no stream, only calls. Any thread. Empty: none is so.
+    std::function<bool(std::string_view ruri)> only_calls{};
     /// The store has something new, which servers read each second anyway. Any thread; may be
     /// empty.
     std::function<void()> changed{};
@@ -71,6 +76,8 @@ class Commands final {
                                                             const v1::BlockRobotRequest& request);
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> UnblockRobot(
       const Asker& asker, const v1::UnblockRobotRequest& request);
+  /// kFailedPrecondition for a twin, whose broker's connection is shared, and for a drone, whose
+  /// calls end by themselves.
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> DisconnectRobot(
       const Asker& asker, const v1::DisconnectRobotRequest& request);
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> NoteRobot(const Asker& asker,
@@ -101,10 +108,18 @@ class Commands final {
  private:
   /// Sets the fleet of the deed's robot. Errors: its RURI is none, or the caller must not know it.
   [[nodiscard]] absl::Status JudgeRobot(const Asker& asker, Deed& deed) const;
-  /// Writes by `write`, unless the verdict forbids it; tells and notes what came of it.
+  /// What a command came to. A value.
+  template <typename Answer>
+  struct Done {
+    Answer answer;
+    /// False: it was so already.
+    bool changed = true;
+  };
+  /// Writes by `write`, which returns a Done, unless the verdict or the rate forbids it; tells and
+  /// notes what came of it.
   template <typename Answer, typename Write>
   [[nodiscard]] absl::StatusOr<Answer> Do(const Asker& asker, const Deed& deed,
-                                          const absl::Status& verdict, const Write& write);
+                                          absl::Status verdict, const Write& write);
   /// The same of one robot's setting. `verdict` is that of the request's other fields.
   [[nodiscard]] absl::StatusOr<v1::RobotSetting> Change(const Asker& asker, Deed deed,
                                                         storage::SettingChange change,
@@ -113,6 +128,7 @@ class Commands final {
       const Asker& asker, Deed deed, absl::StatusOr<storage::Revocation> revocation);
 
   const Context context_;
+  CommandRate rate_;
 };
 
 }  // namespace uplink::admin

@@ -50,6 +50,7 @@ TwinStreams::Opened TwinStreams::FindOrOpen(const Named& named) {
   if (context_.fleet.entry().IsBlocked(named.ruri)) return {.blocked = true};
   if (TwinStream* stream = Find(named.ruri)) {
     if (stream->ended) return {};
+    if (stream->robot->kept_out()) return {.blocked = true};
     if (!Revive(*stream)) return {.too_many = true};
     return {.stream = stream};
   }
@@ -75,7 +76,7 @@ std::optional<TwinStreams::Opened> TwinStreams::PlaceOf(const cyberwave::Judgeme
   if (cyberwave::RobotOf(judgement).has_value()) {
     const std::string ruri = cyberwave::RuriOf(judgement);
     if (TwinStream* stream = Find(ruri); stream != nullptr && !stream->ending && !stream->ended) {
-      if (stream->robot->blocked()) return Opened{.blocked = true};
+      if (stream->robot->kept_out()) return Opened{.blocked = true};
       return Opened{.stream = stream};
     }
     if (context_.fleet.entry().IsBlocked(ruri)) return Opened{.blocked = true};

@@ -9,7 +9,7 @@
 namespace uplink::fleet {
 
 bool Entry::IsBlocked(std::string_view ruri) const {
-  const RobotSettingPtr setting = settings_ == nullptr ? nullptr : settings_->Find(ruri);
+  const RobotSettingPtr setting = SettingOf(ruri);
   return setting != nullptr && setting->blocked;
 }
 
@@ -19,9 +19,16 @@ std::optional<std::string> Entry::TakeUnnamed() {
   return std::exchange(unnamed_, std::nullopt);
 }
 
-Refusal Entry::Judge(const Claim& claim, const Known& known, SystemTime now) {
+robot::Registration Entry::RegistrationOf(std::string_view ruri) const {
+  if (!rules_.only_registered) return robot::Registration::kFits;
+  const RobotSettingPtr setting = SettingOf(ruri);
+  const bool registered = setting != nullptr && setting->registered;
+  return registered ? robot::Registration::kFits : robot::Registration::kUnjudged;
+}
+
+Refusal Entry::Judge(const Claim& claim, robot::Robot* known, bool robots_read, SystemTime now) {
   const std::string& ruri = claim.robot.ruri;
-  const RobotSettingPtr setting = settings_ == nullptr ? nullptr : settings_->Find(ruri);
+  const RobotSettingPtr setting = SettingOf(ruri);
   if (setting != nullptr && setting->blocked) return Refusal::kBlocked;
   if (claim.grant == Grant::kFleet) {
     if (rules_.only_named) return Refusal::kGatewayUnnamed;
@@ -30,24 +37,35 @@ Refusal Entry::Judge(const Claim& claim, const Known& known, SystemTime now) {
       unnamed_ = claim.gateway;
     }
   }
-  if (known.fleet != nullptr) {
+  if (known != nullptr && known->registration() == robot::Registration::kFits) {
     // A gateway that speaks for its fleet moves no robots anyway. A twin has no certificate: the
     // key cyberwave.fleet moves it.
-    const bool moves = claim.grant != Grant::kFleet && *known.fleet != claim.robot.fleet &&
+    const bool moves = claim.grant != Grant::kFleet && known->id()->fleet != claim.robot.fleet &&
                        !identity::NamesTwin(ruri);
     return moves && rules_.fleets_stay ? Refusal::kFleetStays : Refusal::kNone;
   }
   if (identity::FlawOfForm(ruri)) {
-    return known.store_read ? Refusal::kNotCanonical : Refusal::kRobotsUnread;
+    return robots_read ? Refusal::kNotCanonical : Refusal::kRobotsUnread;
   }
-  // Before the store was read no one can tell which robots it knows.
-  if (!rules_.only_registered || !known.store_read) return Refusal::kNone;
+  if (!rules_.only_registered) return Refusal::kNone;
   if (setting != nullptr && setting->registered) {
     candidates_.Remove(ruri);
+    if (known != nullptr) known->SetRegistration(robot::Registration::kFits);
     return Refusal::kNone;
   }
+  // Before the store was read no one can tell which robots it knows, and which were added.
+  if (!robots_read || !settings_->is_read()) return Refusal::kNone;
   candidates_.Note(claim, now);
   return Refusal::kNotRegistered;
+}
+
+void Entry::JudgeAgain(robot::Robot& robot, bool robots_read, SystemTime now) {
+  if (robot.registration() != robot::Registration::kUnjudged) return;
+  if (!robots_read || !settings_->is_read()) return;
+  const std::string gateway = robot.speaker().value_or("");
+  const Grant grant = gateway.empty() ? Grant::kOwn : Grant::kNamed;
+  const Claim claim{.robot = *robot.id(), .grant = grant, .gateway = gateway};
+  if (Judge(claim, &robot, robots_read, now) != Refusal::kNone) robot.RefuseUnjudged();
 }
 
 absl::Status StatusOfEntry(Refusal refusal, const Claim& claim) {

@@ -12,6 +12,7 @@
 #include "server/fleet/candidates.h"
 #include "server/fleet/claim.h"
 #include "server/fleet/robot_settings.h"
+#include "server/robot/robot.h"
 
 namespace uplink::fleet {
 
@@ -39,15 +40,14 @@ class Entry final {
     settings_ = &settings;
   }
 
-  /// What is known of the robot that a claim names.
-  struct Known {
-    /// Its fleet; null: it is not known.
-    const std::string* fleet = nullptr;
-    /// The robots of the store were read: one that is not known is new.
-    bool store_read = false;
-  };
-  /// A robot that is refused because it is not registered becomes a candidate.
-  [[nodiscard]] Refusal Judge(const Claim& claim, const Known& known, SystemTime now);
+  /// A robot that is refused because it is not registered becomes a candidate. `known`: it is in
+  /// memory. `robots_read`: the robots of the store were read, so one that is not known is new.
+  [[nodiscard]] Refusal Judge(const Claim& claim, robot::Robot* known, bool robots_read,
+                              SystemTime now);
+  /// The same for a robot that is in memory since before the store was read, once that can be told.
+  void JudgeAgain(robot::Robot& robot, bool robots_read, SystemTime now);
+  /// Of a new robot that Judge lets in.
+  [[nodiscard]] robot::Registration RegistrationOf(std::string_view ruri) const;
   [[nodiscard]] bool IsBlocked(std::string_view ruri) const;
   /// Whether the claim brings the robot into its fleet, from whichever the robot was in.
   [[nodiscard]] bool Moves(const Claim& claim) const {
@@ -59,6 +59,10 @@ class Entry final {
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }
 
  private:
+  [[nodiscard]] RobotSettingPtr SettingOf(std::string_view ruri) const {
+    return settings_ == nullptr ? nullptr : settings_->Find(ruri);
+  }
+
   EntryRules rules_;
   const RobotSettings* settings_ = nullptr;
   /// A gateway came without names.

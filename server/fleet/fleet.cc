@@ -41,15 +41,12 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   const std::lock_guard lock(shard.mutex);
   const auto found = shard.robots.find(id.ruri);
   const bool is_known = found != shard.robots.end();
-  const storage::RobotRef known = is_known ? found->second->id() : nullptr;
-  const Refusal refusal = entry_.Judge(
-      claim, {.fleet = is_known ? &known->fleet : nullptr, .store_read = odd_fleets_.is_read()},
-      clock_.System());
+  const Refusal refusal = Judge(claim, is_known ? found->second.get() : nullptr);
   if (refusal != Refusal::kNone) return {.robot = nullptr, .refusal = refusal};
   if (!is_known) return AdmitBy(shard, claim);
   if (claim.grant != Grant::kFleet) {
     gateway_robots_.Remove(id.ruri);
-  } else if (known->fleet != id.fleet) {
+  } else if (found->second->id()->fleet != id.fleet) {
     return {.robot = nullptr, .refusal = Refusal::kOtherFleet};
   }
   // If another robot got its place meanwhile, there is one more than robots_max; kLeavingMax bounds
@@ -64,7 +61,9 @@ Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {
   if (claim.grant == Grant::kFleet && !gateway_robots_.Add(ruri, claim.gateway)) {
     return {.robot = nullptr, .refusal = Refusal::kGatewayFull};
   }
-  if (TakePlace() || (MakeRoom() && TakePlace())) return {.robot = Admit(shard, claim.robot)};
+  if (TakePlace() || (MakeRoom() && TakePlace())) {
+    return {.robot = Admit(shard, claim.robot, entry_.RegistrationOf(ruri))};
+  }
   gateway_robots_.Remove(ruri);
   return {.robot = nullptr, .refusal = Refusal::kFull};
 }
@@ -73,7 +72,10 @@ absl::StatusOr<RobotPtr> Fleet::AdmitNew(const model::RobotId& id) {
   odd_fleets_.Know(id.fleet);
   Shard& shard = ShardOf(id.ruri);
   const std::lock_guard lock(shard.mutex);
-  if (shard.robots.contains(id.ruri)) return nullptr;
+  if (const auto found = shard.robots.find(id.ruri); found != shard.robots.end()) {
+    found->second->SetRegistration(robot::Registration::kFits);
+    return nullptr;
+  }
   if (!TakePlace()) return Full();
   return Admit(shard, id);
 }
@@ -89,11 +91,12 @@ absl::Status Fleet::Full() const {
       fmt::format("the server admits no more than {} robots (limits.robots_max)", robots_max_));
 }
 
-RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id) {
+RobotPtr Fleet::Admit(Shard& shard, const model::RobotId& id, robot::Registration registration) {
   auto robot = std::make_shared<robot::Robot>(std::make_shared<const model::RobotId>(id),
                                               started_.load(), clock_, changed_);
   robot->state.CountIn(live_total_);
   robot->SetBlocked(entry_.IsBlocked(id.ruri));
+  robot->SetRegistration(registration);
   shard.robots.emplace(id.ruri, robot);
   const std::lock_guard lock(admitted_mutex_);
   admitted_.push_back(robot);
@@ -240,6 +243,7 @@ PresenceCounts Fleet::Sweep(milliseconds session_idle, HearingState hearing,
   const bool stalled = stood_still > SteadyTime::duration(0);
   stood_still_for_.store(stood_still);
   for (const RobotPtr& robot : All()) {
+    JudgeAgain(*robot, system);
     const robot::PresenceLimits& limits = presence_limits_of(*robot);
     if (stalled) {
       const bool breaks = stood_still >= kStandstillBreaks;
@@ -284,11 +288,6 @@ void Fleet::NoteStoreReplaced() {
                                                    .until = now + kReplacedKnown,
                                                    .system_now = clock_.System()};
   for (const RobotPtr& robot : All()) robot->state.NoteReplaced(replaced);
-}
-
-PresenceCounts Fleet::presence_counts() const {
-  const std::lock_guard lock(counts_mutex_);
-  return counts_;
 }
 
 FleetTallies Fleet::fleet_tallies() const {

@@ -103,6 +103,10 @@ class Fleet final {
   }
   [[nodiscard]] std::size_t gateway_robots_max() const { return gateway_robots_.per_gateway_max(); }
 
+  /// Whether the claim may bring in the robot, which is `known` if it is in memory.
+  [[nodiscard]] Refusal Judge(const Claim& claim, robot::Robot* known) {
+    return entry_.Judge(claim, known, odd_fleets_.is_read(), clock_.System());
+  }
   /// Who may come in.
   [[nodiscard]] Entry& entry() { return entry_; }
   [[nodiscard]] const Entry& entry() const { return entry_; }
@@ -184,7 +188,10 @@ class Fleet final {
   /// came late.
   [[nodiscard]] SteadyTime::duration stood_still_for() const { return stood_still_for_.load(); }
   /// The counts of the last sweep that judged.
-  [[nodiscard]] PresenceCounts presence_counts() const;
+  [[nodiscard]] PresenceCounts presence_counts() const {
+    const std::lock_guard lock(counts_mutex_);
+    return counts_;
+  }
   /// The same by fleet, as metrics show them (ShownFleets).
   [[nodiscard]] FleetTallies fleet_tallies() const;
 
@@ -198,7 +205,8 @@ class Fleet final {
     return robot.source() == model::MessageSource::kCyberwave;
   }
   /// Call it with the shard's lock held, and a place taken.
-  [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id);
+  [[nodiscard]] RobotPtr Admit(Shard& shard, const model::RobotId& id,
+                               robot::Registration registration = robot::Registration::kFits);
   /// As Admit; at robots_max another one leaves for it.
   [[nodiscard]] Admission AdmitBy(Shard& shard, const Claim& claim);
   /// False at robots_max.
@@ -208,6 +216,12 @@ class Fleet final {
   bool MakeRoom();
   /// False if the robot is kept elsewhere, or stays.
   bool Remove(const RobotPtr& robot);
+  /// Judges a robot that came before the store was read; one that is refused leaves memory.
+  void JudgeAgain(robot::Robot& robot, SystemTime now) {
+    entry_.JudgeAgain(robot, odd_fleets_.is_read(), now);
+    const bool goes = robot.registration() == robot::Registration::kRefused && robot.idle();
+    if (goes) BeginLeaving(robot, robot::Robot::LeaveWhen::kAtOnce);
+  }
   /// Notes for the robot's presence what its silence until now can prove.
   void ApplyHearing(robot::Robot& robot, HearingState hearing, SteadyTime now);
   /// How long the server stood still before this sweep; zero if it did not.

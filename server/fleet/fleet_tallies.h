@@ -17,6 +17,8 @@ namespace uplink::fleet {
 /// A robot's certificate that is valid for less than this counts as expiring: time enough to renew
 /// it.
 inline constexpr std::chrono::hours kCertificateExpiring{14 * 24};
+/// The same as metrics name it.
+inline constexpr std::string_view kCertificateExpiringText = "14d";
 
 /// How many robots have each presence.
 struct PresenceTally {

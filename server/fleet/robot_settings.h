@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -64,6 +65,9 @@ class RobotSettings final {
   [[nodiscard]] std::size_t settings_max() const { return settings_max_; }
   /// Settings that found no place, or lost it, since the last Replace.
   [[nodiscard]] std::uint64_t left_out() const;
+  /// All settings of the store were taken over: a robot without any has none.
+  void SetRead() { read_.store(true); }
+  [[nodiscard]] bool is_read() const { return read_.load(); }
 
   /// Takes over settings, each as a whole. One whose version is not above the known one changes
   /// nothing.
@@ -89,6 +93,7 @@ class RobotSettings final {
   Table decided_;
   Table noted_;
   std::uint64_t left_out_ = 0;
+  std::atomic<bool> read_{false};
 };
 
 }  // namespace uplink::fleet

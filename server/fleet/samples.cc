@@ -22,7 +22,8 @@ void AddSamples(const Fleet& fleet, metrics::Exposition& page) {
     AddTally(kRobots, name, tally.here, page);
     AddTally(kRobotsElsewhere, name, tally.elsewhere, page);
     page.Add(kRobotsFlapping, tally.here.flapping, {name});
-    page.Add(kRobotCertificatesExpiring, tally.certificates_expiring, {name});
+    page.Add(kRobotCertificatesExpiring, tally.certificates_expiring,
+             {name, kCertificateExpiringText});
   }
   page.Add(kRobotsLimit, fleet.robots_max());
   page.Add(kRobotsLeaving, fleet.leaving());

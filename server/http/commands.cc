@@ -1,6 +1,7 @@
 // The handlers of /api/v1 that change what operators decide, or show it.
 #include "server/admin/commands.h"
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -11,10 +12,13 @@
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "server/admin/command_rate.h"
+#include "server/http/denied.h"
 #include "server/http/errors.h"
 #include "server/http/handlers.h"
 #include "server/http/header_text.h"
 #include "server/http/parameters.h"
+#include "server/http/probe.h"
 #include "server/http/rows.h"
 #include "server/view/json.h"
 #include "server/view/timestamps.h"
@@ -57,8 +61,14 @@ void ReadNames(Parameters& parameters, std::initializer_list<std::string_view> n
 }
 
 template <typename Answer>
-Response AnswerOf(const RoutedRequest& request, const absl::StatusOr<Answer>& answer) {
-  if (!answer.ok()) return CommandError(answer.status());
+Response AnswerOf(const Sources& sources, const RoutedRequest& request,
+                  const absl::StatusOr<Answer>& answer) {
+  if (!answer.ok()) {
+    if (admin::RetryAfterOf(answer.status())) {
+      sources.probe.denied[static_cast<std::size_t>(Denied::kRate)].Add();
+    }
+    return CommandError(answer.status());
+  }
   return JsonResponse(view::Encode(request.form, *answer, {}));
 }
 
@@ -76,7 +86,8 @@ Response Command(const Sources& sources, const RoutedRequest& request,
   ReadNames(parameters, names, question);
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
   return AnswerOf(
-      request, (sources.commands.*command)(admin::AskerOf(request.caller, request.from), question));
+      sources, request,
+      (sources.commands.*command)(admin::AskerOf(request.caller, request.from), question));
 }
 
 }  // namespace
@@ -123,7 +134,7 @@ Response GetRevocations(const Sources& sources, const RoutedRequest& request) {
   question.set_page_size(static_cast<std::int32_t>(ReadPageSize(parameters)));
   question.set_page_token(parameters.TextOrEmpty("pageToken"));
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return AnswerOf(request, sources.commands.ListRevocations(question));
+  return AnswerOf(sources, request, sources.commands.ListRevocations(question));
 }
 
 Response GetAudit(const Sources& sources, const RoutedRequest& request) {
@@ -141,7 +152,7 @@ Response GetAudit(const Sources& sources, const RoutedRequest& request) {
   question.set_action(parameters.Text("action"));
   question.set_target(parameters.Text("target"));
   if (const auto problem = parameters.Problem()) return ErrorResponse(*problem);
-  return AnswerOf(request, sources.commands.ListAudit(question));
+  return AnswerOf(sources, request, sources.commands.ListAudit(question));
 }
 
 }  // namespace uplink::http

@@ -23,13 +23,15 @@ enum class Denied : std::uint8_t {
   kTooMany,
   /// It speaks without TLS and is not in http.plain_from.
   kPlain,
+  /// It gives more commands than admin::CommandRate lets through.
+  kRate,
 };
 
 /// As metric labels and in logs, by Denied.
-inline constexpr std::array<std::string_view, 8> kDeniedTexts = {
-    "no_proof", "bad_token", "expired_token", "bad_certificate",
-    "role",     "scope",     "too_many",      "plain"};
-static_assert(kDeniedTexts.size() == static_cast<std::size_t>(Denied::kPlain) + 1);
+inline constexpr std::array<std::string_view, 9> kDeniedTexts = {
+    "no_proof", "bad_token", "expired_token", "bad_certificate", "role", "scope",
+    "too_many", "plain",     "rate"};
+static_assert(kDeniedTexts.size() == static_cast<std::size_t>(Denied::kRate) + 1);
 
 [[nodiscard]] constexpr std::string_view ToText(Denied why) {
   return kDeniedTexts[static_cast<std::size_t>(why)];

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "server/admin/command_rate.h"
 #include "server/view/json.h"
 
 namespace uplink::http {
@@ -81,8 +82,16 @@ Response CommandError(const absl::Status& status) {
   if (status.code() == absl::StatusCode::kInvalidArgument) {
     return Answer(400, {"INVALID_ARGUMENT", message, message.substr(0, message.find(' '))});
   }
+  if (const auto seconds = admin::RetryAfterOf(status)) {
+    Response response = Answer(429, {"RESOURCE_EXHAUSTED", message});
+    response.retry_after = *seconds;
+    return response;
+  }
   if (status.code() == absl::StatusCode::kResourceExhausted) {
     return Answer(409, {"RESOURCE_EXHAUSTED", message});
+  }
+  if (status.code() == absl::StatusCode::kFailedPrecondition) {
+    return Answer(409, {"FAILED_PRECONDITION", message});
   }
   return ErrorResponse(status);
 }

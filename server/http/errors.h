@@ -20,7 +20,7 @@ namespace uplink::http {
 /// 404 for a path that is none of ours.
 [[nodiscard]] Response NoSuchPath(std::string_view path);
 /// The same for a command: its kInvalidArgument begins with the field and is shown whole, as a
-/// bound is that was reached (409).
+/// bound is that was reached (409), and a rate (429).
 [[nodiscard]] Response CommandError(const absl::Status& status);
 /// 405; the path takes GET and HEAD, or POST if it changes something.
 [[nodiscard]] Response MethodNotAllowed(bool changes = false);

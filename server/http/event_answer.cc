@@ -118,7 +118,7 @@ void EventAnswer::Read() {
 }
 
 void EventAnswer::AwaitComment() {
-  comment_.expires_after(kEventComment);
+  comment_.expires_after(parts_.comment_every);
   comment_.async_wait([this, weak = parts_.connection](error_code error) {
     const Self self = weak.lock();
     if (!error && self != nullptr && !closed_) OnComment();
@@ -137,6 +137,7 @@ void EventAnswer::OnComment() {
 }
 
 void EventAnswer::Deny() {
+  parts_.events->NoteDenied();
   over_ = true;
   busy_ = true;
   Write(kDenied);

@@ -10,6 +10,7 @@
 
 #include <boost/asio/steady_timer.hpp>
 
+#include "schema/base/clock.h"
 #include "server/http/connection.h"
 #include "server/http/event_stream.h"
 #include "server/http/posted_job.h"
@@ -36,6 +37,7 @@ class EventAnswer final {
     std::shared_ptr<EventStream> events;
     /// Whether the caller may still see it; asked at each comment.
     std::function<bool()> may_go_on;
+    milliseconds comment_every = kEventComment;
   };
   explicit EventAnswer(Parts parts);
   EventAnswer(const EventAnswer&) = delete;

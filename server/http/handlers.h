@@ -10,6 +10,7 @@
 #include "server/health/monitor.h"
 #include "server/http/listeners.h"
 #include "server/http/message.h"
+#include "server/http/probe.h"
 #include "server/identity/caller.h"
 #include "server/log/logger.h"
 #include "server/rcan/scrape.h"
@@ -26,6 +27,7 @@ struct Sources {
   view::Watches& watches;
   admin::Commands& commands;
   health::Monitor& monitor;
+  HttpProbe& probe;
   /// The text of our own scrape: every metric of the catalogue.
   std::function<std::string(metrics::Format)> metrics;
   /// On the lane of scrapes alone.

@@ -89,6 +89,7 @@ class WatchEvents final : public EventStream {
     return taken;
   }
   void OnReady(std::function<void()> ready) override { bell_->OnRing(std::move(ready)); }
+  void NoteDenied() override { watch_->NoteEnd(view::WatchEnd::kDenied); }
 
  private:
   Taken End(const absl::Status& why) {

@@ -14,6 +14,8 @@ Claiming::Claiming(const WriterContext& context, Holds& holds)
 std::optional<Step> Claiming::Advance() {
   claiming_ = context_.inbox.TakeClaims(std::move(claiming_), size_.now());
   if (claiming_.empty()) return std::nullopt;
+  const bool answered = TakeOutKeptOut();
+  if (claiming_.empty()) return answered ? Step::kWorked : Step::kFailed;
   std::vector<storage::ClaimRequest> requests;
   requests.reserve(claiming_.size());
   for (const ClaimEntry& claim : claiming_) requests.push_back(claim.request);
@@ -32,6 +34,23 @@ std::optional<Step> Claiming::Advance() {
   for (std::size_t i = 0; i < claimed.size(); ++i) Tell(claimed[i], (*results)[i]);
   context_.inbox.CountClaimed(claimed.size());
   return Step::kWorked;
+}
+
+bool Claiming::TakeOutKeptOut() {
+  using robot::Registration;
+  std::vector<ClaimEntry> wait;
+  std::vector<ClaimEntry> refused;
+  std::erase_if(claiming_, [&](ClaimEntry& entry) {
+    const Registration registration = entry.robot->registration();
+    if (registration == Registration::kFits) return false;
+    (registration == Registration::kUnjudged ? wait : refused).push_back(std::move(entry));
+    return true;
+  });
+  // Without a claim; the calls that are woken find that their robot is refused.
+  for (const ClaimEntry& entry : refused) entry.client->OnClaimed({}).Wake();
+  context_.inbox.CountClaimed(refused.size());
+  context_.inbox.PutBackClaims(std::move(wait));
+  return !refused.empty();
 }
 
 void Claiming::Tell(const ClaimEntry& claim, const storage::ClaimResult& result) {

@@ -32,6 +32,9 @@ class Claiming final {
   void DoubtAll();
 
  private:
+  /// Answers the claims of refused robots, and puts back those of robots that are not judged yet.
+  /// True if some were answered.
+  bool TakeOutKeptOut();
   void Tell(const ClaimEntry& claim, const storage::ClaimResult& result);
 
   const WriterContext context_;

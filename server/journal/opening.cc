@@ -30,7 +30,28 @@ Opening::Gathered Opening::Gather() {
   return {.opens = !opening_.empty(), .records_wait = taken.records_wait};
 }
 
+bool Opening::TakeOutKeptOut() {
+  using robot::Registration;
+  std::vector<OpenEntry> wait;
+  std::vector<OpenEntry> refused;
+  std::erase_if(opening_, [&](OpenEntry& entry) {
+    const Registration registration = entry.client->registration();
+    if (registration == Registration::kFits) return false;
+    (registration == Registration::kUnjudged ? wait : refused).push_back(std::move(entry));
+    return true;
+  });
+  for (const OpenEntry& entry : refused) {
+    entry.client->OnRefused(context_.ledger).Wake();
+    context_.inbox.LosePresence(entry.request.robot->ruri);
+  }
+  context_.inbox.CountOpened(refused.size());
+  context_.inbox.PutBackOpens(std::move(wait));
+  return !refused.empty();
+}
+
 Step Opening::Open() {
+  const bool ended = TakeOutKeptOut();
+  if (opening_.empty()) return ended ? Step::kWorked : Step::kFailed;
   std::vector<storage::OpenRequest> requests;
   requests.reserve(opening_.size());
   for (const OpenEntry& entry : opening_) {

@@ -27,10 +27,14 @@ class Opening final {
   };
   /// Adds waiting streams to the next store call.
   [[nodiscard]] Gathered Gather();
-  /// Calls the store, and reports its answers.
+  /// Calls the store, and reports its answers. Streams of robots that are not judged yet wait on
+  /// (robot::Registration): kFailed if there are only those.
   [[nodiscard]] Step Open();
 
  private:
+  /// Ends the streams of refused robots, and puts back those of robots that are not judged yet.
+  /// True if some were ended.
+  bool TakeOutKeptOut();
   void Tell(const OpenEntry& open, const storage::OpenResult& result);
 
   const WriterContext context_;

@@ -32,6 +32,9 @@ enum class PolicyId : std::uint8_t {
   kPongs,
   kHandshakesOfSource,
   kFailedProofsOfSource,
+  kCommandsOfCaller,
+  kCommands,
+  kAdminCommands,
 };
 
 /// One sender's share of something. A value.
@@ -127,6 +130,15 @@ inline constexpr auto kPolicies = std::to_array<Policy>({
     {.id = PolicyId::kFailedProofsOfSource, .of = "wrong tokens and certificates",
      .whose = "a source address", .most = 10, .at_once = 10, .per = std::chrono::seconds(60),
      .keys_max = 4'096, .shown = metrics::MetricId::kHttpDenied},
+    // Each takes the store for a moment, for which robots' messages wait.
+    {.id = PolicyId::kCommandsOfCaller, .of = "commands about robots", .whose = "a caller",
+     .most = 5, .at_once = 20, .keys_max = 2'048, .shown = metrics::MetricId::kHttpDenied},
+    {.id = PolicyId::kCommands, .of = "commands about robots", .whose = "all callers together",
+     .most = 20, .at_once = 40, .shown = metrics::MetricId::kHttpDenied},
+    // A script that revokes a hundred certificates does so at once.
+    {.id = PolicyId::kAdminCommands, .of = "commands about certificates, and reloads",
+     .whose = "all callers together", .most = 10, .at_once = 200,
+     .shown = metrics::MetricId::kHttpDenied},
 });
 // clang-format on
 

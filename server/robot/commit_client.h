@@ -47,6 +47,16 @@ struct Settled {
   std::size_t bytes = 0;
 };
 
+/// Whether a robot may be here, where registration is closed (fleet::Entry). Closed.
+enum class Registration : std::uint8_t {
+  /// The store or an operator knows it, or any robot may come.
+  kFits,
+  /// It came before the store was read, so no one could tell: it gets no row until it is judged.
+  kUnjudged,
+  /// It is new, and no operator added it: it gets no row, and must go.
+  kRefused,
+};
+
 /// A robot as the journal sees it. The journal calls it when this process holds the robot, when its
 /// stream was opened, and when its records are settled, on the writer's thread with no lock held.
 /// It lives while a record of it waits in the journal or it is held (ClientRef).
@@ -61,6 +71,12 @@ class CommitClient : public std::enable_shared_from_this<CommitClient> {
   virtual void OnHeldElsewhere(const std::optional<storage::StoredPresence>& /*presence*/) {}
   /// A stream of the robot is here. Any thread.
   [[nodiscard]] virtual bool HasStream() const = 0;
+  /// Any thread.
+  [[nodiscard]] virtual Registration registration() const { return Registration::kFits; }
+  /// A stream of it waited to be opened, and the robot is kRefused: the stream must end, and its
+  /// waiting records are void, counted superseded; generation() has grown on return. Returns the
+  /// stream to wake.
+  virtual loop::StreamRef OnRefused(metrics::Ledger& /*ledger*/) { return {}; }
   /// The robot should leave memory, and nothing prevents it.
   [[nodiscard]] virtual bool MayLeave() const { return false; }
   /// The journal has forgotten the robot.

@@ -68,6 +68,11 @@ loop::StreamRef Robot::OnFenced(metrics::Ledger& ledger) {
   return sessions.OnFenced(ledger);
 }
 
+loop::StreamRef Robot::OnRefused(metrics::Ledger& ledger) {
+  state.Lose();
+  return sessions.OnRefused(ledger);
+}
+
 loop::StreamRef Robot::OnWentBack(metrics::Ledger& ledger) {
   // The last checkpoints may be gone, too.
   state.PutBackChanges(LivePartSet().set());

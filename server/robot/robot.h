@@ -66,6 +66,19 @@ class Robot final : public CommitClient {
   [[nodiscard]] bool blocked() const { return blocked_.load(); }
   void SetBlocked(bool blocked) { blocked_.store(blocked); }
 
+  [[nodiscard]] Registration registration() const override { return registration_.load(); }
+  /// Fleet alone sets it.
+  void SetRegistration(Registration registration) { registration_.store(registration); }
+  /// kRefused, if it is still unjudged.
+  void RefuseUnjudged() {
+    Registration unjudged = Registration::kUnjudged;
+    registration_.compare_exchange_strong(unjudged, Registration::kRefused);
+  }
+  /// It is blocked, or refused: no message of it is taken.
+  [[nodiscard]] bool kept_out() const {
+    return blocked() || registration() == Registration::kRefused;
+  }
+
   // --- Leaving memory ---
 
   /// When a stream of it last came or ended, also before the server's start.
@@ -111,6 +124,7 @@ class Robot final : public CommitClient {
     return sessions.OnGapsWritten(count);
   }
   loop::StreamRef OnFenced(metrics::Ledger& ledger) override;
+  loop::StreamRef OnRefused(metrics::Ledger& ledger) override;
   [[nodiscard]] std::vector<storage::CommittedSession> Committed() const override {
     return sessions.Committed();
   }
@@ -138,6 +152,7 @@ class Robot final : public CommitClient {
   std::atomic<Leaving> leaving_{Leaving::kNo};
   std::atomic<bool> leaves_at_once_{false};
   std::atomic<bool> blocked_{false};
+  std::atomic<Registration> registration_{Registration::kFits};
   mutable std::mutex mutex_;
   storage::RobotRef id_;
   std::optional<std::string> speaker_;

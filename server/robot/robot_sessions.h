@@ -238,6 +238,9 @@ class RobotSessions final {
   loop::StreamRef OnFenced(metrics::Ledger& ledger) {
     return VoidAndStop(Standing::kSuperseded, ledger);
   }
+  loop::StreamRef OnRefused(metrics::Ledger& ledger) {
+    return VoidAndStop(Standing::kNotRegistered, ledger);
+  }
   [[nodiscard]] std::vector<storage::CommittedSession> Committed() const {
     const std::lock_guard lock(mutex_);
     return sessions_.Committed();

@@ -24,6 +24,8 @@ enum class Standing : std::uint8_t {
   /// An operator blocked the robot, or disconnects it: it must stop and Detach.
   kBlocked,
   kDisconnected,
+  /// It came before the store was read, and is not registered: it must stop and Detach.
+  kNotRegistered,
   /// The store went back and lacks what it confirmed of the robot: it must stop and Detach.
   kWentBack,
   /// The store has the robot in another fleet than its gateway: it must stop and Detach.

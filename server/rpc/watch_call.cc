@@ -85,6 +85,12 @@ struct WatchCall::Feed {
   Feed(view::Watches& given, view::WatchQuery asked, loop::StreamRef call)
       : watches(given), query(std::move(asked)), bell(std::make_shared<Bell>(call)) {}
 
+  ~Feed() {
+    if (watch != nullptr) watch->NoteEnd(end);
+  }
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
   absl::StatusOr<Messages> TakeSome() {
     if (watch == nullptr) {
       auto begun = watches.Begin(std::move(query), [bell = bell] {
@@ -104,6 +110,8 @@ struct WatchCall::Feed {
   view::WatchQuery query;
   const std::shared_ptr<Bell> bell;
   std::atomic<bool> unwanted{false};
+  /// Why the call ended.
+  std::atomic<view::WatchEnd> end{view::WatchEnd::kLeft};
   /// Of the job.
   std::unique_ptr<view::Watch> watch;
   std::mutex mutex;
@@ -177,7 +185,8 @@ void WatchCall::OnTimer() {
   if (judge_at_ && now >= *judge_at_) {
     judge_at_ = now + kCallerJudgedEvery;
     if (!context_.may_go_on()) {
-      return Finish(absl::UnauthenticatedError("the caller may not watch any more"));
+      return Finish(absl::UnauthenticatedError("the caller may not watch any more"),
+                    view::WatchEnd::kDenied);
     }
   }
   if (!look_at_ || now < *look_at_) return;
@@ -186,7 +195,7 @@ void WatchCall::OnTimer() {
 }
 
 void WatchCall::OnDrain(milliseconds /*grace*/) {
-  Finish(absl::UnavailableError("the connection ends; watch again"));
+  Finish(absl::UnavailableError("the connection ends; watch again"), view::WatchEnd::kDrained);
 }
 
 void WatchCall::OnBroken(const transport::Ending& /*ending*/) {
@@ -194,11 +203,14 @@ void WatchCall::OnBroken(const transport::Ending& /*ending*/) {
   if (feed_ != nullptr) feed_->unwanted = true;
 }
 
-void WatchCall::Finish(const absl::Status& status) {
+void WatchCall::Finish(const absl::Status& status, view::WatchEnd why) {
   over_ = true;
   look_at_.reset();
   judge_at_.reset();
-  if (feed_ != nullptr) feed_->unwanted = true;
+  if (feed_ != nullptr) {
+    feed_->end = why;
+    feed_->unwanted = true;
+  }
   call_.Finish(status);
 }
 

@@ -56,7 +56,7 @@ class WatchCall final : public transport::CallHandler {
   struct Feed;
   /// Posts the job that takes the next changes.
   void Take();
-  void Finish(const absl::Status& status);
+  void Finish(const absl::Status& status, view::WatchEnd why = view::WatchEnd::kLeft);
 
   const Context context_;
   transport::ServedCall& call_;

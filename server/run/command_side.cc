@@ -22,6 +22,7 @@ CommandSide::CommandSide(const Context& context)
            .rows_of_audit = [&reader = *context.stores.reader](
                                 const storage::AuditQuery& query) { return reader.Audit(query); },
            .fleet_of = [this](std::string_view ruri) { return FleetOf(ruri); },
+           .only_calls = [this](std::string_view ruri) { return OnlyCalls(ruri); },
            .changed = context.changed,
            .reload = [this] { return Reload(); }}) {}
 
@@ -29,6 +30,11 @@ std::optional<std::string> CommandSide::FleetOf(std::string_view ruri) const {
   const fleet::RobotPtr robot = context_.fleet.Find(ruri);
   if (robot == nullptr) return std::nullopt;
   return robot->id()->fleet;
+}
+
+bool CommandSide::OnlyCalls(std::string_view ruri) const {
+  const fleet::RobotPtr robot = context_.fleet.Find(ruri);
+  return robot != nullptr && robot->calls.open() && !robot->HasStream();
 }
 
 absl::StatusOr<admin::Reloaded> CommandSide::Reload() const {

@@ -60,6 +60,8 @@ class CommandSide final {
 
  private:
   [[nodiscard]] std::optional<std::string> FleetOf(std::string_view ruri) const;
+  /// The robot calls here, and has no stream here.
+  [[nodiscard]] bool OnlyCalls(std::string_view ruri) const;
   [[nodiscard]] absl::StatusOr<admin::Reloaded> Reload() const;
   void Note(std::string_view action, std::string detail);
 

@@ -107,7 +107,7 @@ class EarlyServices final {
   }
   /// Who may ask by HTTP. Look on the loop's thread.
   [[nodiscard]] AccessSide& access() { return access_; }
-  [[nodiscard]] const http::HttpProbe& http_probe() const { return http_probe_; }
+  [[nodiscard]] http::HttpProbe& http_probe() { return http_probe_; }
   [[nodiscard]] rcan::RcanProbe& rcan_probe() { return rcan_probe_; }
   /// The address that was really bound. After Begin.
   [[nodiscard]] config::ListenAddress http_address() const;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/config/config.h"
 #include "server/fleet/liveness.h"
 #include "server/health/process.h"
 #include "server/run/from_config.h"
@@ -12,6 +13,7 @@ namespace {
 health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
                                         const fleet::LiveBudget& live_budget) {
   StoreSide& store = context.store;
+  const bool closed = context.config.identity.registration == config::Registration::kClosed;
   return {
       .clock = context.clock,
       .fleet = context.fleet,
@@ -31,7 +33,8 @@ health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
       .broker = [&broker = context.broker] { return broker.facts(); },
       .series_left_out = context.series_left_out,
       .http = context.http,
-      .identity_unread = [&store] { return store.access_unread(); }};
+      .identity_unread =
+          [&store, closed] { return store.access_unread() || (closed && store.robots_unread()); }};
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ ViewSide::ViewSide(const Context& context)
       fault_counts_(context.clock),
       top_(context.clock, context.fleet),
       queries_(QuerySources(context, fault_counts_, top_)),
-      watches_({context.clock, context.fleet, queries_, watch_probe_}),
+      watches_({context.clock, context.fleet, queries_, watch_probe_, context.logger}),
       page_sources_(PageSources(context, watch_probe_)),
       robots_scrape_({.clock = context.clock,
                       .fleet = context.fleet,
@@ -77,6 +77,7 @@ ViewSide::ViewSide(const Context& context)
                       .drones_stale_after = context.config.uncrew.stale_after,
                       .top = &top_}),
       site_({queries_, watches_, context.commands, context.health.monitor(),
+             context.early.http_probe(),
              [this](auto format) { return metrics::PageText(page_sources_, format); },
              robots_scrape_, context.logger, context.in_effect}),
       sweeps_("watches", [this](const std::stop_token&) { return Sweep(); }) {}

@@ -23,6 +23,8 @@ absl::Status Attachment::EndOf(robot::Standing standing) const {
       return fleet::StatusOfEntry(fleet::Refusal::kBlocked, terms_.claim);
     case robot::Standing::kDisconnected:
       return absl::UnavailableError("disconnected by an operator");
+    case robot::Standing::kNotRegistered:
+      return Refused(fleet::Refusal::kNotRegistered);
     case robot::Standing::kWaiting:
     case robot::Standing::kCurrent:
       break;
@@ -37,6 +39,7 @@ transport::EndCause Attachment::CauseOf(robot::Standing standing) {
     case robot::Standing::kWentBack:
       return transport::EndCause::kStoreLost;
     case robot::Standing::kOtherFleet:
+    case robot::Standing::kNotRegistered:
       return transport::EndCause::kNotAllowed;
     case robot::Standing::kBlocked:
       return transport::EndCause::kBlocked;
@@ -168,8 +171,9 @@ bool Attachment::ClaimFleet() {
 }
 
 absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
-  // It may have been blocked during the wait, before its stream was visible.
+  // It may have been kept out during the wait, before its stream was visible.
   if (robot_->blocked()) return Refused(fleet::Refusal::kBlocked);
+  if (robot_->kept_out()) return Refused(fleet::Refusal::kNotRegistered);
   if (!ClaimFleet()) return Refused(fleet::Refusal::kOtherFleet);
   const auto begun = robot_->sessions.Begin(
       terms_.session, now,

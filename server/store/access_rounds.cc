@@ -107,6 +107,7 @@ absl::Status AccessRounds::ReadAll(AccessVersion version) {
   SetDenied();
   seen_ = version;
   unread_.store(false);
+  context_.settings.SetRead();
   unsaved_ = true;
   if (revocations_.empty() && context_.settings.size() == 0) return absl::OkStatus();
   context_.logger.Info("access_read", {{"version", version},

@@ -126,6 +126,10 @@ void AvatarCall::Take(Drone::Offered offered) {
                   Outcome::kRefused);
     case Drone::Offered::Is::kBlocked:
       return Fail(absl::PermissionDeniedError("blocked"), Outcome::kRefused);
+    case Drone::Offered::Is::kNotRegistered:
+      return Fail(
+          fleet::StatusOfEntry(fleet::Refusal::kNotRegistered, {.robot = *drone_->robot()->id()}),
+          Outcome::kRefused);
   }
 }
 

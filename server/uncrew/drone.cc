@@ -64,6 +64,10 @@ Drone::Offered Drone::Take(ingest::Port& port, const Sample& sample, loop::Strea
     static_cast<void>(Settle(port, sample, metrics::Became::kBlocked));
     return {.is = Offered::Is::kBlocked};
   }
+  if (robot_->kept_out()) {
+    static_cast<void>(Settle(port, sample, metrics::Became::kBlocked));
+    return {.is = Offered::Is::kNotRegistered};
+  }
   // An operator wants to forget it. The sample comes again, to a new Drone.
   if (robot_->calls.asked_to_end(context_.clock.Steady()))
     return Settle(port, sample, metrics::Became::kRefused);

@@ -81,6 +81,8 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
       kOtherFleet,
       /// An operator blocked the robot.
       kBlocked,
+      /// It came before the store was read, and is not registered.
+      kNotRegistered,
     };
     Is is = Is::kAnswer;
     /// With kAnswer: the answer. With kWaits: the answer once it is committed.

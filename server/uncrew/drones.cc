@@ -71,9 +71,7 @@ absl::StatusOr<fleet::RobotPtr> Drones::Admit(const fleet::Claim& claim) {
 absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
   const DronePtr known = Find(claim.robot.ruri);
   if (known != nullptr) {
-    const storage::RobotRef id = known->robot()->id();
-    const auto refusal = context_.fleet.entry().Judge(
-        claim, {.fleet = &id->fleet, .store_read = true}, context_.clock.System());
+    const auto refusal = context_.fleet.Judge(claim, known->robot().get());
     if (refusal != fleet::Refusal::kNone) return Refused(refusal, claim, context_.fleet);
   }
   if (known == nullptr || known->robot()->id()->fleet != claim.robot.fleet) {

@@ -29,6 +29,8 @@ struct Glance {
   std::string agent_version{};
   std::string software_version{};
   std::optional<SystemTime> certificate_not_after{};
+  /// Whole days until then, rounded down; only of a robot that is shown.
+  std::optional<std::int32_t> certificate_days_left{};
 };
 
 /// By RURI.

@@ -146,6 +146,9 @@ v1::Robot ToMessage(const RobotView& robot) {
   SetVitals(robot.glance.vitals, message);
   message.set_agent_version(robot.glance.agent_version);
   SetTime(message, &v1::Robot::mutable_certificate_not_after, robot.glance.certificate_not_after);
+  if (robot.glance.certificate_days_left) {
+    message.set_certificate_days_left(*robot.glance.certificate_days_left);
+  }
   if (robot.set != nullptr) SetDecided(*robot.set, message);
   constexpr std::int64_t kFaultsTop = std::numeric_limits<std::int32_t>::max();
   message.set_active_faults(static_cast<std::int32_t>(std::min(robot.active_faults, kFaultsTop)));

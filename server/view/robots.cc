@@ -1,5 +1,7 @@
 // One robot, and the list of them.
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -79,6 +81,10 @@ RobotView Queries::Look(const robot::Robot& robot, const PartSet& parts) const {
   const auto foreign = view.state.foreign ? foreign_.glances() : nullptr;
   view.glance = GlanceOf(
       robot, {.twins = sources_.twins, .drones = sources_.drones, .foreign = foreign.get()});
+  if (const auto expires = view.glance.certificate_not_after) {
+    view.glance.certificate_days_left = static_cast<std::int32_t>(
+        std::chrono::floor<std::chrono::days>(*expires - sources_.clock.System()).count());
+  }
   if (sources_.settings != nullptr) view.set = sources_.settings->Find(robot.ruri());
   return view;
 }

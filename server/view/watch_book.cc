@@ -1,7 +1,9 @@
 #include "server/view/watch_book.h"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
+#include <string_view>
 
 #include <absl/hash/hash.h>
 #include <fmt/core.h>
@@ -14,6 +16,21 @@ namespace {
 
 /// A robot without its large parts.
 constexpr std::size_t kShownBytes = std::size_t{4} * 1024;
+
+/// `over` is the server's reason, if it ended the watch.
+std::string_view TextOf(const absl::Status& over, WatchEnd why) {
+  if (absl::IsDeadlineExceeded(over)) return "slow";
+  if (!over.ok()) return "stop";
+  switch (why) {
+    case WatchEnd::kLeft:
+      return "left";
+    case WatchEnd::kDenied:
+      return "denied";
+    case WatchEnd::kDrained:
+      return "drained";
+  }
+  return "";
+}
 
 absl::Status ServerStops() { return absl::UnavailableError("the server stops"); }
 
@@ -38,7 +55,8 @@ absl::Status WatchBook::RoomFor(const WatchQuery& query) const {
 
 absl::StatusOr<std::shared_ptr<WatchBook::Entry>> WatchBook::Begin(WatchQuery query,
                                                                    std::function<void()> ready) {
-  const auto watch = std::make_shared<Entry>(std::move(query), std::move(ready));
+  const auto watch =
+      std::make_shared<Entry>(std::move(query), std::move(ready), context_.clock.Steady());
   const bool looks = watch->filter.looks();
   const Queries::Seen seen = context_.queries.SeenNow(looks);
   const FilterSources sources = context_.queries.FilterSourcesOf(seen);
@@ -145,6 +163,7 @@ absl::StatusOr<std::vector<WatchChange>> WatchBook::Take(Entry& watch) {
     }
     const std::lock_guard lock(mutex_);
     Finish(watch, made, taking);
+    watch.taken += taking.changes.size();
     if (!taking.changes.empty()) return std::move(taking.changes);
     watch.waiting = !watch.marks.any();
     if (watch.waiting) return std::move(taking.changes);
@@ -201,10 +220,22 @@ void WatchBook::Share(const SharedKey& key, const RobotShown& robot) {
   if (shared_.emplace(key, robot).second) shared_bytes_ += bytes;
 }
 
-void WatchBook::End(const std::shared_ptr<Entry>& watch) {
-  const std::lock_guard lock(mutex_);
-  const std::size_t open = watches_.remove(watch);
-  if (open > 0) context_.probe.open.Add(-1);
+void WatchBook::End(const std::shared_ptr<Entry>& watch, WatchEnd why) {
+  std::string_view text;
+  std::uint64_t taken = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const std::size_t open = watches_.remove(watch);
+    if (open > 0) context_.probe.open.Add(-1);
+    text = TextOf(watch->over, why);
+    taken = watch->taken;
+  }
+  const auto age = context_.clock.Steady() - watch->began;
+  ends_.Write(log::Level::kInfo, "watch_ended",
+              {{"who", watch->query.caller},
+               {"why", text},
+               {"seconds", std::chrono::duration_cast<std::chrono::seconds>(age).count()},
+               {"changes", taken}});
 }
 
 void WatchBook::Stop() {

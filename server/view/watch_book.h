@@ -13,6 +13,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "server/log/rate_limited.h"
 #include "server/view/watch_marks.h"
 #include "server/view/watched_robots.h"
 #include "server/view/watches.h"
@@ -30,11 +31,12 @@ class WatchBook final {
  public:
   /// One watch.
   struct Entry {
-    Entry(WatchQuery asked, std::function<void()> wake)
-        : query(std::move(asked)), ready(std::move(wake)), filter(query.filter) {}
+    Entry(WatchQuery asked, std::function<void()> wake, SteadyTime now)
+        : query(std::move(asked)), ready(std::move(wake)), began(now), filter(query.filter) {}
 
     const WatchQuery query;
     const std::function<void()> ready;
+    const SteadyTime began;
     // Under the book's lock.
     FilteredRobots filter;
     WatchMarks marks;
@@ -42,17 +44,20 @@ class WatchBook final {
     bool waiting = false;
     /// Since when it has something to take, or when it last took.
     SteadyTime taken_at{};
+    /// Changes that its reader took.
+    std::uint64_t taken = 0;
     absl::Status over = absl::OkStatus();
   };
 
-  explicit WatchBook(const Watches::Context& context) : context_(context), robots_(context.fleet) {}
+  explicit WatchBook(const Watches::Context& context)
+      : context_(context), ends_(context.logger), robots_(context.fleet) {}
   WatchBook(const WatchBook&) = delete;
   WatchBook& operator=(const WatchBook&) = delete;
 
   [[nodiscard]] absl::StatusOr<std::shared_ptr<Entry>> Begin(WatchQuery query,
                                                              std::function<void()> ready);
   [[nodiscard]] absl::StatusOr<std::vector<WatchChange>> Take(Entry& watch);
-  void End(const std::shared_ptr<Entry>& watch);
+  void End(const std::shared_ptr<Entry>& watch, WatchEnd why);
   void Sweep();
   void Stop();
   [[nodiscard]] std::size_t size() const;
@@ -89,6 +94,7 @@ class WatchBook final {
   [[nodiscard]] bool MustWake(Entry& watch, SteadyTime now);
 
   const Watches::Context context_;
+  log::RateLimited ends_;
   mutable std::mutex mutex_;
   bool stopped_ = false;
   WatchedRobots robots_;

@@ -15,15 +15,17 @@ class BookedWatch final : public Watch {
  public:
   BookedWatch(std::shared_ptr<WatchBook> book, std::shared_ptr<WatchBook::Entry> entry)
       : book_(std::move(book)), entry_(std::move(entry)) {}
-  ~BookedWatch() override { book_->End(entry_); }
+  ~BookedWatch() override { book_->End(entry_, why_); }
   BookedWatch(const BookedWatch&) = delete;
   BookedWatch& operator=(const BookedWatch&) = delete;
 
   absl::StatusOr<std::vector<WatchChange>> Take() override { return book_->Take(*entry_); }
+  void NoteEnd(WatchEnd why) override { why_ = why; }
 
  private:
   const std::shared_ptr<WatchBook> book_;
   const std::shared_ptr<WatchBook::Entry> entry_;
+  WatchEnd why_ = WatchEnd::kLeft;
 };
 
 }  // namespace

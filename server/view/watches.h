@@ -13,6 +13,7 @@
 
 #include "schema/base/clock.h"
 #include "server/fleet/fleet.h"
+#include "server/log/logger.h"
 #include "server/view/parts.h"
 #include "server/view/queries.h"
 #include "server/view/robots_query.h"
@@ -74,7 +75,17 @@ struct SnapshotShown {
 /// A v1::RobotChange as a value.
 using WatchChange = std::variant<RobotShown, RobotRemoved, SnapshotShown>;
 
-/// One reader's watch; ends with this object.
+/// Why a reader ends its watch. Closed.
+enum class WatchEnd : std::uint8_t {
+  /// Its client, or the connection of that, has gone.
+  kLeft,
+  /// Its caller may not watch any more.
+  kDenied,
+  /// The server ends the connection.
+  kDrained,
+};
+
+/// One reader's watch; ends with this object, and with a line `watch_ended`.
 ///
 /// Thread: Take by one thread at a time, which may wait for the store for kBriefLookWait
 ///         (Queries::Now), and not once the Watches are gone; the end by any.
@@ -87,6 +98,8 @@ class Watch {
   /// Errors: the watch is over, and so it stays: kDeadlineExceeded after kWatchTakeWait;
   ///         kUnavailable once the server stops. The message is a sentence for the client.
   [[nodiscard]] virtual absl::StatusOr<std::vector<WatchChange>> Take() = 0;
+  /// For the line about its end: kLeft unless this says otherwise. Not beside another call.
+  virtual void NoteEnd(WatchEnd why) = 0;
 };
 
 class WatchBook;
@@ -110,6 +123,7 @@ class Watches final {
     fleet::Fleet& fleet;
     Queries& queries;
     WatchProbe& probe;
+    const log::Logger& logger;
   };
   explicit Watches(const Context& context);
   Watches(const Watches&) = delete;

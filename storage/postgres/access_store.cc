@@ -126,9 +126,10 @@ class PostgresAccessStore final : public AccessStore {
     const auto written = connection_->ReadAndWrite(
         PipelineOf(StoreCallOf(kLock), StoreCallOf(kIsRevoked, kind, revocation.value)),
         [&](const std::vector<Result>& read) -> absl::StatusOr<std::vector<StoreCall>> {
-          std::vector<StoreCall> calls = PipelineOf(AuditCall(row));
           changes = read[1].Bool(0, 0) != revocation.revoked;
-          if (!changes) return calls;
+          // The commit still says that what made it so is durable.
+          if (!changes) return std::vector<StoreCall>();
+          std::vector<StoreCall> calls = PipelineOf(AuditCall(row));
           const std::int64_t count = read[1].Int(0, 1);
           if (revocation.revoked && count >= static_cast<std::int64_t>(kRevocationsMax)) {
             return TooManyRevocations();
@@ -146,7 +147,8 @@ class PostgresAccessStore final : public AccessStore {
     return changes;
   }
 
-  absl::StatusOr<RobotSetting> Change(const SettingChange& change, const AuditRow& audit) override {
+  absl::StatusOr<ChangedSetting> Change(const SettingChange& change,
+                                        const AuditRow& audit) override {
     const AuditRow row = Bounded(audit);
     RobotSetting after;
     bool changes = false;
@@ -161,9 +163,9 @@ class PostgresAccessStore final : public AccessStore {
           absl::StatusOr<RobotSetting> changed = Changed(before, change, row);
           if (!changed.ok()) return changed.status();
           after = *std::move(changed);
-          std::vector<StoreCall> calls = PipelineOf(AuditCall(row));
           changes = after != before;
-          if (!changes) return calls;
+          if (!changes) return std::vector<StoreCall>();
+          std::vector<StoreCall> calls = PipelineOf(AuditCall(row));
           if (!found && read[2].Int(0, 0) >= static_cast<std::int64_t>(kSettingsMax)) {
             return TooManySettings();
           }
@@ -176,7 +178,7 @@ class PostgresAccessStore final : public AccessStore {
         "change a robot's setting");
     if (!written.ok()) return written.status();
     if (changes) after.version = static_cast<AccessVersion>((*written)[1].Int(0, 0));
-    return after;
+    return ChangedSetting{.setting = std::move(after), .changed = changes};
   }
 
   absl::Status Acknowledge(const Acknowledgement& fault, const AuditRow& audit) override {

@@ -79,12 +79,21 @@ class SqliteAccessStore final : public AccessStore {
   absl::StatusOr<bool> Revoke(const Revocation& revocation, const AuditRow& audit) override {
     absl::Status bad = Check(revocation);
     if (!bad.ok()) return bad;
+    // Robots' batches wait for each transaction that may write.
+    const absl::StatusOr<bool> before = IsRevoked(revocation);
+    if (!before.ok()) return before.status();
+    if (*before == revocation.revoked) return false;
     return side_.database->InTransaction(
         [&]() -> absl::StatusOr<bool> { return RevokeNow(revocation, Bounded(audit)); });
   }
-  absl::StatusOr<RobotSetting> Change(const SettingChange& change, const AuditRow& audit) override {
+  absl::StatusOr<ChangedSetting> Change(const SettingChange& change,
+                                        const AuditRow& audit) override {
+    const AuditRow row = Bounded(audit);
+    absl::StatusOr<Step> step = StepOf(change, row);
+    if (!step.ok()) return step.status();
+    if (!step->changes()) return ChangedSetting{.setting = std::move(step->after)};
     return side_.database->InTransaction(
-        [&]() -> absl::StatusOr<RobotSetting> { return ChangeNow(change, Bounded(audit)); });
+        [&]() -> absl::StatusOr<ChangedSetting> { return ChangeNow(change, row); });
   }
   absl::Status Acknowledge(const Acknowledgement& fault, const AuditRow& audit) override {
     absl::Status bad = Check(fault);
@@ -115,15 +124,21 @@ class SqliteAccessStore final : public AccessStore {
     return static_cast<AccessVersion>(*version);
   }
 
+  absl::StatusOr<bool> IsRevoked(const Revocation& revocation) {
+    const auto kind = static_cast<std::int64_t>(revocation.by);
+    const auto found = is_revoked_->Select(kind, revocation.value).First([](const Rows& row) {
+      return row.Bool(0);
+    });
+    if (!found.ok()) return found.status();
+    return found->value_or(false);
+  }
   absl::StatusOr<bool> RevokeNow(const Revocation& revocation, const AuditRow& audit) {
+    const absl::StatusOr<bool> before = IsRevoked(revocation);
+    if (!before.ok()) return before.status();
+    if (*before == revocation.revoked) return false;
     absl::Status status = Note(audit);
     if (!status.ok()) return status;
     const auto kind = static_cast<std::int64_t>(revocation.by);
-    const auto before = is_revoked_->Select(kind, revocation.value).First([](const Rows& row) {
-      return row.Bool(0);
-    });
-    if (!before.ok()) return before.status();
-    if (before->value_or(false) == revocation.revoked) return false;
     if (revocation.revoked) {
       const absl::StatusOr<std::int64_t> count = count_revoked_->Select().OnlyInt();
       if (!count.ok()) return count.status();
@@ -139,28 +154,44 @@ class SqliteAccessStore final : public AccessStore {
     return true;
   }
 
-  absl::StatusOr<RobotSetting> ChangeNow(const SettingChange& change, const AuditRow& audit) {
-    const auto found = setting_->Select(change.ruri).First(SettingIn<Rows>);
+  /// A change of what the store has now.
+  struct Step {
+    [[nodiscard]] bool changes() const { return after != before; }
+
+    bool is_new = false;
+    RobotSetting before;
+    RobotSetting after;
+  };
+  absl::StatusOr<Step> StepOf(const SettingChange& change, const AuditRow& audit) {
+    auto found = setting_->Select(change.ruri).First(SettingIn<Rows>);
     if (!found.ok()) return found.status();
-    const RobotSetting before = found->value_or(RobotSetting{.ruri = change.ruri});
-    absl::StatusOr<RobotSetting> after = Changed(before, change, audit);
-    if (!after.ok()) return after;
+    Step step{.is_new = !found->has_value(),
+              .before = (*std::move(found)).value_or(RobotSetting{.ruri = change.ruri}),
+              .after = {}};
+    absl::StatusOr<RobotSetting> after = Changed(step.before, change, audit);
+    if (!after.ok()) return after.status();
+    step.after = *std::move(after);
+    return step;
+  }
+  absl::StatusOr<ChangedSetting> ChangeNow(const SettingChange& change, const AuditRow& audit) {
+    absl::StatusOr<Step> step = StepOf(change, audit);
+    if (!step.ok()) return step.status();
+    if (!step->changes()) return ChangedSetting{.setting = std::move(step->after)};
     absl::Status status = Note(audit);
     if (!status.ok()) return status;
-    if (*after == before) return after;
     status = drop_settings_->Run(audit.at - kTakenBackKept);
     if (!status.ok()) return status;
-    if (!found->has_value()) {
+    if (step->is_new) {
       const absl::StatusOr<std::int64_t> count = count_settings_->Select().OnlyInt();
       if (!count.ok()) return count.status();
       if (*count >= static_cast<std::int64_t>(kSettingsMax)) return TooManySettings();
     }
     const absl::StatusOr<AccessVersion> version = NextVersion();
     if (!version.ok()) return version.status();
-    after->version = *version;
-    status = Put(*after, audit.at);
+    step->after.version = *version;
+    status = Put(step->after, audit.at);
     if (!status.ok()) return status;
-    return after;
+    return ChangedSetting{.setting = std::move(step->after), .changed = true};
   }
   absl::Status Put(const RobotSetting& setting, SystemTime at) {
     const std::string labels = LabelsText(setting);

@@ -1,5 +1,6 @@
 """What operators decide, by HTTP and by uplinkctl, and the audit of it."""
 
+import concurrent.futures
 import json
 import os
 import unittest
@@ -95,11 +96,40 @@ class Commands(EndToEnd):
         self.assertFalse(json.loads(without.stdout)["blocked"])
         self.assertIn("no server answers", without.stderr)
         self.ctl("certificates", "unrevoke", "--key-sha256", KEY, "--config", file)
+        listed = json.loads(self.ctl("audit", "list", "--config", file, "-o", "json", "--oldest").stdout)
+        told = [(row["action"], row["proof"]) for row in listed["audit"]]
+        self.assertEqual(told[-3:], [("server_stop", "server"), ("robot_unblock", "store"), ("certificate_unrevoke", "store")])
+        only = self.ctl("audit", "list", "--config", file, "--target", ROBOT, "--since", "1h", "--limit", "1")
+        self.assertIn("robot_unblock", only.stdout)
+        self.assertNotIn("robot_block", only.stdout)
+        self.assertIn("no server answers", only.stderr)
 
         server.start()
         self.assertEqual(server.get("/api/v1/certificates/revocations")["revocations"], [])
         proofs = {(row["action"], row["proof"]) for row in self.audit(server)}
         self.assertLessEqual({("robot_block", "local"), ("robot_unblock", "store"), ("server_stop", "server")}, proofs)
+
+    def test_a_caller_who_floods_is_refused_and_admins_and_uplinkctl_are_not(self):
+        server = self.server().start()
+        self.assertEqual(post(server, "/api/v1/robot/note", {"ruri": ROBOT, "note": "same"})[0], 200)
+
+        def note(_):
+            return post(server, "/api/v1/robot/note", {"ruri": ROBOT, "note": "same"})
+
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            answers = list(pool.map(note, range(200)))
+        refused = [answer for status, answer in answers if status == 429]
+        self.assertGreater(len(refused), 0)
+        self.assertIn("5 commands about robots per second, 20 at once", refused[0]["error"]["message"])
+        self.assertEqual({status for status, _ in answers}, {200, 429})
+        self.assertGreaterEqual(server.metric(r'uplinkd_http_denied_total\{why="rate"\}'), len(refused))
+        # What changed nothing left no row.
+        self.assertEqual(self.actions(server).count(("robot_note", "ok")), 1)
+        for number in range(100):
+            self.assertEqual(post(server, "/api/v1/certificates/revoke", {"sha256": f"{number:064x}"})[0], 200)
+        at = ("--server", f"http://{server.http}")
+        for _ in range(25):
+            self.ctl("robots", "disconnect", ROBOT, *at)
 
     def test_a_reload_says_what_it_took_over(self):
         server = self.server('[log]\nlevel = "info"').start()

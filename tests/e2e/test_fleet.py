@@ -5,7 +5,7 @@ import sqlite3
 import unittest
 import urllib.parse
 
-from harness import BIN, EndToEnd, mismatches, run, wait_until
+from harness import BIN, EndToEnd, mismatches, run, uplinkctl, wait_until
 
 WAIT_SECONDS = 30
 
@@ -51,6 +51,33 @@ class FleetRun(EndToEnd):
         self.assertEqual(due, rest)
         self.assertGreater(int(due), 0)
         self.assertGreater(int(checks["forwards written"]["fleet"]), 0)
+
+    def test_a_server_that_asks_who_asks_is_shown_a_token_by_https(self):
+        server = self.server()
+        tokens = self.folder / "tokens"
+        made = uplinkctl("tokens", "new", "--tokens-file", tokens, "--role", "viewer", "--fleet", "*")
+        token = self.folder / "caller.token"
+        token.write_text(made.stdout, encoding="utf-8")
+        token.chmod(0o600)
+        server.settings = (f'[http]\ntls.certificate_file = "{server.pki}/server.crt"\n'
+                           f'tls.key_file = "{server.pki}/server.key"\n'
+                           f'tokens_file = "{tokens}"\nplain_from = ["192.0.2.1"]\n')  # fmt: skip
+        server.start()
+        at = [BIN / "uplink-fleet", "--target", server.relay, "--http", f"https://{server.http}", "--pki", server.pki,
+              "--robots", 2, "--for", "1s", "--pace", 10]  # fmt: skip
+        trust = ["--http-ca", server.pki / "ca.crt"]
+        self.assertIn("verification: all agree", run(*at, *trust, "--http-token-file", token).stdout)
+        for flags, code, why in (
+            (trust, 1, "401"),
+            (["--http-token-file", token], 1, "is not believed"),
+            ([*trust, "--http-token-file", self.folder / "none"], 2, "none"),
+            (["--http", server.http, *trust], 2, "--http-ca"),
+            (["--http", "https://a/b"], 2, "path"),
+        ):
+            with self.subTest(flags):
+                # A flag is given once.
+                command = at[:3] + at[5:] if "--http" in flags else at
+                self.assertIn(why, run(*command, *flags, code=code).stderr)
 
     def test_acks_alone_decide_where_http_is_out_of_reach(self):
         server = self.server().start()

@@ -60,18 +60,18 @@ class FleetMetrics(EndToEnd):
         self.wait_for('fleet:uplinkd_robots_dark:ratio{fleet="_other"}', 1)
         self.prometheus.wait_for('ALERTS{alertname="UplinkdFleetDark",fleet="_other"}')
         self.assertEqual(self.prometheus.query('ALERTS{alertname="UplinkdFleetDark",fleet="north"}'), [])
-        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north"}', 0)
+        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north",within="14d"}', 0)
 
     def test_certificates_that_expire_and_telemetry_that_is_late_are_alerts(self):
         clock = ShiftedClock(self.folder)
         clock.set(AHEAD_SECONDS)
         self.start(clock.environment)
         north = self.send("north", NORTH)
-        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north"}', NORTH)
+        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north",within="14d"}', NORTH)
         self.prometheus.wait_for('ALERTS{alertname="UplinkdFleetCertificatesExpiring",fleet="north"}')
         self.prometheus.wait_for('ALERTS{alertname="UplinkdTelemetryLate",source="uplink"}')
         north.close()
-        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north"}', 0)
+        self.wait_for('uplinkd_robot_certificates_expiring{fleet="north",within="14d"}', 0)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ import os
 import subprocess
 
 from ending_agents import AGENT, PYTHON, RURI, SECONDS, EndingAgents
-from harness import uplinkctl, wait_until
+from harness import Cluster, Server, uplinkctl, wait_until
+from tcp_proxy import Cut, TcpProxy
 
 CLIENT = AGENT.with_name("relay_client.py")
 CLOSED = '[identity]\nregistration = "closed"\n'
@@ -16,7 +17,7 @@ NAMED = '[identity]\ngateways = "named"\n'
 LIVE_SECONDS = 15
 
 
-class Registration(EndingAgents):
+class Operators(EndingAgents):
     def robot(self, name, fleet="acme", ruri=None):
         """The files of a robot's certificate."""
         uplinkctl("pki", "robot", "--dir", self.running.pki, "--ruri", ruri or RURI + name, "--fleet", fleet,
@@ -41,6 +42,8 @@ class Registration(EndingAgents):
         at = ("--server", f"http://{self.running.http}")
         return uplinkctl(*arguments, *at, code=code, env={**env, "HOME": str(self.folder)}).stdout
 
+
+class Registration(Operators):
     def test_where_registration_is_closed_a_new_robot_is_a_candidate_and_a_known_one_comes_in(self):
         self.serve(self.server())
         self.agent("known").kill()
@@ -110,6 +113,49 @@ class Registration(EndingAgents):
         self.running.terminate(SECONDS)
         self.running.start()
         self.assertEqual(self.refused("stolen"), {"code": "PERMISSION_DENIED", "details": "blocked"})
+
+
+class WhileTheStoreIsAway(Operators):
+    """A server that starts while it cannot reach its store."""
+
+    def setUp(self):
+        super().setUp()
+        cluster = Cluster(self.folder).create()
+        self.open_things.append(cluster)
+        cluster.migrate()
+        password = self.folder / "store.password"
+        password.write_text("uplinkd\n", encoding="utf-8")
+        self.store = TcpProxy(f"127.0.0.1:{cluster.place['port']}")
+        self.open_things.append(self.store)
+        url = f"postgresql://uplinkd@127.0.0.1:{self.store.port}/uplinkd?sslmode=disable"
+        server = Server(self.folder, f'password_file = "{password}"\n{CLOSED}', url)
+        self.open_things.append(server)
+        self.serve(server)
+
+    def test_robots_come_in_and_those_that_are_not_registered_are_ended_once_it_is_back(self):
+        self.ctl("robots", "add", RURI + "added")
+        self.robot("added")
+        wait_until(self.running.process, lambda: self.come("added", "refused")["code"] == "OK", LIVE_SECONDS, "it came")
+        self.running.terminate(SECONDS)
+        self.store.cut(Cut.REFUSE)
+        self.running.start()
+        self.agent("added")
+        self.agent("stranger")
+        self.running.wait_for_status(lambda state: "identity" in state["degraded"], SECONDS, "no one can be judged")
+        self.store.mend()
+        line = f"robot_disconnected robot={RURI}stranger "
+        wait_until(self.running.process, lambda: line in self.running.text(), SECONDS, "it is ended")
+        [told] = [each for each in self.running.text().splitlines() if line in each]
+        self.assertIn(f"{RURI}stranger is not registered", told)
+        self.assertNotIn(f"robot_disconnected robot={RURI}added ", self.running.text())
+        [candidate] = self.running.get("/api/v1/candidates")["candidates"]
+        self.assertEqual(candidate["ruri"], RURI + "stranger")
+        self.assertEqual(self.refused("stranger")["code"], "PERMISSION_DENIED")
+        # A restart does not let it in either: the store has no row of it.
+        self.running.terminate(SECONDS)
+        self.running.start()
+        self.assertEqual(self.refused("stranger")["code"], "PERMISSION_DENIED")
+        self.agent("added")
 
 
 class UnnamedGateways(EndingAgents):

@@ -58,8 +58,8 @@ absl::StatusOr<bool> FakeAccessStore::Revoke(const storage::Revocation& revocati
         access.revocations, [](const auto& one) { return one.second.revoked; }));
     if (revoked >= storage::kRevocationsMax) return storage::TooManyRevocations();
   }
-  Note(audit);
   if (before == revocation.revoked) return false;
+  Note(audit);
   std::erase_if(access.revocations, [&audit](const auto& one) {
     return !one.second.revoked && one.second.at < audit.at - storage::kTakenBackKept;
   });
@@ -71,8 +71,8 @@ absl::StatusOr<bool> FakeAccessStore::Revoke(const storage::Revocation& revocati
   return true;
 }
 
-absl::StatusOr<storage::RobotSetting> FakeAccessStore::Change(const storage::SettingChange& change,
-                                                              const storage::AuditRow& audit) {
+absl::StatusOr<storage::ChangedSetting> FakeAccessStore::Change(
+    const storage::SettingChange& change, const storage::AuditRow& audit) {
   if (!status.ok()) return status;
   const std::lock_guard lock(database_.mutex_);
   FakeAccess& access = database_.access_;
@@ -81,11 +81,11 @@ absl::StatusOr<storage::RobotSetting> FakeAccessStore::Change(const storage::Set
   before.ruri = change.ruri;
   if (found != access.settings.end()) before = found->second;
   absl::StatusOr<storage::RobotSetting> after = storage::Changed(before, change, audit);
-  if (!after.ok()) return after;
-  const bool is_new = *after != before && found == access.settings.end();
+  if (!after.ok()) return after.status();
+  if (*after == before) return storage::ChangedSetting{.setting = *std::move(after)};
+  const bool is_new = found == access.settings.end();
   if (is_new && access.settings.size() >= storage::kSettingsMax) return storage::TooManySettings();
   Note(audit);
-  if (*after == before) return after;
   std::erase_if(access.settings, [&access, &audit](const auto& one) {
     return storage::SetsNothing(one.second) &&
            access.changed_at[one.first] < audit.at - storage::kTakenBackKept;
@@ -93,7 +93,7 @@ absl::StatusOr<storage::RobotSetting> FakeAccessStore::Change(const storage::Set
   access.changed_at[change.ruri] = audit.at;
   after->version = ++access.version;
   access.settings.insert_or_assign(change.ruri, *after);
-  return after;
+  return storage::ChangedSetting{.setting = *std::move(after), .changed = true};
 }
 
 absl::Status FakeAccessStore::Acknowledge(const storage::Acknowledgement& fault,

@@ -23,8 +23,8 @@ class FakeAccessStore final : public storage::AccessStore {
       storage::AccessVersion after) override;
   absl::StatusOr<bool> Revoke(const storage::Revocation& revocation,
                               const storage::AuditRow& audit) override;
-  absl::StatusOr<storage::RobotSetting> Change(const storage::SettingChange& change,
-                                               const storage::AuditRow& audit) override;
+  absl::StatusOr<storage::ChangedSetting> Change(const storage::SettingChange& change,
+                                                 const storage::AuditRow& audit) override;
   absl::Status Acknowledge(const storage::Acknowledgement& fault,
                            const storage::AuditRow& audit) override;
   absl::Status Append(const storage::AuditRow& audit) override;

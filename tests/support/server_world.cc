@@ -52,7 +52,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                .faults = &fault_counts,
                .top = &top,
                .settings = &settings}),
-      watches({clock, fleet, queries, watch_probe}),
+      watches({clock, fleet, queries, watch_probe, logger}),
       monitor({clock, fleet, shards, journal_probe, sessions, journal_limits,
                clock.System() + std::chrono::hours(24 * 365)}),
       page_sources(PageSources()),
@@ -67,7 +67,7 @@ ServerWorld::ServerWorld(std::size_t robots_max)
                   if (robot == nullptr) return std::nullopt;
                   return robot->id()->fleet;
                 }}),
-      site({queries, watches, commands, monitor,
+      site({queries, watches, commands, monitor, http_probe,
             [this](metrics::Format format) { return metrics::PageText(page_sources, format); },
             robots_scrape, logger, in_effect}) {}
 

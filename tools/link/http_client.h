@@ -96,5 +96,7 @@ class HttpClient final {
 
 /// `text` with every byte but letters, digits and `-._~` as %XX.
 [[nodiscard]] std::string PercentEncoded(const std::string& text);
+/// What PercentEncoded made of it.
+[[nodiscard]] std::string PercentDecoded(std::string_view text);
 
 }  // namespace uplink::link

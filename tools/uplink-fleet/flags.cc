@@ -5,13 +5,16 @@
 #include <string_view>
 #include <utility>
 
+#include <absl/status/statusor.h>
 #include <fmt/core.h>
 
 #include "schema/model/ids.h"
 #include "server/config/flags.h"
 #include "server/config/units.h"
 #include "server/config/version.h"
+#include "tools/link/http_client.h"
 #include "tools/uplink-fleet/clients.h"
+#include "tools/uplink-fleet/http_flags.h"
 #include "tools/uplink-fleet/robot/gateway.h"
 #include "tools/uplink-fleet/twin_flags.h"
 
@@ -28,15 +31,6 @@ config::FlagForm IsDuration() {
             return duration && duration->count() > 0
                        ? std::string()
                        : "\"" + text + "\" is not a duration such as 30s or 2m";
-          }};
-}
-
-config::FlagForm IsAddress() {
-  return {"HOST:PORT", [](const std::string& text) {
-            const std::size_t colon = text.rfind(':');
-            const bool good = colon != std::string::npos && colon > 0 && colon + 1 < text.size() &&
-                              text.find_first_not_of("0123456789", colon + 1) == std::string::npos;
-            return good ? std::string() : "\"" + text + "\" is not HOST:PORT";
           }};
 }
 
@@ -157,12 +151,12 @@ class RunFlags {
   }
 
   [[nodiscard]] const std::string& client() const { return client_; }
+  [[nodiscard]] const HttpFlags& http() const { return *http_; }
 
  private:
   void AddPlace(config::Flags& flags) {
     flags.Add({"--target", "The server's relay listener"}, swarm_.target, IsAddress());
-    flags.Add({"--http", "The server's HTTP listener, for the comparison"}, options_.http,
-              IsAddress());
+    http_.emplace(flags);
     flags.AddSwitch({"--acks-only",
                      "Compare nothing over HTTP: it suffices that the robots get an ack for each "
                      "durable message"},
@@ -193,16 +187,18 @@ class RunFlags {
                      "What the robots speak by: \"own\", a client for thousands of connections, or "
                      "\"grpc\", the gRPC library with the client that protoc makes"},
                     client_, ClientNames());
-    flags.AddChoice({"--protocol",
-                     "\"uplink\": robots that stream on the relay, or \"uncrew\": drones that call "
-                     "AvatarService there; of the other flags --target, --http, --pki, --fleet, "
-                     "--robots, --scenario, --faults, --malformed-share, --breaks-per-minute, "
-                     "--lost-answers, --for, --settle-for, --seed, --threads and --report count"},
-                    protocol_, ProtocolNames());
+    flags.AddChoice(
+        {"--protocol",
+         "\"uplink\": robots that stream on the relay, or \"uncrew\": drones that call "
+         "AvatarService there; of the other flags --target, --http*, --pki, "
+         "--fleet, --robots, --scenario, --faults, --malformed-share, --breaks-per-minute, "
+         "--lost-answers, --for, --settle-for, --seed, --threads and --report count"},
+        protocol_, ProtocolNames());
     flags.AddChoice({"--report", "Form of the report"}, report_, {"text", "json"});
   }
 
   RunOptions options_;
+  std::optional<HttpFlags> http_;
   SwarmOptions swarm_;
   std::string run_for_ = "30s";
   std::string settle_for_ = "60s";
@@ -275,6 +271,9 @@ std::optional<RunOptions> ReadFlags(int argc, char** argv, int& code) {
   if (absl::Status fits = AcksFit(options); !fits.ok()) {
     return Refuse(std::string(fits.message()), code);
   }
+  absl::StatusOr<link::HttpServer> http = run_flags.http().Read();
+  if (!http.ok()) return Refuse(std::string(http.status().message()), code);
+  options.http = *std::move(http);
   if (absl::Status able = UseClient(run_flags.client(), options.swarm); !able.ok()) {
     return Refuse(std::string(able.message()), code);
   }

@@ -43,7 +43,7 @@ config::FlagForm IsFile() {
 TwinFlags::TwinFlags(config::Flags& flags) {
   flags.Add({"--cyberwave",
              "Twins behind the MQTT broker at this URL, mqtt:// or mqtts://HOST[:PORT], in "
-             "place of robots; of the other flags --http, --robots, --for, --settle-for, "
+             "place of robots; of the other flags --http*, --robots, --for, --settle-for, "
              "--seed and --report count"},
             url_);
   flags.Add({"--mqtt-username", "The twins' user at the broker"}, options_.broker.username);

@@ -10,7 +10,9 @@
 
 #include "server/admin/audit_rows.h"
 #include "storage/postgres/parts.h"
+#include "storage/postgres/reader.h"
 #include "storage/sqlite/parts.h"
+#include "storage/sqlite/reader.h"
 #include "tools/terminal/terminal.h"
 #include "tools/uplinkctl/show/one_line.h"
 #include "tools/uplinkctl/store_target.h"
@@ -51,6 +53,21 @@ absl::StatusOr<std::unique_ptr<storage::AccessStore>> OpenAccess(const std::stri
   }
   return storage::postgres::MakeAccessStore(std::get<storage::postgres::StoreOptions>(*target),
                                             clock);
+}
+
+absl::StatusOr<std::unique_ptr<storage::Reader>> OpenReader(const std::string& url,
+                                                            const std::string& password_file,
+                                                            const Clock& clock) {
+  const auto target = TargetOf(url, password_file);
+  if (!target.ok()) return target.status();
+  if (const auto* path = std::get_if<std::string>(&*target)) {
+    return storage::sqlite::SqliteReader::Open(*path);
+  }
+  storage::postgres::ReaderOptions options;
+  options.url = url;
+  options.password_file = password_file;
+  options.connections = 1;
+  return storage::postgres::PostgresReader::Open(options, clock);
 }
 
 admin::Asker ThisUser() {

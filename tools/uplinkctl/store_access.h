@@ -10,6 +10,7 @@
 #include "schema/base/clock.h"
 #include "server/admin/asker.h"
 #include "storage/access_store.h"
+#include "storage/reader.h"
 
 namespace uplink::ctl {
 
@@ -17,6 +18,12 @@ namespace uplink::ctl {
 ///
 /// Errors: of TargetOf, and of the store.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<storage::AccessStore>> OpenAccess(
+    const std::string& url, const std::string& password_file, const Clock& clock);
+
+/// What a store that is named by its URL has for readers. `clock` outlives it.
+///
+/// Errors: of TargetOf, and of the store.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<storage::Reader>> OpenReader(
     const std::string& url, const std::string& password_file, const Clock& clock);
 
 /// The user of this process, for the audit: `ann`, or `root, by sudo of ann`.

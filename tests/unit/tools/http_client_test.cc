@@ -47,5 +47,13 @@ TEST(ServerTls, OnlyPemIsTaken) {
       ServerTls::Create({.authorities = "", .server_certificate = "x"}).status()));
 }
 
+TEST(PercentCode, TakesEveryTextThereAndBack) {
+  std::string all;
+  for (int byte = 0; byte < 256; ++byte) all.push_back(static_cast<char>(byte));
+  EXPECT_EQ(PercentDecoded(PercentEncoded(all)), all);
+  EXPECT_EQ(PercentDecoded("a%2Fb%2"), "a/b%2");
+  EXPECT_EQ(PercentDecoded("%zz%"), "%zz%");
+}
+
 }  // namespace
 }  // namespace uplink::link

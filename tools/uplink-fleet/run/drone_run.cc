@@ -58,7 +58,7 @@ int DroneRun::Main() {
   absl::StatusOr<std::unique_ptr<DroneSwarm>> swarm =
       DroneSwarm::Create(options_.swarm, clock_, shared_);
   if (!swarm.ok()) return CannotRun(swarm.status());
-  Measurement measurement(options_.http, clock_);
+  Measurement measurement(options_.http.address, clock_);
   measurement.Begin();
   (*swarm)->Start();
   if (absl::Status status = Send(); !status.ok()) {

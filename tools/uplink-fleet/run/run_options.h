@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "schema/base/clock.h"
+#include "tools/link/http_client.h"
 #include "tools/terminal/terminal.h"
 #include "tools/uplink-fleet/broker/twin_swarm.h"
 #include "tools/uplink-fleet/robot/swarm.h"
@@ -25,7 +25,7 @@ struct RunOptions {
   /// Drones that call, in place of robots that stream; `swarm` says where and how many.
   bool drones = false;
   std::uint64_t seed = 1;
-  std::string http = "127.0.0.1:7480";
+  link::HttpServer http{.address = "127.0.0.1:7480"};
   /// Nothing is compared over HTTP: the robots' own acks decide.
   bool acks_only = false;
   milliseconds run_for{30'000};

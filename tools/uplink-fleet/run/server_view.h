@@ -23,7 +23,7 @@ inline constexpr int kPagesMax = 10'000;
 /// Thread: as link::HttpClient.
 class ServerView final {
  public:
-  ServerView(const std::string& address, const Clock& clock) : clock_(clock), http_(address) {}
+  ServerView(const link::HttpServer& server, const Clock& clock) : clock_(clock), http_(server) {}
 
   [[nodiscard]] absl::StatusOr<v1::ServerStatus> Status();
   /// Every robot of the fleet by RURI, with all parts.

@@ -57,7 +57,7 @@ int TwinRun::Main() {
   swarm_options.seed = options_.seed;
   swarm_options.run = figures_.run;
   TwinSwarm swarm(swarm_options, clock_, shared_);
-  Measurement measurement(options_.http, clock_);
+  Measurement measurement(options_.http.address, clock_);
   measurement.Begin();
   swarm.Start();
   if (absl::Status status = Send(swarm); !status.ok()) {

@@ -1,8 +1,13 @@
 #include "tools/uplinkctl/ask/api.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -47,6 +52,21 @@ std::optional<std::string> MessageOf(const std::string& body) {
 std::string AgainIn(const link::HttpAnswer& answer) {
   if (answer.retry_after.empty()) return "try again";
   return "try again in " + PrintableUtf8(answer.retry_after, kShownMax) + " s";
+}
+
+/// How the server ends to say that commands come too fast.
+constexpr std::string_view kAtOnce = " at once";
+
+/// How long a server asks to wait that has not done a command because it came too fast; nothing: it
+/// did something else, or asks for too much.
+std::optional<std::chrono::seconds> WaitOf(const absl::StatusOr<link::HttpAnswer>& answer) {
+  if (!answer.ok() || answer->status != kTooManyRequests) return std::nullopt;
+  const std::string& text = answer->retry_after;
+  std::uint32_t seconds = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  const std::chrono::seconds wait(seconds);
+  return wait <= kRetryAfterMax ? std::optional(wait) : std::nullopt;
 }
 
 /// Takes the rows out of a page. False if the page has no such list.
@@ -107,6 +127,9 @@ absl::Status Api::ErrorOf(const std::string& path, const link::HttpAnswer& answe
     case kAtABound:
       return absl::ResourceExhaustedError(*message);
     case kTooManyRequests:
+      if (message->ends_with(kAtOnce)) {
+        return absl::ResourceExhaustedError(fmt::format("{}; {}", *message, AgainIn(answer)));
+      }
       return absl::ResourceExhaustedError(
           fmt::format("{}; {}, and check the file of the token or certificate first", *message,
                       AgainIn(answer)));
@@ -132,7 +155,15 @@ absl::StatusOr<json::object> Api::Get(const std::string& path, const Query& quer
 }
 
 absl::StatusOr<json::object> Api::Post(const std::string& path, const json::object& body) {
-  return ObjectOf(path, send_(prefix_ + path, json::serialize(body)));
+  const std::string text = json::serialize(body);
+  absl::StatusOr<link::HttpAnswer> answer = send_(prefix_ + path, text);
+  for (int tries = 1; wait_ && tries < kCommandTriesMax; ++tries) {
+    const std::optional<std::chrono::seconds> wait = WaitOf(answer);
+    if (!wait) break;
+    wait_(*wait);
+    answer = send_(prefix_ + path, text);
+  }
+  return ObjectOf(path, std::move(answer));
 }
 
 absl::StatusOr<json::object> Api::ObjectOf(const std::string& path,

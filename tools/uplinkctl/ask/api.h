@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,6 +34,11 @@ struct Rows {
 /// Rows of one page; the server's own bound.
 inline constexpr std::size_t kPageRowsMax = 1000;
 
+/// How often a command is sent to a server that says it comes too fast.
+inline constexpr int kCommandTriesMax = 30;
+/// The longest that is waited before the next time. A server that asks for more is believed.
+inline constexpr std::chrono::seconds kRetryAfterMax{5};
+
 /// Questions and commands to a server's API.
 ///
 /// Errors: kInvalidArgument for a question that the server refuses, kNotFound, kUnauthenticated
@@ -49,17 +55,23 @@ class Api final {
   using Send = std::function<absl::StatusOr<link::HttpAnswer>(const std::string& target,
                                                               const std::string& json)>;
 
-  /// `prefix` comes before each path; `source` says where the address comes from.
-  Api(Ask ask, std::string prefix, std::string source, Send send = {})
+  /// Lets time pass before a command is sent again.
+  using Wait = std::function<void(std::chrono::seconds time)>;
+
+  /// `prefix` comes before each path; `source` says where the address comes from. Without `wait` no
+  /// command is sent again.
+  Api(Ask ask, std::string prefix, std::string source, Send send = {}, Wait wait = {})
       : ask_(std::move(ask)),
         send_(std::move(send)),
+        wait_(std::move(wait)),
         prefix_(std::move(prefix)),
         source_(std::move(source)) {}
 
   /// The object that a path answers.
   [[nodiscard]] absl::StatusOr<boost::json::object> Get(const std::string& path,
                                                         const Query& query = {});
-  /// What the server answers to a command, which it has done then.
+  /// What the server answers to a command, which it has done then. One that comes too fast (429) is
+  /// sent again after Retry-After, kCommandTriesMax times in all.
   [[nodiscard]] absl::StatusOr<boost::json::object> Post(const std::string& path,
                                                          const boost::json::object& body);
   /// Up to `limit` rows of the list below `member`, over as many pages as they take.
@@ -73,6 +85,7 @@ class Api final {
 
   Ask ask_;
   Send send_;
+  Wait wait_;
   std::string prefix_;
   std::string source_;
 };

@@ -1,5 +1,9 @@
 #include "tools/uplinkctl/ask/store_desk.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -12,6 +16,8 @@
 #include "server/config/load.h"
 #include "server/view/json.h"
 #include "server/view/message_printer.h"
+#include "server/view/timestamps.h"
+#include "storage/reader.h"
 #include "tools/uplinkctl/store_access.h"
 
 namespace uplink::ctl {
@@ -53,12 +59,53 @@ link::HttpAnswer Do(Commands& commands, const std::string& json,
   return AnswerOf((commands.*command)(ThisUser(), question));
 }
 
+/// The value of one parameter; empty if it is not there.
+std::string ValueIn(const std::string& target, std::string_view name) {
+  std::string_view query =
+      std::string_view(target).substr(std::min(target.find('?'), target.size()));
+  while (!query.empty()) {
+    query.remove_prefix(1);
+    const std::string_view item = query.substr(0, query.find('&'));
+    query.remove_prefix(item.size());
+    if (item.starts_with(name) && item.substr(name.size()).starts_with('=')) {
+      return link::PercentDecoded(item.substr(name.size() + 1));
+    }
+  }
+  return {};
+}
+
+/// Its size is ours; nothing for one that is no number.
+std::int32_t PageSizeIn(const std::string& target) {
+  const std::string text = ValueIn(target, "pageSize");
+  std::int32_t size = 0;
+  std::from_chars(text.data(), text.data() + text.size(), size);
+  return size;
+}
+
+v1::ListAuditRequest AuditQuestion(const std::string& target) {
+  v1::ListAuditRequest request;
+  if (const auto from = FromRfc3339(ValueIn(target, "from"))) {
+    *request.mutable_from() = view::ToTimestamp(*from);
+  }
+  if (const auto until = FromRfc3339(ValueIn(target, "to"))) {
+    *request.mutable_to() = view::ToTimestamp(*until);
+  }
+  request.set_order_by(ValueIn(target, "orderBy"));
+  request.set_page_size(PageSizeIn(target));
+  request.set_page_token(ValueIn(target, "pageToken"));
+  request.set_who(ValueIn(target, "who"));
+  request.set_action(ValueIn(target, "action"));
+  request.set_target(ValueIn(target, "target"));
+  return request;
+}
+
 }  // namespace
 
 struct StoreDesk::Parts {
   SystemClock clock;
   log::Logger logger{std::make_unique<NoLines>(), clock, log::Format::kText, log::Level::kError};
   std::unique_ptr<storage::AccessStore> store;
+  std::unique_ptr<storage::Reader> reader;
   std::unique_ptr<admin::SharedStore> shared;
   admin::AuditTrail audit{logger};
   std::unique_ptr<Commands> commands;
@@ -78,9 +125,18 @@ absl::StatusOr<std::unique_ptr<StoreDesk>> StoreDesk::Open(const std::string& co
       OpenAccess(read.readable->store.url, read.readable->store.password_file, parts->clock);
   if (!store.ok()) return store.status();
   parts->store = *std::move(store);
+  auto reader =
+      OpenReader(read.readable->store.url, read.readable->store.password_file, parts->clock);
+  if (!reader.ok()) return reader.status();
+  parts->reader = *std::move(reader);
   parts->shared = std::make_unique<admin::SharedStore>(*parts->store);
-  parts->commands = std::make_unique<Commands>(
-      Commands::Context{.clock = parts->clock, .store = *parts->shared, .audit = parts->audit});
+  parts->commands = std::make_unique<Commands>(Commands::Context{
+      .clock = parts->clock,
+      .store = *parts->shared,
+      .audit = parts->audit,
+      .rows_of_audit = [&rows = *parts->reader](const storage::AuditQuery& query) {
+        return rows.Audit(query);
+      }});
   return std::unique_ptr<StoreDesk>(new StoreDesk(std::move(parts)));
 }
 
@@ -90,13 +146,11 @@ std::optional<link::HttpAnswer> StoreDesk::Answer(const std::string& target,
   const std::string path = target.substr(0, target.find('?'));
   std::optional<link::HttpAnswer> answer;
   if (json == nullptr) {
+    if (path == "/api/v1/audit") return AnswerOf(commands.ListAudit(AuditQuestion(target)));
     if (path != "/api/v1/certificates/revocations") return std::nullopt;
     v1::ListRevocationsRequest request;
-    request.set_page_size(storage::kPageSizeMax);
-    // It is the last one, and of digits.
-    constexpr std::string_view kToken = "pageToken=";
-    const std::size_t token = target.find(kToken);
-    if (token != std::string::npos) request.set_page_token(target.substr(token + kToken.size()));
+    request.set_page_size(PageSizeIn(target));
+    request.set_page_token(ValueIn(target, "pageToken"));
     return AnswerOf(commands.ListRevocations(request));
   }
   if (path == "/api/v1/robot/block") answer = Do(commands, *json, &Commands::BlockRobot);

@@ -25,6 +25,7 @@ List Audit() {
                        "uplinkctl audit list --action certificate_revoke"},
           .of_fleet = false,
           .of_robots = false,
+          .of_store = true,
           .grows_by = "at"};
 }
 
@@ -45,6 +46,7 @@ List Revoked() {
           .of_fleet = false,
           .of_robots = false,
           .in_time = false,
+          .of_store = true,
           .limit = 1000};
 }
 

@@ -125,7 +125,8 @@ int WithServer(const ServerFlags& flags, const Work& work) {
       choice->url.prefix, choice->source,
       [&](const std::string& target, const std::string& json) {
         return fallback.Or(client.Send(target, json), target, &json);
-      });
+      },
+      [](std::chrono::seconds time) { std::this_thread::sleep_for(time); });
   if (ShowsToken(*server)) {
     screen.note(fmt::format("the network can read the token on its way to {}; is there https?",
                             ToText(choice->url)));

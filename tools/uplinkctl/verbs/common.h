@@ -26,6 +26,9 @@ struct CommonFlags {
 /// What --config means where a server is asked.
 inline constexpr const char* kConfigOfServer =
     "Which server: by its configuration file, which says where it listens";
+/// The same where its store answers too.
+inline constexpr const char* kConfigOfStore =
+    "Which server: by its configuration file. If none answers, its store does";
 /// Adds --token-file, --ca-file, --certificate-file and --key-file.
 void AddAccessFlags(config::Flags& verb, AccessFiles& files);
 /// Adds --server, --context, --config and those of AddAccessFlags.

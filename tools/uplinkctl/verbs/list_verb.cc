@@ -110,7 +110,7 @@ void AddList(config::Flags& noun, const List& list) {
   verb.Add({"--limit", "Rows at most"}, flags->limit, {1, static_cast<double>(list.limit_max)});
   AddOutputFlags(verb, flags->common, true);
   if (list.in_time) AddTimes(verb, *flags);
-  AddServerFlags(verb, flags->common.server);
+  AddServerFlags(verb, flags->common.server, list.of_store ? kConfigOfStore : kConfigOfServer);
   for (const std::string_view example : list.examples) verb.Example(std::string(example));
 }
 

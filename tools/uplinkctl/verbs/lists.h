@@ -54,6 +54,8 @@ struct List {
   bool of_robots = true;
   /// It takes --since, --until and --oldest.
   bool in_time = true;
+  /// The store of --config answers where no server does.
+  bool of_store = false;
   /// A robot must be named, by position.
   bool of_one_robot = false;
   /// The member by which its rows are in order, if a row that is there stays as it is: --follow

@@ -1,10 +1,12 @@
 #include "server/admin/audit_trail.h"
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -83,12 +85,33 @@ TEST_F(AuditTrailTest, LosesTheOldestOfTooManyAndSaysSo) {
 }
 
 TEST_F(AuditTrailTest, LeavesOutRefusalsOverTheirBoundAndSaysHowMany) {
-  for (int i = 0; i < kRefusedPerMinuteMax + 5; ++i) trail_.NoteRefused(Row("a"));
+  for (int i = 0; i < kRefusedPerMinuteMax + 5; ++i) {
+    storage::AuditRow row = Row("a");
+    row.who = std::to_string(i);
+    trail_.NoteRefused(std::move(row));
+  }
   EXPECT_EQ(trail_.waiting(), static_cast<std::size_t>(kRefusedPerMinuteMax));
   clock_.Advance(std::chrono::minutes(1));
   trail_.NoteRefused(Row("b"));
   trail_.Flush(shared_);
   EXPECT_EQ(Audit().back().detail, "5 more before it. ");
+}
+
+TEST_F(AuditTrailTest, ACallerThatIsRefusedAgainAndAgainHidesNoOther) {
+  storage::AuditRow noisy = Row("a");
+  noisy.who = "noisy";
+  for (int i = 0; i < 10 * kRefusedPerMinuteMax; ++i) trail_.NoteRefused(noisy);
+  EXPECT_EQ(trail_.waiting(), kRefusedOfCallerMax);
+  storage::AuditRow other = Row("b");
+  other.who = "other";
+  trail_.NoteRefused(other);
+  EXPECT_EQ(trail_.waiting(), kRefusedOfCallerMax + 1);
+  trail_.Flush(shared_);
+  EXPECT_EQ(Audit().back().who, "other");
+  EXPECT_EQ(Audit().back().detail, "980 more before it. ");
+  clock_.Advance(std::chrono::minutes(1));
+  trail_.NoteRefused(noisy);
+  EXPECT_EQ(trail_.waiting(), 1U) << "a new minute";
 }
 
 TEST(AuditActions, ThePageHasEachOne) {

@@ -1,5 +1,8 @@
 #include "server/admin/commands.h"
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "server/admin/actions.h"
+#include "server/admin/command_rate.h"
+#include "server/limits/policies.h"
 #include "tests/support/fake_access_store.h"
 #include "tests/support/fake_database.h"
 #include "tests/support/fake_reader.h"
@@ -70,6 +75,7 @@ class CommandsTest : public ::testing::Test {
   AuditTrail trail_{logger_};
   int changes_ = 0;
   storage::AuditQuery asked_;
+  std::string only_calls_;
   const Asker local_ = AskerOf(identity::LocalCaller(), "");
   Commands commands_{{.clock = clock_,
                       .store = shared_,
@@ -80,6 +86,7 @@ class CommandsTest : public ::testing::Test {
                             return testing::FakeReader(database_).Audit(query);
                           },
                       .fleet_of = FleetOf,
+                      .only_calls = [this](std::string_view ruri) { return ruri == only_calls_; },
                       .changed = [this] { ++changes_; },
                       .reload = {}}};
 };
@@ -98,6 +105,27 @@ TEST_F(CommandsTest, BlocksARobotOfItsScopeAndTellsIt) {
   EXPECT_EQ(row.outcome, "ok");
   EXPECT_EQ(row.detail, "stolen");
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("info audit who=1f2e3d4c")));
+}
+
+TEST_F(CommandsTest, DisconnectsNoTwinAndNoDroneAndNamesTheWay) {
+  const auto disconnect = [this](const std::string& ruri, const Asker& asker) {
+    v1::DisconnectRobotRequest request;
+    request.set_ruri(ruri);
+    return commands_.DisconnectRobot(asker, request);
+  };
+  EXPECT_TRUE(disconnect(kNorth, local_).ok());
+  only_calls_ = kNorth;
+  for (const std::string& ruri :
+       {std::string(kNorth), std::string("rcan://local.rcan/cyberwave/twin/"
+                                         "11111111-2222-4333-8444-555555555555")}) {
+    const absl::StatusOr<v1::RobotSetting> refused = disconnect(ruri, local_);
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition) << ruri;
+    EXPECT_THAT(TextOf(refused), HasSubstr("block it"));
+    EXPECT_EQ(LastRow().outcome, "FAILED_PRECONDITION");
+  }
+  only_calls_ = kSouth;
+  EXPECT_EQ(disconnect(kSouth, OfNorth()).status().code(), absl::StatusCode::kNotFound)
+      << "out of scope";
 }
 
 TEST_F(CommandsTest, AnswersARobotOutOfScopeAsAnUnknownOne) {
@@ -209,6 +237,48 @@ TEST_F(CommandsTest, RevokesByEachOfThreeNames) {
   ASSERT_TRUE(list.ok()) << list.status();
   ASSERT_EQ(list->revocations_size(), 1);
   EXPECT_EQ(list->revocations(0).serial(), "0ABC");
+}
+
+TEST_F(CommandsTest, WritesNothingOfWhatIsSoAlready) {
+  ASSERT_TRUE(Block(OfNorth(), kNorth).ok());
+  v1::RevokeCertificateRequest key;
+  key.set_key_sha256(std::string(64, 'a'));
+  ASSERT_TRUE(commands_.RevokeCertificate(local_, key).ok());
+  const std::size_t lines = lines_.size();
+  const storage::AccessVersion before = *store_.Version();
+  const auto again = Block(OfNorth(), kNorth);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(again->blocked());
+  EXPECT_EQ(again->blocked_by(), "1f2e3d4c");
+  EXPECT_EQ(commands_.RevokeCertificate(local_, key)->key_sha256(), key.key_sha256());
+  v1::NoteRobotRequest note;
+  note.set_ruri(kNorth);
+  note.set_note("");
+  EXPECT_TRUE(commands_.NoteRobot(local_, note).ok());
+  EXPECT_EQ(*store_.Version(), before);
+  EXPECT_EQ(changes_, 2);
+  EXPECT_EQ(lines_.size(), lines);
+  EXPECT_EQ(LastRow().action, kCertificateRevoke);
+}
+
+TEST_F(CommandsTest, ACallerWhoFloodsIsRefusedAndNoOther) {
+  constexpr const auto& kShare = limits::PolicyOf(limits::PolicyId::kCommandsOfCaller);
+  for (std::uint64_t i = 0; i < kShare.at_once; ++i) {
+    ASSERT_TRUE(Block(OfNorth(), kNorth).ok()) << i;
+  }
+  const absl::Status over = Block(OfNorth(), kNorth).status();
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(std::string(over.message()),
+            "a caller may give 5 commands about robots per second, 20 at once");
+  EXPECT_EQ(RetryAfterOf(over), std::chrono::seconds(1));
+  EXPECT_EQ(LastRow().outcome, "RESOURCE_EXHAUSTED");
+  EXPECT_TRUE(Block(local_, kNorth).ok()) << "another caller";
+  v1::RevokeCertificateRequest key;
+  key.set_key_sha256(std::string(64, 'a'));
+  EXPECT_TRUE(commands_.RevokeCertificate(OfNorth(), key).ok()) << "a share of its own";
+  clock_.Advance(std::chrono::seconds(1));
+  for (std::uint64_t i = 0; i < kShare.most; ++i) EXPECT_TRUE(Block(OfNorth(), kNorth).ok());
+  EXPECT_FALSE(Block(OfNorth(), kNorth).ok());
 }
 
 TEST_F(CommandsTest, RefusesARevocationThatNamesNoneOrTwo) {

@@ -1,6 +1,7 @@
 // Twins that operators blocked, or did not add: their messages are acked, counted and dropped.
 #include <span>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,6 +31,10 @@ class BlockedTest : public ::testing::Test {
   ~BlockedTest() override { EXPECT_TRUE(bench_.ledger.Read().messages.Balanced()); }
 
   void Rule(const fleet::EntryRules& rules) { bench_.fleet.entry().Set(rules, settings_); }
+  void StoreIsRead() {
+    bench_.fleet.odd_fleets().SetRead();
+    settings_.SetRead();
+  }
   void Apply(storage::RobotSetting setting) {
     setting.ruri = RuriOf(kTwin);
     setting.version = ++version_;
@@ -78,6 +83,22 @@ TEST_F(BlockedTest, ABlockEndsTheStreamOnceWhatItTookIsStored) {
   EXPECT_THAT(Events(), SizeIs(1));
 }
 
+TEST_F(BlockedTest, ABlockEndsTheConnectionThatWasOpenAndNoneBegins) {
+  constexpr const char* kOfSession =
+      R"({"source_type":"edge","session_id":"s1","position":{"x":1,"y":2,"z":3}})";
+  Publish("position", kOfSession, 11);
+  bench_.Run();
+  EXPECT_THAT(bench_.kept.begun(), SizeIs(1));
+  Apply({.blocked = true});
+  bench_.Look();
+  Publish("position", kOfSession, 12);
+  const std::vector<storage::ConnectionItem> ended = bench_.kept.ended();
+  ASSERT_THAT(ended, SizeIs(1));
+  EXPECT_EQ(ended[0].ended->why, model::ConnectionEnd::kRefused);
+  EXPECT_EQ(ended[0].ended->detail, "blocked");
+  EXPECT_THAT(bench_.kept.begun(), SizeIs(1));
+}
+
 TEST_F(BlockedTest, AnotherTwinNoticesNothing) {
   Apply({.blocked = true});
   EXPECT_EQ(bench_.Publish(Bench::Of("position", kOtherTwin), kPosition), Processed::kDone);
@@ -105,7 +126,7 @@ TEST_F(BlockedTest, TakingTopicsOverOpensNoStreamOfABlockedTwin) {
 
 TEST_F(BlockedTest, WhereRegistrationIsClosedANewTwinMustBeAdded) {
   Rule({.only_registered = true});
-  bench_.fleet.odd_fleets().SetRead();
+  StoreIsRead();
   Publish("telemetry", Bench::Event(1), 11);
   EXPECT_THAT(bench_.Acked(), ElementsAre(11U));
   EXPECT_EQ(bench_.Count(Became::kBlocked), 1U);
@@ -115,6 +136,56 @@ TEST_F(BlockedTest, WhereRegistrationIsClosedANewTwinMustBeAdded) {
   Publish("telemetry", Bench::Event(2), 12);
   bench_.Run();
   EXPECT_EQ(bench_.Count(Became::kStored), 1U);
+}
+
+TEST_F(BlockedTest, ATwinThatCameBeforeTheStoreWasReadIsDroppedOnceItIs) {
+  Rule({.only_registered = true});
+  Publish("telemetry", Bench::Event(1), 11);
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), IsEmpty()) << "no one can tell yet";
+  StoreIsRead();
+  static_cast<void>(bench_.fleet.Sweep(std::chrono::hours(1)));
+  bench_.Run();
+  EXPECT_EQ(bench_.streams.size(), 0U);
+  EXPECT_TRUE(bench_.commits.TakeFenced()) << "the broker delivers it again";
+  EXPECT_THAT(bench_.fleet.entry().candidates().All(), SizeIs(1));
+  Publish("telemetry", Bench::Event(1), 12);
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ElementsAre(12U));
+  EXPECT_EQ(bench_.Count(Became::kBlocked), 1U);
+  EXPECT_THAT(Events(), IsEmpty());
+  EXPECT_THAT(bench_.store.Robots(10).value(), IsEmpty());
+}
+
+TEST_F(BlockedTest, DeliveriesAgainAndRetainedMessagesOfABlockedTwinAreAckedAndKeptNowhere) {
+  Apply({.blocked = true});
+  const std::string topic = Bench::Of("telemetry");
+  EXPECT_EQ(bench_.Publish(topic, Bench::Event(1), {.id = 1, .handle = 11}), Processed::kDone);
+  EXPECT_EQ(bench_.Publish(topic, Bench::Event(1), {.id = 1, .dup = true, .handle = 12}),
+            Processed::kDone);
+  EXPECT_EQ(bench_.Publish(topic, Bench::Event(2), {.id = 2, .retained = true, .handle = 13}),
+            Processed::kDone);
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ::testing::UnorderedElementsAre(11U, 12U, 13U));
+  EXPECT_EQ(bench_.Count(Became::kBlocked), 1U);
+  EXPECT_EQ(bench_.Count(Became::kDuplicate), 1U);
+  EXPECT_EQ(bench_.Count(Became::kIgnored), 1U);
+  EXPECT_THAT(Events(), IsEmpty());
+}
+
+TEST_F(BlockedTest, ADeliveryAgainOfWhatWasTakenBeforeTheBlockIsStoredOnce) {
+  const std::string topic = Bench::Of("telemetry");
+  EXPECT_EQ(bench_.Publish(topic, Bench::Event(1), {.id = 1, .handle = 11}), Processed::kDone);
+  Apply({.blocked = true});
+  EXPECT_EQ(bench_.Publish(topic, Bench::Event(1), {.id = 1, .dup = true, .handle = 12}),
+            Processed::kDone);
+  bench_.Run();
+  EXPECT_THAT(bench_.Acked(), ElementsAre(12U)) << "by its last delivery";
+  EXPECT_EQ(bench_.Count(Became::kStored), 1U);
+  EXPECT_EQ(bench_.Count(Became::kDuplicate), 1U);
+  EXPECT_EQ(bench_.Count(Became::kBlocked), 0U);
+  EXPECT_THAT(Events(), SizeIs(1));
+  EXPECT_EQ(bench_.streams.size(), 0U);
 }
 
 }  // namespace

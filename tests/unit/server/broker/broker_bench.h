@@ -20,6 +20,7 @@
 #include "server/log/rate_limited.h"
 #include "tests/support/fake_leases.h"
 #include "tests/support/fake_store.h"
+#include "tests/support/kept_connections.h"
 #include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 
@@ -70,7 +71,8 @@ class Bench {
                  .twins = twins,
                  .inbox = wakes_,
                  .fleet_name = "arms",
-                 .random = [this] { return ++drawn_ * 0x9E3779B97F4A7C15ULL + process_[0]; }}),
+                 .random = [this] { return ++drawn_ * 0x9E3779B97F4A7C15ULL + process_[0]; },
+                 .reports = &kept.reports()}),
         commits({.streams = streams,
                  .ledger = ledger,
                  .probe = probe,
@@ -182,6 +184,7 @@ class Bench {
   [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
 
   testing::ManualClock clock;
+  testing::KeptConnections kept{clock};
 
  private:
   const storage::ProcessId process_;

@@ -25,7 +25,11 @@ class EntryTest : public ::testing::Test {
   EntryTest() { Rule({}); }
 
   void Rule(const EntryRules& rules) { fleet_.entry().Set(rules, settings_); }
-  void StoreIsRead() { fleet_.odd_fleets().SetRead(); }
+  void StoreIsRead() {
+    fleet_.odd_fleets().SetRead();
+    settings_.SetRead();
+  }
+  void Sweep() { static_cast<void>(fleet_.Sweep(std::chrono::hours(1))); }
   void Apply(storage::RobotSetting setting) {
     setting.ruri = kRobot;
     setting.version = ++version_;
@@ -103,6 +107,58 @@ TEST_F(EntryTest, BeforeTheStoreWasReadAnyRobotMayBeKnown) {
   Rule({.only_registered = true});
   EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
   EXPECT_EQ(Come(Of("rcan://F/two")), Refusal::kRobotsUnread);
+}
+
+TEST_F(EntryTest, ARobotThatCameBeforeTheStoreWasReadIsJudgedOnceItIs) {
+  Rule({.only_registered = true});
+  const RobotPtr robot = fleet_.FindOrAdmitBy(Of(kRobot, "f", Grant::kNamed)).robot;
+  ASSERT_NE(robot, nullptr);
+  robot->SetSpeaker("CN=hall");
+  fleet_.odd_fleets().SetRead();
+  Sweep();
+  EXPECT_EQ(robot->registration(), robot::Registration::kUnjudged) << "it may have been added";
+  settings_.SetRead();
+  Sweep();
+  EXPECT_EQ(robot->registration(), robot::Registration::kRefused);
+  EXPECT_TRUE(robot->kept_out());
+  EXPECT_TRUE(robot->leaving());
+  ASSERT_THAT(fleet_.entry().candidates().All(), SizeIs(1));
+  EXPECT_EQ(fleet_.entry().candidates().All().front().gateway, "CN=hall");
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kNamed)), Refusal::kNotRegistered);
+  Apply({.registered = true});
+  EXPECT_EQ(Come(Of(kRobot, "f", Grant::kNamed)), Refusal::kNone);
+  EXPECT_EQ(robot->registration(), robot::Registration::kFits);
+  EXPECT_FALSE(robot->leaving());
+}
+
+TEST_F(EntryTest, ARobotOfTheStoreThatCameBeforeStays) {
+  Rule({.only_registered = true});
+  const RobotPtr robot = fleet_.FindOrAdmitBy(Of(kRobot)).robot;
+  EXPECT_EQ(robot->registration(), robot::Registration::kUnjudged);
+  const auto known = fleet_.AdmitNew({.ruri = kRobot, .fleet = "f"});
+  EXPECT_TRUE(known.ok() && *known == nullptr);
+  StoreIsRead();
+  Sweep();
+  EXPECT_EQ(robot->registration(), robot::Registration::kFits);
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone);
+  EXPECT_THAT(fleet_.entry().candidates().All(), IsEmpty());
+}
+
+TEST_F(EntryTest, ARobotThatWasAddedNeedsNoJudgement) {
+  Rule({.only_registered = true});
+  const RobotPtr later = fleet_.FindOrAdmitBy(Of(kRobot)).robot;
+  Apply({.registered = true});
+  EXPECT_EQ(fleet_.FindOrAdmitBy(Of(kRobot)).robot->registration(), robot::Registration::kFits);
+  settings_.Apply({{.ruri = "rcan://f/two", .registered = true, .version = 9}});
+  EXPECT_EQ(fleet_.FindOrAdmitBy(Of("rcan://f/two")).robot->registration(),
+            robot::Registration::kFits);
+  StoreIsRead();
+  Sweep();
+  EXPECT_FALSE(later->kept_out());
+}
+
+TEST_F(EntryTest, WhereRegistrationIsOpenNoRobotWaitsForTheStore) {
+  EXPECT_EQ(fleet_.FindOrAdmitBy(Of(kRobot)).robot->registration(), robot::Registration::kFits);
 }
 
 TEST_F(EntryTest, ATwinMustBeAddedLikeAnyRobot) {

@@ -1,3 +1,5 @@
+#include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,7 @@
 #include "server/admin/actions.h"
 #include "server/http/entrance.h"
 #include "server/http/routes.h"
+#include "server/limits/policies.h"
 #include "tests/support/server_world.h"
 
 // What operators decide, by POST.
@@ -88,6 +91,21 @@ TEST_F(HttpCommandsTest, NamesTheFieldThatIsWrong) {
   EXPECT_THAT(response.body, HasSubstr(R"("field":"ruri")"));
 }
 
+TEST_F(HttpCommandsTest, ACallerThatIsTooFastIsToldWhenToComeAgain) {
+  const std::string target = "/api/v1/robot/note?ruri=" + std::string(kNorth);
+  constexpr std::uint64_t kAtOnce = limits::PolicyOf(limits::PolicyId::kCommandsOfCaller).at_once;
+  for (std::uint64_t i = 0; i < kAtOnce; ++i) {
+    ASSERT_EQ(Post(target, R"({"note":"x"})").status, 200) << i;
+  }
+  const Response over = Post(target, R"({"note":"x"})");
+  EXPECT_EQ(over.status, 429);
+  EXPECT_EQ(over.retry_after, std::chrono::seconds(1));
+  EXPECT_THAT(over.body, HasSubstr("RESOURCE_EXHAUSTED"));
+  EXPECT_THAT(over.body, HasSubstr("5 commands about robots per second, 20 at once"));
+  EXPECT_THAT(world_.ScrapeText(), HasSubstr(R"(uplinkd_http_denied_total{why="rate"} 1)"));
+  EXPECT_EQ(Audit().size(), 2U) << "what changed something, and what was refused";
+}
+
 TEST_F(HttpCommandsTest, APathTakesOneMethod) {
   for (const Route& route : Routes()) {
     if (route.action.empty()) continue;
@@ -149,6 +167,15 @@ TEST_F(HttpCommandsTest, ABoundThatIsReachedIs409) {
   const Response response = Post("/api/v1/robot/block?ruri=" + std::string(kNorth));
   EXPECT_EQ(response.status, 409);
   EXPECT_THAT(response.body, HasSubstr("too many labels"));
+}
+
+TEST_F(HttpCommandsTest, ATwinHasNoStreamToDisconnect) {
+  const Response response = Post(
+      "/api/v1/robot/disconnect?ruri=rcan://local.rcan/cyberwave/twin/"
+      "11111111-2222-4333-8444-555555555555");
+  EXPECT_EQ(response.status, 409);
+  EXPECT_THAT(response.body, HasSubstr("FAILED_PRECONDITION"));
+  EXPECT_THAT(response.body, HasSubstr("block it"));
 }
 
 TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {

@@ -78,6 +78,34 @@ TEST_F(OpeningTest, SaysWhetherRecordsWait) {
   EXPECT_TRUE(opening_.Gather().records_wait);
 }
 
+TEST_F(OpeningTest, ARobotThatIsNotJudgedYetHoldsUpNoOther) {
+  robot_.SetRegistration(robot::Registration::kUnjudged);
+  Open(robot_);
+  Open(other_);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(other_.Told(), ElementsAre("opened 1"));
+  EXPECT_TRUE(opening_.Gather().opens);
+  EXPECT_EQ(opening_.Open(), Step::kFailed) << "it comes again after a pause";
+  EXPECT_TRUE(errors.last().ok());
+  EXPECT_THAT(robot_.Told(), IsEmpty());
+  robot_.SetRegistration(robot::Registration::kFits);
+  EXPECT_TRUE(opening_.Gather().opens);
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("opened 1"));
+}
+
+TEST_F(OpeningTest, ARefusedRobotIsToldAndGetsNoRow) {
+  robot_.SetRegistration(robot::Registration::kRefused);
+  Open(robot_);
+  static_cast<void>(opening_.Gather());
+  EXPECT_EQ(opening_.Open(), Step::kWorked);
+  EXPECT_THAT(robot_.Told(), ElementsAre("not registered"));
+  EXPECT_EQ(wakes_.wakes(1), 1);
+  EXPECT_EQ(store.opens(), 0U);
+  EXPECT_TRUE(inbox.idle());
+}
+
 TEST_F(OpeningTest, AFailedCallIsTriedAgainWithWhatCameMeanwhile) {
   Open(robot_, 1);
   store.FailNextOpens(1, FailAt::kBefore);

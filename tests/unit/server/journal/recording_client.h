@@ -60,6 +60,12 @@ class RecordingClient final : public robot::CommitClient {
     generation_.fetch_add(1);
     return Note("refused " + std::to_string(open_id) + ": of " + fleet);
   }
+  [[nodiscard]] robot::Registration registration() const override { return registration_.load(); }
+  void SetRegistration(robot::Registration registration) { registration_.store(registration); }
+  loop::StreamRef OnRefused(metrics::Ledger& /*ledger*/) override {
+    generation_.fetch_add(1);
+    return Note("not registered");
+  }
   loop::StreamRef OnClaimed(const storage::ClaimResult& result) override {
     if (result.other_fleet) return Note("of fleet " + *result.other_fleet);
     {
@@ -139,6 +145,7 @@ class RecordingClient final : public robot::CommitClient {
   std::vector<storage::ClaimResult> claims_;
   std::vector<storage::CommittedSession> committed_;
   std::atomic<bool> has_stream_{true};
+  std::atomic<robot::Registration> registration_{robot::Registration::kFits};
   mutable std::atomic<bool> away_once_{false};
 };
 

@@ -1,7 +1,10 @@
 #include "server/rpc/fleet_methods.h"
 
+#include <array>
+#include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,8 +18,11 @@
 #include "grpc/health/v1/health.pb.h"
 #include "grpc/reflection/v1/reflection.pb.h"
 #include "server/http/routes.h"
+#include "server/identity/token_line.h"
+#include "server/limits/policies.h"
 #include "server/rpc/health_calls.h"
 #include "server/rpc/reflection_call.h"
+#include "server/rpc/watch_call.h"
 #include "tests/support/server_world.h"
 #include "uplink/v1/admin.pb.h"
 #include "uplink/v1/fleet.pb.h"
@@ -27,6 +33,8 @@ namespace {
 using identity::Role;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+
+constexpr std::array<std::uint8_t, identity::kTokenRandomBytes> kRandom{7};
 
 /// A call as its handler sees it, without a wire.
 class FakeCall final : public transport::ServedCall {
@@ -119,7 +127,9 @@ class FleetMethodsTest : public ::testing::Test {
   }
 
   testing::ServerWorld world_;
-  http::Guard guard_{{world_.clock, world_.logger, world_.http_probe}, {.asks = false}};
+  std::shared_ptr<const http::Tokens> tokens_ = std::make_shared<const http::Tokens>();
+  http::Guard guard_{{world_.clock, world_.logger, world_.http_probe},
+                     {.asks = false, .tokens = [this] { return tokens_; }}};
   UnaryCalls calls_;
   bool takes_jobs_ = true;
   std::deque<std::function<void()>> jobs_;
@@ -189,6 +199,20 @@ TEST_F(FleetMethodsTest, CommandsAreThoseOfHttp) {
   EXPECT_EQ(ask(Of(Role::kOperator, "south")).status().code(), absl::StatusCode::kNotFound);
   note.clear_ruri();
   EXPECT_EQ(ask(Of(Role::kOperator)).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(FleetMethodsTest, CommandsThatComeTooFastAreRefused) {
+  v1::DisconnectRobotRequest robot;
+  robot.set_ruri("rcan://a");
+  const auto ask = [this, &robot] {
+    return Call<v1::RobotSetting>("/uplink.v1.FleetAdmin/DisconnectRobot", Of(Role::kOperator),
+                                  robot);
+  };
+  constexpr auto kAtOnce = limits::PolicyOf(limits::PolicyId::kCommandsOfCaller).at_once;
+  for (std::uint64_t i = 0; i < kAtOnce; ++i) ASSERT_TRUE(ask().ok()) << i;
+  const absl::Status over = ask().status();
+  EXPECT_EQ(over.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(over.message()), HasSubstr("5 commands about robots per second"));
 }
 
 TEST_F(FleetMethodsTest, RefusesAsHttpDoes) {
@@ -285,6 +309,66 @@ TEST_F(FleetMethodsTest, AWatchShowsRobotsAndTheirChanges) {
   EXPECT_EQ(world_.watches.size(), 1U);
   watch->OnDrain({});
   EXPECT_EQ(call.end->code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(FleetMethodsTest, AWatchShowsTheRobotsThatItNames) {
+  for (const auto& [ruri, shown] : {std::pair("rcan://a", 1U), std::pair("rcan://b", 0U)}) {
+    FakeCall call(Of(Role::kViewer, "north"));
+    const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
+    ASSERT_NE(watch, nullptr);
+    v1::WatchRobotsRequest request;
+    request.add_ruris(ruri);
+    request.add_ruris("rcan://never");
+    watch->OnMessage(request.SerializeAsString());
+    RunJobs(*watch);
+    ASSERT_EQ(call.written.size(), shown + 1) << ruri;
+    v1::RobotChange end;
+    ASSERT_TRUE(end.ParseFromString(call.written.back()));
+    EXPECT_EQ(end.snapshot_end().robots(), std::int64_t{shown});
+  }
+  FakeCall both(Of(Role::kViewer));
+  const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", both);
+  v1::WatchRobotsRequest request;
+  request.add_ruris("rcan://b");
+  watch->OnMessage(request.SerializeAsString());
+  RunJobs(*watch);
+  ASSERT_EQ(both.written.size(), 2U) << "of two robots one is named";
+  v1::RobotChange robot;
+  ASSERT_TRUE(robot.ParseFromString(both.written.front()));
+  EXPECT_EQ(robot.robot().ruri(), "rcan://b");
+}
+
+TEST_F(FleetMethodsTest, AWatchEndsOnceItsTokenIsRevoked) {
+  const identity::NewToken token = identity::MakeToken(kRandom);
+  const identity::TokenEntry entry{.id = identity::TokenIdOf(token.hash),
+                                   .role = Role::kViewer,
+                                   .scope = identity::Scope::Of({"north"}),
+                                   .hash = token.hash};
+  const auto table = identity::TokenTable::Parse(identity::LineOf(entry), "tokens");
+  ASSERT_TRUE(table.ok()) << table.status();
+  tokens_ = std::make_shared<const http::Tokens>(http::Tokens{*table, std::nullopt});
+  transport::CallerProof proof;
+  proof.authorization = "Bearer " + token.token;
+  FakeCall call(proof);
+  const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
+  ASSERT_NE(watch, nullptr) << *call.end;
+  watch->OnMessage("");
+  RunJobs(*watch);
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(watch->deadline(), world_.clock.Steady() + kCallerJudgedEvery);
+    world_.clock.Advance(kCallerJudgedEvery);
+    watch->OnTimer();
+    ASSERT_FALSE(call.end) << "its token counts";
+  }
+  tokens_ = std::make_shared<const http::Tokens>();
+  watch->OnTimer();
+  EXPECT_FALSE(call.end) << "not before it is judged again";
+  world_.clock.Advance(kCallerJudgedEvery);
+  watch->OnTimer();
+  ASSERT_TRUE(call.end);
+  EXPECT_EQ(call.end->code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_EQ(watch->deadline(), std::nullopt);
+  RunJobs(*watch);
 }
 
 TEST_F(FleetMethodsTest, AWatchThatEndsLeavesItsPlace) {

@@ -23,6 +23,10 @@ class OperatorTest : public SessionTest {
   }
 
   void Rule(const fleet::EntryRules& rules) { server().fleet().entry().Set(rules, settings_); }
+  void StoreIsRead() {
+    server().fleet().odd_fleets().SetRead();
+    settings_.SetRead();
+  }
   void Apply(storage::RobotSetting setting) {
     setting.ruri = kRobot;
     setting.version = ++version_;
@@ -103,12 +107,58 @@ TEST_F(OperatorTest, AnOldAskToDisconnectEndsNothing) {
 
 TEST_F(OperatorTest, WhereRegistrationIsClosedANewRobotIsRefusedAndBecomesACandidate) {
   Rule({.only_registered = true});
-  server().fleet().odd_fleets().SetRead();
+  StoreIsRead();
   EXPECT_THAT(server().Connect(SessionOf(1)).end(),
               HasSubstr("PERMISSION_DENIED: rcan://bench/1 is not registered"));
   EXPECT_THAT(server().fleet().entry().candidates().All(), SizeIs(1));
   Apply({.registered = true});
   EXPECT_EQ(server().Connect(SessionOf(1)).end(), "");
+}
+
+TEST_F(OperatorTest, ARobotThatCameBeforeTheStoreWasReadIsEndedOnceItIsUnlessItWasAdded) {
+  Rule({.only_registered = true});
+  BenchStream& stream = server().Connect(SessionOf(1));
+  server().Pass(kWelcomeWait);
+  stream.Send(BatchFrame({{1, Fault()}, {2, Motion()}}));
+  server().Commit();
+  EXPECT_EQ(stream.end(), "");
+  EXPECT_THAT(Stored(1), ::testing::IsEmpty()) << "it may be no robot of ours";
+  StoreIsRead();
+  static_cast<void>(server().fleet().Sweep(std::chrono::hours(1)));
+  server().Commit();
+  EXPECT_THAT(stream.end(), HasSubstr("PERMISSION_DENIED: rcan://bench/1 is not registered"));
+  EXPECT_THAT(Stored(1), ::testing::IsEmpty());
+  EXPECT_THAT(server().store().Robots(10).value(), ::testing::IsEmpty()) << "a restart forgets it";
+  EXPECT_THAT(server().fleet().entry().candidates().All(), SizeIs(1));
+  EXPECT_EQ(server().probe().refused_operator_total.value(), 1);
+  EXPECT_THAT(server().Connect(SessionOf(1)).end(), HasSubstr("is not registered"));
+  Apply({.registered = true});
+  BenchStream& again = server().Connect(SessionOf(1));
+  server().Commit();
+  again.Send(BatchFrame({{1, Fault()}}));
+  server().Commit();
+  EXPECT_EQ(again.end(), "");
+  EXPECT_THAT(Stored(1), ElementsAre(1));
+}
+
+TEST_F(OperatorTest, AKnownRobotThatCameBeforeTheStoreWasReadStreamsOn) {
+  Rule({.only_registered = true});
+  BenchStream& stream = server().Connect(SessionOf(1));
+  server().Pass(kWelcomeWait);
+  stream.Send(BatchFrame({{1, Fault()}}));
+  ASSERT_TRUE(server().fleet().AdmitNew({.ruri = std::string(kRobot), .fleet = "bench"}).ok());
+  StoreIsRead();
+  static_cast<void>(server().fleet().Sweep(std::chrono::hours(1)));
+  server().Commit();
+  EXPECT_EQ(stream.end(), "");
+  EXPECT_THAT(Stored(1), ElementsAre(1));
+}
+
+TEST_F(OperatorTest, ABlockThatIsReadLateEndsAStreamThatCameBefore) {
+  BenchStream& stream = server().Connect(SessionOf(1));
+  settings_.Replace({{.ruri = std::string(kRobot), .blocked = true, .version = 7}});
+  server().DeliverWakes();
+  EXPECT_EQ(stream.end(), kBlocked);
 }
 
 TEST_F(OperatorTest, WhereGatewaysMustNameTheirRobotsOneWithoutNamesIsRefused) {

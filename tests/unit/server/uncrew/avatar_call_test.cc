@@ -412,6 +412,29 @@ TEST_F(AvatarCallTest, ABlockedDroneIsRefusedAlsoWhereItsSampleWaits) {
   EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
 }
 
+TEST_F(AvatarCallTest, ADroneThatCameBeforeTheStoreWasReadIsRefusedOnceItIs) {
+  fleet::RobotSettings settings(1);
+  bench_.fleet().entry().Set({.only_registered = true}, settings);
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 1 }").End(), "APPLIED");
+  FakeCall& waits = bench_.Call(SampleType::kStatusText, kText);
+  bench_.Commit();
+  EXPECT_EQ(waits.End(), "waits") << "for the claim";
+  bench_.fleet().odd_fleets().SetRead();
+  settings.SetRead();
+  static_cast<void>(bench_.fleet().Sweep(std::chrono::hours(1)));
+  bench_.Commit();
+  EXPECT_EQ(waits.End(), "PERMISSION_DENIED");
+  EXPECT_THAT(std::string(waits.status().message()), HasSubstr("is not registered"));
+  EXPECT_EQ(bench_.Call(SampleType::kHeading, "heading { heading_deg: 2 }").End(),
+            "PERMISSION_DENIED");
+  EXPECT_EQ(bench_.counts().blocked, 1U);
+  EXPECT_TRUE(bench_.counts().Balanced());
+  EXPECT_EQ(bench_.fleet().entry().candidates().All().size(), 1U);
+  EXPECT_TRUE(bench_.store().Robots(10).value().empty());
+  settings.Apply({{.ruri = AvatarBench::Drone("1").ruri, .registered = true, .version = 1}});
+  EXPECT_EQ(Committed(SampleType::kStatusText, kText), "STORED");
+}
+
 TEST_F(AvatarCallTest, AGatewayWithoutNamesIsRefusedAlsoForADroneThatCalls) {
   const fleet::RobotSettings settings(1);
   bench_.fleet().entry().Set({.only_named = true}, settings);

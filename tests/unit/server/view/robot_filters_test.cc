@@ -221,6 +221,7 @@ TEST_F(RobotFiltersTest, ByCertificatesOfConnectionsThatAreOpen) {
   for (const std::string& ruri : {kRover, kArm, twin_ruri_, kDrone}) {
     Connect(Find(ruri), "1", soon);
     EXPECT_EQ(Shown(ruri).certificate_not_after().seconds(), UnixMs(soon) / 1000);
+    EXPECT_EQ(Shown(ruri).certificate_days_left(), 1);
   }
   EXPECT_THAT(FoundBy({.certificate_expires_before = soon}), IsEmpty());
   const SystemTime later = soon + milliseconds(1);
@@ -228,6 +229,9 @@ TEST_F(RobotFiltersTest, ByCertificatesOfConnectionsThatAreOpen) {
   Find(kArm).agent.End({});
   EXPECT_EQ(FoundBy({.certificate_expires_before = later}).size(), 3U);
   EXPECT_EQ(Shown(kArm).agent_version(), "1") << "the last one that is known";
+  EXPECT_FALSE(Shown(kArm).has_certificate_days_left());
+  clock_.Advance(std::chrono::hours(25));
+  EXPECT_EQ(Shown(kRover).certificate_days_left(), -1) << "it has expired";
 }
 
 TEST_F(RobotFiltersTest, ByWhatIsHeldBack) {

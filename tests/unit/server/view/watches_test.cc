@@ -1,6 +1,8 @@
 #include "server/view/watches.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,7 +14,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/log/rate_limited.h"
 #include "server/robot/live_bytes.h"
+#include "tests/support/kept_lines.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/records.h"
 #include "tests/support/server_world.h"
@@ -21,7 +25,9 @@ namespace uplink::view {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 const std::string kRover = "rcan://example.org/acme/rover/1.0/rover-1";
 const std::string kArm = "rcan://example.org/acme/arm/2.0/arm-1";
@@ -88,7 +94,11 @@ class WatchesTest : public ::testing::Test {
                     .streams = world_.sessions.streams,
                     .version = "9.9.9"}};
   WatchProbe probe_;
-  Watches watches_{{.clock = clock_, .fleet = fleet_, .queries = queries_, .probe = probe_}};
+  std::vector<std::string> lines_;
+  log::Logger logger_{std::make_unique<testing::KeptLines>(lines_), clock_, log::Format::kText,
+                      log::Level::kInfo};
+  Watches watches_{
+      {.clock = clock_, .fleet = fleet_, .queries = queries_, .probe = probe_, .logger = logger_}};
 };
 
 TEST_F(WatchesTest, ShowASnapshotThenWhatChanges) {
@@ -106,6 +116,30 @@ TEST_F(WatchesTest, ShowASnapshotThenWhatChanges) {
   EXPECT_EQ(*reader.woken, 1);
   EXPECT_THAT(reader.TakeAll(), ElementsAre("+" + kRover));
   EXPECT_EQ(reader.shown[kRover]->view().glance.vitals.battery_percent, 40);
+}
+
+TEST_F(WatchesTest, SayWhoseEndedWhyAndAfterWhat) {
+  Admit(kRover);
+  Reader reader = Begin({.caller = "token 1f2e3d4c"});
+  reader.TakeAll();
+  clock_.Advance(std::chrono::seconds(7));
+  reader.watch.reset();
+  ASSERT_THAT(lines_, SizeIs(1));
+  EXPECT_THAT(lines_[0], HasSubstr("info watch_ended who=\"token 1f2e3d4c\" why=left seconds=7 "
+                                   "changes=2"));
+  Reader denied = Begin();
+  denied.watch->NoteEnd(WatchEnd::kDenied);
+  denied.watch.reset();
+  EXPECT_THAT(lines_.back(), HasSubstr("why=denied"));
+  Reader last = Begin();
+  watches_.Stop();
+  last.watch.reset();
+  EXPECT_THAT(lines_.back(), HasSubstr("why=stop"));
+}
+
+TEST_F(WatchesTest, SayOfManyEndsAFew) {
+  for (std::uint32_t i = 0; i < 2 * log::RateLimited::kLinesMax; ++i) Begin().watch.reset();
+  EXPECT_THAT(lines_, SizeIs(log::RateLimited::kLinesMax));
 }
 
 TEST_F(WatchesTest, ShowARobotThatCameAndTellWhichLeft) {

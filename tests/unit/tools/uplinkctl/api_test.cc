@@ -89,6 +89,37 @@ TEST(Api, ARefusedCallerIsToldWhatToShow) {
   EXPECT_THAT(Words(stranger), HasSubstr("of the test. --ca-file FILE names"));
 }
 
+constexpr const char* kTooFast =
+    R"({"error":{"code":"RESOURCE_EXHAUSTED","message":"a caller may give 5 at once"}})";
+
+TEST(Api, ACommandThatComesTooFastIsSentAgain) {
+  FakeServer server;
+  server.Answer(429, kTooFast, "1");
+  server.Answer(429, kTooFast, "3");
+  server.Answer(200, R"({"ruri":"rcan://a"})");
+  Api api = server.MakeApi();
+  const auto answer = api.Post("/x", {{"ruri", "rcan://a"}});
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(server.waited, std::chrono::seconds(4));
+  EXPECT_EQ(server.sent, std::vector<std::string>(3, R"({"ruri":"rcan://a"})"));
+}
+
+TEST(Api, ACommandIsSentAgainSoOftenAndNotAfterALongTime) {
+  FakeServer server;
+  for (int i = 0; i < kCommandTriesMax; ++i) server.Answer(429, kTooFast, "1");
+  Api api = server.MakeApi();
+  const absl::Status over = api.Post("/x", {}).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(over));
+  EXPECT_EQ(Words(over), "a caller may give 5 at once; try again in 1 s");
+  EXPECT_EQ(server.sent.size(), static_cast<std::size_t>(kCommandTriesMax));
+  for (const char* const later : {"60", "", "soon", "-1"}) {
+    FakeServer other;
+    other.Answer(429, kTooFast, later);
+    EXPECT_TRUE(absl::IsResourceExhausted(other.MakeApi().Post("/x", {}).status())) << later;
+    EXPECT_EQ(other.sent.size(), 1U) << later;
+  }
+}
+
 TEST(Api, AnAnswerThatIsNotOursIsNamedSo) {
   FakeServer server;
   server.Answer(200, "<html>\x1b[2J</html>");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <utility>
@@ -21,18 +22,27 @@ class FakeServer {
   void Fail(absl::Status status) { answers_.emplace_back(std::move(status)); }
 
   [[nodiscard]] Api MakeApi(std::string prefix = "") {
-    return {[this](const std::string& target) -> absl::StatusOr<link::HttpAnswer> {
-              asked.push_back(target);
-              if (asked.size() > answers_.size())
-                return absl::UnavailableError("no answer is left");
-              return answers_[asked.size() - 1];
+    return {[this](const std::string& target) { return Next(target); }, std::move(prefix),
+            "that of the test",
+            [this](const std::string& target, const std::string& json) {
+              sent.push_back(json);
+              return Next(target);
             },
-            std::move(prefix), "that of the test"};
+            [this](std::chrono::seconds time) { waited += time; }};
   }
 
   std::vector<std::string> asked;
+  /// Bodies of commands.
+  std::vector<std::string> sent;
+  std::chrono::seconds waited{0};
 
  private:
+  absl::StatusOr<link::HttpAnswer> Next(const std::string& target) {
+    asked.push_back(target);
+    if (asked.size() > answers_.size()) return absl::UnavailableError("no answer is left");
+    return answers_[asked.size() - 1];
+  }
+
   std::vector<absl::StatusOr<link::HttpAnswer>> answers_;
 };
 
