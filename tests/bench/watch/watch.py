@@ -42,11 +42,13 @@ def watch_until(stop, address, targets, read):
             connection.request("GET", target, headers={"Accept": "text/event-stream"})
             # The socket is read by hand, from the answer's first byte on.
             ready.register(connection.sock, selectors.EVENT_READ)
+        last = {}
         while not stop.is_set():
             for key, _ in ready.select(0.1):
                 part = key.fileobj.recv(READ_BYTES)
                 if not part:
-                    raise SystemExit("the server ended a watch")
+                    raise SystemExit(f"the server ended a watch: {last[key.fd]}")
+                last[key.fd] = part[-300:]
                 read.value += len(part)
 
 
@@ -86,7 +88,8 @@ def look(server):
 
 def play(arguments, watched):
     """Figures of one run."""
-    settings = f"[limits]\nrobots_max = {arguments.robots + 100}\n[http]\nconnections_max = {arguments.watchers + 64}\n"
+    # Watches may take half of the connections.
+    settings = f"[limits]\nrobots_max = {arguments.robots + 100}\n[http]\nconnections_max = {2 * arguments.watchers + 64}\n"
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as things:
         server = Server(pathlib.Path(folder), settings).start()
         things.callback(server.close)
