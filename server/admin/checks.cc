@@ -1,6 +1,7 @@
 #include "server/admin/checks.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -113,6 +114,15 @@ absl::StatusOr<std::uint32_t> PageSizeOf(std::int32_t page_size) {
     return static_cast<std::uint32_t>(page_size);
   }
   return Wrong("pageSize", fmt::format("must be a number from 1 to {}", storage::kPageSizeMax));
+}
+
+std::optional<storage::AccessVersion> VersionOf(const std::string& token) {
+  storage::AccessVersion version = 0;
+  if (token.empty()) return version;
+  const char* const end = token.data() + token.size();
+  const auto [read, error] = std::from_chars(token.data(), end, version);
+  if (error != std::errc() || read != end) return std::nullopt;
+  return version;
 }
 
 template <typename Request>

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,8 @@ namespace uplink::admin {
     const google::protobuf::Map<std::string, std::string>& labels);
 /// `field`, within 1 to kPageSizeMax; 0 is kPageSizeDefault.
 [[nodiscard]] absl::StatusOr<std::uint32_t> PageSizeOf(std::int32_t page_size);
+/// The version in a page's token, 0 in an empty one; nothing if it is none.
+[[nodiscard]] std::optional<storage::AccessVersion> VersionOf(const std::string& token);
 
 /// The one thing that a request names, as the store keeps it: hexadecimal is taken in any case, and
 /// with colons.

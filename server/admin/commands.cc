@@ -1,6 +1,5 @@
 #include "server/admin/commands.h"
 
-#include <charconv>
 #include <map>
 #include <utility>
 #include <vector>
@@ -33,16 +32,6 @@ std::string DetailOf(const v1::NoteRobotRequest& request) {
   }
   if (request.has_note()) add("note: " + request.note());
   return text;
-}
-
-/// The version in a page's token; nothing if it is none.
-std::optional<storage::AccessVersion> VersionOf(const std::string& token) {
-  storage::AccessVersion version = 0;
-  if (token.empty()) return version;
-  const char* const end = token.data() + token.size();
-  const auto [read, error] = std::from_chars(token.data(), end, version);
-  if (error != std::errc() || read != end) return std::nullopt;
-  return version;
 }
 
 std::optional<SystemTime> TimeOf(bool has, const google::protobuf::Timestamp& time) {
