@@ -58,14 +58,14 @@ class ListedAccess final : public storage::AccessStore {
     revocations.back().version = ++version;
     return true;
   }
-  absl::StatusOr<storage::RobotSetting> Change(const storage::SettingChange& change,
-                                               const storage::AuditRow& /*audit*/) override {
+  absl::StatusOr<storage::ChangedSetting> Change(const storage::SettingChange& change,
+                                                 const storage::AuditRow& /*audit*/) override {
     storage::RobotSetting setting;
     setting.ruri = change.ruri;
     setting.blocked = change.blocked.value_or(false);
     setting.version = ++version;
     settings.push_back(setting);
-    return setting;
+    return storage::ChangedSetting{.setting = setting, .changed = true};
   }
   absl::Status Acknowledge(const storage::Acknowledgement& /*fault*/,
                            const storage::AuditRow& /*audit*/) override {
