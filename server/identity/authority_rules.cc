@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
 #include <fmt/format.h>
 #include <openssl/crypto.h>
@@ -82,6 +83,16 @@ absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const STACK_OF(X509
     if (absl::Status may = Judge(peer, *sk_X509_value(chain, i)); !may.ok()) return may;
   }
   return absl::OkStatus();
+}
+
+FleetBoundsPtr AuthorityRules::BoundsOf(const STACK_OF(X509) * chain) const {
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    const AuthorityRule* const rule = Find(*sk_X509_value(chain, i));
+    if (rule == nullptr || rule->fleets.all()) continue;
+    return std::make_shared<const FleetBounds>(
+        FleetBounds{.authority = rule->name, .fleets = rule->fleets});
+  }
+  return nullptr;
 }
 
 absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const SSL* connection) const {

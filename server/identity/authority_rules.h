@@ -12,6 +12,7 @@
 #include <openssl/types.h>
 #include <openssl/x509.h>
 
+#include "server/identity/fleet_bounds.h"
 #include "server/identity/peer_identity.h"
 #include "server/identity/pem_file.h"
 #include "server/identity/scope.h"
@@ -54,6 +55,9 @@ class AuthorityRules final {
   [[nodiscard]] absl::Status Judge(const PeerIdentity& peer, const STACK_OF(X509) * chain) const;
   /// The same of the chain that a handshake verified.
   [[nodiscard]] absl::Status Judge(const PeerIdentity& peer, const SSL* connection) const;
+
+  /// The fleets of the first authority in the chain whose rule names some; null: none does.
+  [[nodiscard]] FleetBoundsPtr BoundsOf(const STACK_OF(X509) * chain) const;
 
   /// Whether the authority has a rule.
   [[nodiscard]] bool Has(const X509& authority) const { return Find(authority) != nullptr; }
