@@ -1,5 +1,7 @@
 #include "server/fleet/candidates.h"
 
+#include <algorithm>
+
 namespace uplink::fleet {
 
 void Candidates::Note(const Claim& claim, SystemTime now) {
@@ -18,8 +20,19 @@ void Candidates::Note(const Claim& claim, SystemTime now) {
   entry.note = ++notes_;
   by_note_.emplace(entry.note, claim.robot.ruri);
   if (by_ruri_.size() <= kCandidatesMax) return;
-  by_ruri_.erase(by_note_.begin()->second);
-  by_note_.erase(by_note_.begin());
+  Evict();
+}
+
+void Candidates::Evict() {
+  std::map<std::string_view, std::size_t> held;
+  for (const auto& [ruri, entry] : by_ruri_) ++held[entry.candidate.robot.fleet];
+  const auto most =
+      std::ranges::max_element(held, {}, [](const auto& fleet) { return fleet.second; });
+  const auto oldest = std::ranges::find_if(by_note_, [this, &most](const auto& note) {
+    return by_ruri_.find(note.second)->second.candidate.robot.fleet == most->first;
+  });
+  by_ruri_.erase(oldest->second);
+  by_note_.erase(oldest);
 }
 
 void Candidates::Remove(std::string_view ruri) {

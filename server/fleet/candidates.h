@@ -13,7 +13,8 @@
 
 namespace uplink::fleet {
 
-/// Candidates that are remembered. At it the one that was refused longest ago is forgotten.
+/// Candidates that are remembered. At it the one that was refused longest ago is
+/// forgotten, of the fleet that has most: no fleet crowds out those of another.
 inline constexpr std::size_t kCandidatesMax = 1'000;
 
 /// A robot that was refused because no operator has added it (identity.registration). A value.
@@ -41,6 +42,8 @@ class Candidates final {
   [[nodiscard]] std::vector<Candidate> All() const;
 
  private:
+  void Evict();
+
   mutable std::mutex mutex_;
   std::uint64_t notes_ = 0;
   struct Entry {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "schema/model/ids.h"
+#include "server/identity/fleet_bounds.h"
 
 namespace uplink::fleet {
 
@@ -24,6 +25,8 @@ struct Claim {
   Grant grant = Grant::kOwn;
   /// The subject of the gateway's certificate; empty: the robot speaks by itself.
   std::string gateway = {};
+  /// Its authority may move the robot out of these fleets alone.
+  identity::FleetBoundsPtr bounds = {};
 };
 
 /// Why a claim is refused. A closed list.
@@ -49,6 +52,8 @@ enum class Refusal : std::uint8_t {
   kGatewayUnnamed,
   /// The certificate is of another fleet than the robot, and does not move it.
   kFleetStays,
+  /// The certificate's authority may not vouch for the fleet that the robot is in.
+  kAuthorityOutside,
   /// It is new, and its RURI is not in the one form that new robots have (identity::FlawOfForm).
   kNotCanonical,
   /// The same, but the store was not read yet: it may have such a robot.

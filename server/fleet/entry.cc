@@ -37,11 +37,14 @@ Refusal Entry::Judge(const Claim& claim, robot::Robot* known, bool robots_read, 
       unnamed_ = claim.gateway;
     }
   }
+  // A gateway that speaks for its fleet moves no robots anyway. A twin has no certificate: the key
+  // cyberwave.fleet moves it.
+  const bool moves = known != nullptr && claim.grant != Grant::kFleet &&
+                     known->id()->fleet != claim.robot.fleet && !identity::NamesTwin(ruri);
+  if (moves && claim.bounds != nullptr && !claim.bounds->fleets.Has(known->id()->fleet)) {
+    return Refusal::kAuthorityOutside;
+  }
   if (known != nullptr && known->registration() == robot::Registration::kFits) {
-    // A gateway that speaks for its fleet moves no robots anyway. A twin has no certificate: the
-    // key cyberwave.fleet moves it.
-    const bool moves = claim.grant != Grant::kFleet && known->id()->fleet != claim.robot.fleet &&
-                       !identity::NamesTwin(ruri);
     return moves && rules_.fleets_stay ? Refusal::kFleetStays : Refusal::kNone;
   }
   if (identity::FlawOfForm(ruri)) {
@@ -86,6 +89,10 @@ absl::Status StatusOfEntry(Refusal refusal, const Claim& claim) {
           fmt::format("{} is of another fleet than the certificate, {}, and stays there "
                       "(identity.fleet_moves)",
                       claim.robot.ruri, claim.robot.fleet));
+    case Refusal::kAuthorityOutside:
+      return absl::PermissionDeniedError(
+          fmt::format("client certificate: its authority {} may not move this robot from its fleet",
+                      claim.bounds == nullptr ? "" : claim.bounds->authority));
     case Refusal::kNotCanonical:
       return absl::PermissionDeniedError(
           fmt::format("the RURI {} {}, which no new robot's may", claim.robot.ruri,

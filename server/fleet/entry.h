@@ -51,7 +51,12 @@ class Entry final {
   [[nodiscard]] bool IsBlocked(std::string_view ruri) const;
   /// Whether the claim brings the robot into its fleet, from whichever the robot was in.
   [[nodiscard]] bool Moves(const Claim& claim) const {
-    return claim.grant != Grant::kFleet && !rules_.fleets_stay;
+    return claim.grant != Grant::kFleet && !rules_.fleets_stay && claim.bounds == nullptr;
+  }
+  /// The same from this fleet.
+  [[nodiscard]] bool Moves(const Claim& claim, std::string_view from) const {
+    return claim.grant != Grant::kFleet && !rules_.fleets_stay &&
+           (claim.bounds == nullptr || claim.bounds->fleets.Has(from));
   }
   /// The subject of the first gateway that came without names, once; later and before nothing.
   [[nodiscard]] std::optional<std::string> TakeUnnamed();

@@ -52,8 +52,9 @@ Fleet::Admission Fleet::FindOrAdmitBy(const Claim& claim) {
   // If another robot got its place meanwhile, there is one more than robots_max; kLeavingMax bounds
   // these.
   Keep(*found->second);
+  const bool moved = found->second->id()->fleet != id.fleet;
   found->second->SetFleet(id.fleet);
-  return {.robot = found->second};
+  return {.robot = found->second, .moved = moved};
 }
 
 Fleet::Admission Fleet::AdmitBy(Shard& shard, const Claim& claim) {

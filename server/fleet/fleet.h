@@ -69,6 +69,8 @@ class Fleet final {
     /// Null if the robot is refused.
     RobotPtr robot;
     Refusal refusal = Refusal::kNone;
+    /// The claim has moved it from another fleet.
+    bool moved = false;
   };
   /// The same for a stream that may be a gateway's. A gateway that speaks for a fleet is refused
   /// robots of other fleets, and may bring in GatewayRobotsMax new ones.

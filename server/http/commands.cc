@@ -77,7 +77,9 @@ template <typename Question, typename Answer>
 Response Command(const Sources& sources, const RoutedRequest& request,
                  absl::StatusOr<Answer> (Commands::*command)(const admin::Asker&, const Question&),
                  std::initializer_list<std::string_view> names) {
-  if (!request.content_type.empty() && !IsJson(request.content_type)) return NotJson();
+  // Without a type any page may ask; with this one the browser asks us first. So a request without
+  // a body needs it too.
+  if (!IsJson(request.content_type)) return NotJson();
   Question question;
   if (const absl::Status read = ReadBody(request.body, question); !read.ok()) {
     return ErrorResponse(BadParameter{"body", std::string(read.message())});

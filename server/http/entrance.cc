@@ -23,6 +23,15 @@ Response AnswerOfStart(const Request& request, RouteId route) {
   return Starting();
 }
 
+/// Commands come from programs, and from pages of this very host and port. The browser knows best;
+/// behind a proxy the header Host may be another.
+bool MayChange(const Request& request) {
+  if (!request.fetch_site.empty()) {
+    return SameWord(request.fetch_site, "same-origin") || SameWord(request.fetch_site, "none");
+  }
+  return !request.origin || KnownHosts::IsSameOrigin(*request.origin, request.host.value_or(""));
+}
+
 }  // namespace
 
 std::optional<Response> Entrance::Refusal(const Request& request, RouteId route) const {
@@ -37,6 +46,7 @@ std::optional<Response> Entrance::Refusal(const Request& request, RouteId route)
   if (request.origin && !known->HasOrigin(*request.origin, request.host.value_or(""))) {
     return ForeignPage();
   }
+  if (request.method == Method::kPost && !MayChange(request)) return ForeignPage();
   if (request.monitoring_only) return TooManyConnections();
   return std::nullopt;
 }

@@ -22,6 +22,7 @@ namespace uplink::http {
 /// - data are shown under known hosts alone (421), scrapes too if that is set, probes under any;
 /// - data are shown to no page of another site (403): not if the browser says that one asks
 ///   (Sec-Fetch-Site), nor if its Origin is foreign;
+/// - a command of a page of another port is refused too (403);
 /// - a token in the address gets 400;
 /// - on a connection that is kept for probes and scrapes, others get 503;
 /// - the guard says who asks, and whether it may (401, 403, 429);

@@ -104,7 +104,9 @@ Response MethodNotAllowed(bool changes) {
 }
 
 Response NotJson() {
-  return Answer(415, {"INVALID_ARGUMENT", "the body must be application/json", "Content-Type"});
+  return Answer(
+      415, {"INVALID_ARGUMENT", "a command has Content-Type: application/json, also without a body",
+            "Content-Type"});
 }
 
 Response TooBusy() {

@@ -50,6 +50,12 @@ bool KnownHosts::HasOrigin(std::string_view origin, std::string_view host) const
   return !name.empty() && (name == NameOf(host) || HasName(name));
 }
 
+bool KnownHosts::IsSameOrigin(std::string_view origin, std::string_view host) {
+  const std::size_t scheme = origin.find("://");
+  return scheme != std::string_view::npos && !host.empty() &&
+         SameWord(origin.substr(scheme + 3), host);
+}
+
 bool KnownHosts::Has(std::string_view host) const {
   if (host.starts_with('[')) {
     const std::size_t end = host.find(']');

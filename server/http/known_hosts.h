@@ -23,6 +23,9 @@ class KnownHosts final {
   /// page of another address is foreign, and so is `null`, the Origin of a page without one.
   [[nodiscard]] bool HasOrigin(std::string_view origin, std::string_view host) const;
 
+  /// Whether the page of that Origin came from the very host and port of the request.
+  [[nodiscard]] static bool IsSameOrigin(std::string_view origin, std::string_view host);
+
  private:
   [[nodiscard]] bool HasName(const std::string& name) const;
 

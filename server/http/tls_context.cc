@@ -69,10 +69,9 @@ std::shared_ptr<const PeerCertificate> Shown(X509& certificate, const STACK_OF(X
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     shown->expiry = std::min(shown->expiry, identity::NotAfterOf(*sk_X509_value(chain, i)));
   }
-  const int size = sk_X509_num(chain);
   const identity::AuthorityRules* const rules = RulesOf(context);
-  if (rules != nullptr && shown->identity.ok() && size > 0) {
-    absl::Status may = rules->Judge(*shown->identity, *sk_X509_value(chain, size - 1));
+  if (rules != nullptr && shown->identity.ok()) {
+    absl::Status may = rules->Judge(*shown->identity, chain);
     if (!may.ok()) shown->identity = std::move(may);
   }
   if (verify_error != X509_V_OK) shown->identity = FlawOf(verify_error, 0);

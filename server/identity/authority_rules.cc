@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
@@ -33,6 +35,15 @@ std::optional<Role> RoleOf(std::string_view text) {
   return found == kRoles.end() ? std::nullopt : std::optional(*found);
 }
 
+AuthorityOwner OwnerOf(const X509& authority) {
+  unsigned char* bytes = nullptr;
+  const int size = i2d_X509_NAME(X509_get_subject_name(&authority), &bytes);
+  if (size <= 0) return {};
+  AuthorityOwner owner{std::string(bytes, bytes + size), KeyDigestOf(authority)};
+  OPENSSL_free(bytes);
+  return owner;
+}
+
 absl::Status AuthorityRules::Add(const NamedPem& authorities, const AuthorityRule& rule) {
   const auto certificates = ReadCertificates(authorities);
   if (!certificates.ok()) return certificates.status();
@@ -43,19 +54,23 @@ absl::Status AuthorityRules::Add(const NamedPem& authorities, const AuthorityRul
           fmt::format("{}: its certificate is also in {}; keep one of them", authorities.name,
                       at->second.name));
     }
+    by_owner_.insert_or_assign(OwnerOf(*each), rule);
   }
   return absl::OkStatus();
 }
 
-absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const X509& authority) const {
-  return Judge(peer, DigestOf(authority));
+const AuthorityRule* AuthorityRules::Find(const X509& authority) const {
+  if (rules_.empty()) return nullptr;
+  const auto found = rules_.find(DigestOf(authority));
+  if (found != rules_.end()) return &found->second;
+  const auto renewed = by_owner_.find(OwnerOf(authority));
+  return renewed == by_owner_.end() ? nullptr : &renewed->second;
 }
 
-absl::Status AuthorityRules::Judge(const PeerIdentity& peer,
-                                   const ShownCertificate::Sha256& authority) const {
-  const auto found = rules_.find(authority);
-  if (found == rules_.end()) return absl::OkStatus();
-  const AuthorityRule& rule = found->second;
+absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const X509& authority) const {
+  const AuthorityRule* const found = Find(authority);
+  if (found == nullptr) return absl::OkStatus();
+  const AuthorityRule& rule = *found;
   if (!rule.roles.empty() && std::ranges::find(rule.roles, peer.role) == rule.roles.end()) {
     return Outside(rule, fmt::format("the role {}", ToText(peer.role)));
   }
@@ -63,13 +78,30 @@ absl::Status AuthorityRules::Judge(const PeerIdentity& peer,
   return absl::OkStatus();
 }
 
+absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const STACK_OF(X509) * chain) const {
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    if (absl::Status may = Judge(peer, *sk_X509_value(chain, i)); !may.ok()) return may;
+  }
+  return absl::OkStatus();
+}
+
+FleetBoundsPtr AuthorityRules::BoundsOf(const STACK_OF(X509) * chain) const {
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    const AuthorityRule* const rule = Find(*sk_X509_value(chain, i));
+    if (rule == nullptr || rule->fleets.all()) continue;
+    return std::make_shared<const FleetBounds>(
+        FleetBounds{.authority = rule->name, .fleets = rule->fleets});
+  }
+  return nullptr;
+}
+
 absl::Status AuthorityRules::Judge(const PeerIdentity& peer, const SSL* connection) const {
   if (rules_.empty()) return absl::OkStatus();
   const STACK_OF(X509)* const chain = SSL_get0_verified_chain(connection);
-  const int size = sk_X509_num(chain);
-  // The last is the one that we trust, and so the one that counts.
-  if (size < 1) return absl::UnauthenticatedError("client certificate: no authority is known");
-  return Judge(peer, *sk_X509_value(chain, size - 1));
+  if (sk_X509_num(chain) < 1) {
+    return absl::UnauthenticatedError("client certificate: no authority is known");
+  }
+  return Judge(peer, chain);
 }
 
 }  // namespace uplink::identity

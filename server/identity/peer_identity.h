@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 #include <openssl/types.h>
 
+#include "server/identity/fleet_bounds.h"
 #include "server/identity/gateway.h"
 
 namespace uplink::identity {
@@ -36,6 +37,8 @@ struct PeerIdentity {
   std::string ruri = {};
   /// Of a gateway; empty of all others.
   Gateway gateway = {};
+  /// Of the authority that vouches for it, as the handshake found its entry.
+  FleetBoundsPtr bounds = {};
 };
 
 /// The identity in a certificate that the TLS layer has verified and owns. Reading the extensions

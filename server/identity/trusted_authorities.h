@@ -1,9 +1,6 @@
 #pragma once
 
-#include <map>
 #include <set>
-#include <string>
-#include <utility>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -37,15 +34,10 @@ class TrustedAuthorities final {
   friend bool operator==(const TrustedAuthorities&, const TrustedAuthorities&) = default;
 
  private:
-  /// The subject (DER) and the digest of the key.
-  using Owner = std::pair<std::string, ShownCertificate::Sha256>;
-
-  static Owner OwnerOf(const X509& certificate);
-
   AuthorityRules rules_;
   /// The digests of their certificates, and whose those are.
   std::set<ShownCertificate::Sha256> certificates_;
-  std::map<Owner, ShownCertificate::Sha256> owners_;
+  std::set<AuthorityOwner> owners_;
 };
 
 }  // namespace uplink::identity

@@ -18,8 +18,9 @@ transport::PemFiles FilesOf(const AccessSide::Context& context) {
   return {.certificate = context.http.tls_certificate_file,
           .key = context.http.tls_key_file,
           .client_ca = config::OperatorCaFile(context.tls),
-          // Operators' own authorities stand alone.
-          .authorities = context.tls.operator_ca_file.empty() ? context.identity.authorities : ""};
+          .authorities = context.identity.authorities,
+          // Operators' own authorities stand alone; one that has an entry may do no more than that.
+          .entries_alone = !context.tls.operator_ca_file.empty()};
 }
 
 transport::TlsRules RulesOf(const config::TlsConfig& tls) {

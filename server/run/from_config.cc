@@ -172,8 +172,9 @@ transport::RelayOptions FleetOptionsOf(const config::Config& config, std::size_t
       .certificate = config.tls.certificate_file,
       .key = config.tls.key_file,
       .client_ca = config::OperatorCaFile(config.tls),
-      // Operators' own authorities stand alone.
-      .authorities = config.tls.operator_ca_file.empty() ? config.identity.authorities : ""};
+      .authorities = config.identity.authorities,
+      // Operators' own authorities stand alone; one that has an entry may do no more than that.
+      .entries_alone = !config.tls.operator_ca_file.empty()};
   options.tls = {.minimum = config.tls.min_version,
                  .groups = config::ServedGroups(config.tls),
                  .certificate_required = false};

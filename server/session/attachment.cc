@@ -69,7 +69,10 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
           fmt::format("gateway {} has brought in {} robots, and may bring in no more",
                       claim.gateway, context_.fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
-      if (claim.grant != fleet::Grant::kFleet) return Refused(fleet::Refusal::kFleetStays);
+      if (claim.grant != fleet::Grant::kFleet) {
+        return Refused(claim.bounds == nullptr ? fleet::Refusal::kFleetStays
+                                               : fleet::Refusal::kAuthorityOutside);
+      }
       context_.probe.refused_identity_total.Add();
       return absl::PermissionDeniedError(
           fmt::format("the certificate of gateway {} may not speak for hello.robot_ruri {}: the "
@@ -92,6 +95,7 @@ absl::Status Attachment::Refused(fleet::Refusal refusal) const {
       return fleet::StatusOfEntry(refusal, claim);
     case fleet::Refusal::kGatewayUnnamed:
     case fleet::Refusal::kFleetStays:
+    case fleet::Refusal::kAuthorityOutside:
     case fleet::Refusal::kNotCanonical:
     case fleet::Refusal::kRobotsUnread:
       context_.probe.refused_identity_total.Add();
@@ -121,6 +125,7 @@ absl::StatusOr<milliseconds> Attachment::Admit(HelloTerms terms) {
   fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(terms_.claim);
   if (admission.robot == nullptr) return Refused(admission.refusal);
   robot_ = std::move(admission.robot);
+  moved_ = admission.moved;
   robot_->NoteHeard(context_.clock.System());
   const SteadyTime now = context_.clock.Steady();
   const auto arrival = robot_->sessions.Arrive(now, context_.limits.reconnects);
@@ -164,9 +169,12 @@ robot::Standing Attachment::Attach() {
 
 bool Attachment::ClaimFleet() {
   const fleet::Claim& claim = terms_.claim;
-  if (!context_.fleet.entry().Moves(claim)) return robot_->id()->fleet == claim.robot.fleet;
+  const auto now = robot_->id();
+  if (now->fleet == claim.robot.fleet) return true;
   // A gateway may have moved it between Admit and now.
+  if (!context_.fleet.entry().Moves(claim, now->fleet)) return false;
   robot_->SetFleet(claim.robot.fleet);
+  moved_ = true;
   return true;
 }
 
@@ -175,11 +183,12 @@ absl::StatusOr<journal::AppendedBy> Attachment::Open(SteadyTime now) {
   if (robot_->blocked()) return Refused(fleet::Refusal::kBlocked);
   if (robot_->kept_out()) return Refused(fleet::Refusal::kNotRegistered);
   if (!ClaimFleet()) return Refused(fleet::Refusal::kOtherFleet);
-  const auto begun = robot_->sessions.Begin(
-      terms_.session, now,
-      {.fleet = terms_.claim.robot.fleet,
-       .word = context_.fleet.entry().Moves(terms_.claim) ? storage::FleetWord::kMoves
-                                                          : storage::FleetWord::kMatches});
+  const auto begun =
+      robot_->sessions.Begin(terms_.session, now,
+                             {.fleet = terms_.claim.robot.fleet,
+                              .word = moved_ || context_.fleet.entry().Moves(terms_.claim)
+                                          ? storage::FleetWord::kMoves
+                                          : storage::FleetWord::kMatches});
   if (!begun) {
     return absl::ResourceExhaustedError(
         fmt::format("all {} sessions of the robot wait for the store", robot::kSessionsMax));

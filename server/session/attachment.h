@@ -111,6 +111,8 @@ class Attachment final {
   fleet::RobotPtr robot_;
   robot::Reconnects::Arrival arrival_;
   bool waits_ = false;
+  /// Its claim has moved the robot from another fleet.
+  bool moved_ = false;
   bool attached_ = false;
   std::optional<SystemTime> parked_until_;
   std::uint32_t takeovers_ = 0;

@@ -108,11 +108,12 @@ absl::Status CheckNoTwin(std::string_view ruri) {
 /// The terms of a valid Hello.
 fleet::Claim ClaimOf(const v1::Hello& hello, const identity::PeerIdentity& peer) {
   if (peer.role == identity::Role::kRobot) {
-    return {.robot = {.ruri = peer.ruri, .fleet = peer.fleet}};
+    return {.robot = {.ruri = peer.ruri, .fleet = peer.fleet}, .bounds = peer.bounds};
   }
   return {.robot = {.ruri = hello.robot_ruri(), .fleet = peer.fleet},
           .grant = peer.gateway.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,
-          .gateway = peer.gateway.subject};
+          .gateway = peer.gateway.subject,
+          .bounds = peer.bounds};
 }
 
 }  // namespace

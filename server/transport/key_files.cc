@@ -36,7 +36,7 @@ absl::StatusOr<Trusted> ReadTrusted(const PemFiles& files) {
   auto folder = config::ReadAuthorityFolder(files.authorities);
   if (!folder.ok()) return folder.status();
   if (trusted.pem.name.empty()) trusted.pem.name = files.authorities;
-  trusted.pem.text.append("\n").append(folder->pems);
+  if (!files.entries_alone) trusted.pem.text.append("\n").append(folder->pems);
   trusted.rules = std::move(folder->rules);
   return trusted;
 }

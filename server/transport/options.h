@@ -23,6 +23,9 @@ struct PemFiles {
   std::string client_ca;
   /// A folder of authorities (config::ReadAuthorityFolder); empty: none.
   std::string authorities = {};
+  /// The folder's authorities are not trusted for standing there; what its entries say of those in
+  /// client_ca counts all the same.
+  bool entries_alone = false;
 };
 
 /// The same as text, for tests; never changes.

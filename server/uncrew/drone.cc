@@ -21,13 +21,15 @@ Drone::Drone(const Context& context, fleet::RobotPtr robot)
 
 Drone::~Drone() { robot_->calls.End(this); }
 
-bool Drone::SetSpeaker(const fleet::Claim& claim, bool moves) {
-  const bool same = robot_->id()->fleet == claim.robot.fleet;
-  if (!same && !moves) return false;
+bool Drone::SetSpeaker(const fleet::Claim& claim, const fleet::Entry& entry, bool moved) {
+  const auto now = robot_->id();
+  const bool same = now->fleet == claim.robot.fleet;
+  if (!same && !entry.Moves(claim, now->fleet)) return false;
   const std::lock_guard lock(mutex_);
   // The store had it in the fleet of another caller.
   if (same && claim_.is_other_fleet()) claim_.TellFleet(waiting_.empty());
-  const bool is_new = claim_.SpeakAs(claim, moves, context_.journal);
+  if (moved || !same) claim_.Move();
+  const bool is_new = claim_.SpeakAs(claim, entry.Moves(claim), context_.journal);
   if (is_new && !robot_->HasStream()) robot_->SetSpeaker(claim.gateway);
   if (!same) {
     robot_->SetFleet(claim.robot.fleet);

@@ -61,9 +61,10 @@ class Drone final : public robot::ClaimClient, public robot::CallsLive {
   Drone(const Drone&) = delete;
   Drone& operator=(const Drone&) = delete;
 
-  /// Sets the speaker at each call; `moves`: as fleet::Entry::Moves. If the fleet changed, a new
-  /// claim tells the store. False if the robot is of another fleet, and the claim does not move it.
-  [[nodiscard]] bool SetSpeaker(const fleet::Claim& claim, bool moves);
+  /// Sets the speaker at each call; `moved`: as Fleet::Admission has it. If the fleet changed, a
+  /// new claim tells the store. False if the robot is of another fleet, and the claim does not move
+  /// it.
+  [[nodiscard]] bool SetSpeaker(const fleet::Claim& claim, const fleet::Entry& entry, bool moved);
   /// A call begins; Leave must follow. False if there are kCallsInFlightMax already.
   [[nodiscard]] bool Enter(SystemTime now);
   void Leave() { calls_.fetch_sub(1); }

@@ -16,10 +16,13 @@ namespace uplink::uncrew {
 /// Thread: confined to its owner's lock.
 class DroneClaim final {
  public:
-  /// Sets the speaker of the calls; `moves`: it may move the robot to its fleet. True if the
-  /// speaker is another one than before.
+  /// The speaker has moved the robot to its fleet: its word moves it in the store too, until that
+  /// has answered.
+  void Move() { moving_ = true; }
+  /// Sets the speaker of the calls; `moves`: it may move the robot to its fleet from any. True if
+  /// the speaker is another one than before.
   bool SpeakAs(const fleet::Claim& claim, bool moves, journal::Journal& journal) {
-    word_ = moves ? storage::FleetWord::kMoves : storage::FleetWord::kMatches;
+    word_ = moves || moving_ ? storage::FleetWord::kMoves : storage::FleetWord::kMatches;
     if (speaks_ && gateway_ == claim.gateway) return false;
     speaks_ = true;
     gateway_ = claim.gateway;
@@ -48,10 +51,12 @@ class DroneClaim final {
   void Ask(SteadyTime now) {
     is_asked_ = true;
     asked_at_ = now;
+    asked_moves_ = moving_;
     settles_ = doubts_;
   }
   void Take(const storage::ClaimResult& result) {
     is_asked_ = false;
+    if (asked_moves_) moving_ = false;
     epoch_ = result.claim;
     settled_ = settles_;
     is_other_fleet_ = result.other_fleet.has_value();
@@ -82,6 +87,8 @@ class DroneClaim final {
   std::uint64_t settled_ = 0;
   bool is_asked_ = false;
   bool is_other_fleet_ = false;
+  bool moving_ = false;
+  bool asked_moves_ = false;
   SteadyTime asked_at_;
   storage::FleetWord word_ = storage::FleetWord::kMoves;
   bool speaks_ = false;

@@ -22,7 +22,9 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
                       claim.gateway, fleet.gateway_robots_max()));
     case fleet::Refusal::kOtherFleet:
       if (claim.grant != fleet::Grant::kFleet) {
-        return fleet::StatusOfEntry(fleet::Refusal::kFleetStays, claim);
+        return fleet::StatusOfEntry(claim.bounds == nullptr ? fleet::Refusal::kFleetStays
+                                                            : fleet::Refusal::kAuthorityOutside,
+                                    claim);
       }
       return absl::PermissionDeniedError(
           fmt::format("the certificate of gateway {} may not speak for {}: the robot is of another "
@@ -40,6 +42,7 @@ absl::Status Refused(fleet::Refusal refusal, const fleet::Claim& claim, const fl
     case fleet::Refusal::kNotRegistered:
     case fleet::Refusal::kGatewayUnnamed:
     case fleet::Refusal::kFleetStays:
+    case fleet::Refusal::kAuthorityOutside:
     case fleet::Refusal::kNotCanonical:
     case fleet::Refusal::kRobotsUnread:
       return fleet::StatusOfEntry(refusal, claim);
@@ -62,10 +65,10 @@ fleet::Refusal JudgeFleet(fleet::Fleet& fleet, const fleet::Claim& claim) {
 
 }  // namespace
 
-absl::StatusOr<fleet::RobotPtr> Drones::Admit(const fleet::Claim& claim) {
+absl::StatusOr<fleet::Fleet::Admission> Drones::Admit(const fleet::Claim& claim) {
   fleet::Fleet::Admission admission = context_.fleet.FindOrAdmitBy(claim);
   if (admission.robot == nullptr) return Refused(admission.refusal, claim, context_.fleet);
-  return std::move(admission.robot);
+  return admission;
 }
 
 absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
@@ -80,10 +83,12 @@ absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
     }
   }
   fleet::RobotPtr robot;
+  bool moved = false;
   if (known == nullptr) {
     auto admitted = Admit(claim);
     if (!admitted.ok()) return admitted.status();
-    robot = *std::move(admitted);
+    robot = std::move(admitted->robot);
+    moved = admitted->moved;
   }
   const std::lock_guard lock(mutex_);
   DronePtr& drone = drones_[claim.robot.ruri];
@@ -102,7 +107,7 @@ absl::StatusOr<DronePtr> Drones::Enter(const fleet::Claim& claim) {
                                 robot);
     context_.fleet.Keep(*robot);
   }
-  if (!drone->SetSpeaker(claim, context_.fleet.entry().Moves(claim))) {
+  if (!drone->SetSpeaker(claim, context_.fleet.entry(), moved)) {
     return Refused(fleet::Refusal::kOtherFleet, claim, context_.fleet);
   }
   // Under the lock, so that Round drops no drone that has a call.

@@ -60,7 +60,7 @@ class Drones final {
   [[nodiscard]] std::size_t size() const;
 
  private:
-  [[nodiscard]] absl::StatusOr<fleet::RobotPtr> Admit(const fleet::Claim& claim);
+  [[nodiscard]] absl::StatusOr<fleet::Fleet::Admission> Admit(const fleet::Claim& claim);
   [[nodiscard]] model::SessionId DrawSession();
 
   const Context context_;

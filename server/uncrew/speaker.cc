@@ -36,7 +36,7 @@ absl::StatusOr<fleet::Claim> SpeakerOf(const identity::PeerIdentity& peer, std::
     if (!uav_id.empty() && !Names(uav_id, peer.ruri, ruri_template)) {
       return MayNot(peer.ruri, uav_id);
     }
-    return fleet::Claim{.robot = {.ruri = peer.ruri, .fleet = peer.fleet}};
+    return fleet::Claim{.robot = {.ruri = peer.ruri, .fleet = peer.fleet}, .bounds = peer.bounds};
   }
   if (uav_id.empty()) {
     return absl::PermissionDeniedError(
@@ -55,7 +55,8 @@ absl::StatusOr<fleet::Claim> SpeakerOf(const identity::PeerIdentity& peer, std::
   }
   return fleet::Claim{.robot = {.ruri = std::move(ruri), .fleet = peer.fleet},
                       .grant = gateway.ruris.empty() ? fleet::Grant::kFleet : fleet::Grant::kNamed,
-                      .gateway = gateway.subject};
+                      .gateway = gateway.subject,
+                      .bounds = peer.bounds};
 }
 
 }  // namespace uplink::uncrew

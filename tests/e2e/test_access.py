@@ -68,6 +68,8 @@ def ask(connection, path, token=None, method="GET", headers=None):
     headers = dict(headers or {})
     if token:
         headers["Authorization"] = f"Bearer {token}"
+    if method == "POST":
+        headers.setdefault("Content-Type", "application/json")
     with contextlib.closing(connection):
         connection.request(method, path, headers=headers)
         return Answer(connection.getresponse())

@@ -1,6 +1,7 @@
 """What operators decide, by HTTP and by uplinkctl, and the audit of it."""
 
 import concurrent.futures
+import http.client
 import json
 import os
 import unittest
@@ -70,6 +71,15 @@ class Commands(EndToEnd):
         path = f"/api/v1/robot/block?ruri={ROBOT}"
         for headers in ({"Origin": "https://evil.example"}, {"Sec-Fetch-Site": "cross-site"}):
             self.assertEqual(post(server, path, {}, headers)[0], 403)
+        beside = {"Origin": f"http://{server.http.rsplit(':', 1)[0]}:1"}
+        for headers in (beside, {"Sec-Fetch-Site": "same-site"}):
+            self.assertEqual(post(server, path, {}, headers)[0], 403)
+        asking = http.client.HTTPConnection(server.http, timeout=WAIT_SECONDS)
+        self.addCleanup(asking.close)
+        asking.request("POST", path)
+        untyped = asking.getresponse()
+        self.assertEqual(untyped.status, 415)
+        self.assertIn("Content-Type: application/json", untyped.read().decode())
         form = urllib.request.Request(f"http://{server.http}{path}", data=b"a=b", method="POST")
         with self.assertRaises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(form, timeout=WAIT_SECONDS)

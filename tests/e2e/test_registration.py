@@ -76,6 +76,26 @@ class Registration(Operators):
         self.assertEqual(end["code"], "PERMISSION_DENIED")
         self.assertIn("is of another fleet than the certificate, other", end["details"])
 
+    def test_an_authority_moves_no_robot_out_of_a_fleet_that_its_entry_does_not_have(self):
+        guests, folder = self.folder / "guests", self.folder / "authorities"
+        uplinkctl("pki", "init", "--dir", guests)
+        uplinkctl("pki", "robot", "--dir", guests, "--ruri", RURI + "r1", "--fleet", "other", "--name", "moved")
+        folder.mkdir()
+        (folder / "guests.pem").write_bytes((guests / "ca.crt").read_bytes())
+        (folder / "guests.toml").write_text('fleets = ["other"]\n')
+        running = self.server()
+        running.environment = {"UPLINKD_IDENTITY_AUTHORITIES": str(folder)}
+        self.serve(running)
+        self.agent("r1").kill()
+        for kind in ("crt", "key"):
+            self.key("moved", kind).write_bytes((guests / f"moved.{kind}").read_bytes())
+        end = self.refused("moved")
+        self.assertEqual((end["code"], end["details"]),
+                         ("PERMISSION_DENIED",
+                          "client certificate: its authority guests may not move this robot from its fleet"))  # fmt: skip
+        [robot] = self.running.get("/api/v1/robots")["robots"]
+        self.assertEqual(robot["fleet"], "acme")
+
     def test_a_new_robot_needs_a_canonical_ruri(self):
         self.serve(self.server())
         self.robot("capital", ruri="rcan://Example.org/acme/rover/capital")

@@ -232,6 +232,35 @@ class Revocation(EndToEnd):
                          ("UNAUTHENTICATED", "client certificate: its authority hall may not vouch for the fleet acme"))  # fmt: skip
         self.assertEqual(self.running.metric('uplinkd_certificates_denied_total{why="authority"}'), 2)
 
+    def test_an_entry_counts_for_operators_also_where_their_authority_stands_in_a_file_of_its_own(self):
+        both, alone = self.folder / "both", self.folder / "alone"
+        for operators in (both, alone):
+            uplinkctl("pki", "init", "--dir", operators)
+            uplinkctl("pki", "operator", "--dir", operators, "--name", "ann", "--role", "admin", "--fleet", "*")
+        uplinkctl("pki", "operator", "--dir", both, "--name", "vic", "--role", "viewer", "--fleet", "south")
+        self.authorities(both=(both, 'roles = ["viewer"]\nfleets = ["south"]\n'))
+        trusted = self.folder / "operators.crt"
+        trusted.write_bytes((both / "ca.crt").read_bytes() + (alone / "ca.crt").read_bytes())
+        pki = self.running.pki
+        self.running.settings = f'[http]\ntls.certificate_file = "{pki}/server.crt"\ntls.key_file = "{pki}/server.key"\n'
+        self.running.environment["UPLINKD_TLS_OPERATOR_CA_FILE"] = str(trusted)
+        self.running.start()
+
+        def answer(operators, name):
+            context = ssl.create_default_context(cafile=pki / "ca.crt")
+            context.load_cert_chain(operators / f"{name}.crt", operators / f"{name}.key")
+            asking = http.client.HTTPSConnection(*self.running.http.rsplit(":", 1), timeout=SECONDS, context=context)
+            self.addCleanup(asking.close)
+            asking.request("GET", "/api/v1/robots")
+            got = asking.getresponse()
+            return got.status, got.read().decode()
+
+        status, body = answer(both, "ann")
+        self.assertEqual(status, 401, body)
+        self.assertIn("its authority both may not vouch for the role admin", body)
+        self.assertEqual(answer(both, "vic")[0], 200)
+        self.assertEqual(answer(alone, "ann")[0], 200)
+
     def test_a_folder_of_kubernetes_is_open_by_its_mode_and_read_only(self):
         authorities = self.folder / "authorities"
         authorities.mkdir()

@@ -42,6 +42,7 @@ TlsPeer PeerOf(const SSL* connection, int verify_error,
     peer.subject = identity::SubjectOf(*certificate);
   }
   if (peer.identity.ok()) {
+    peer.identity->bounds = authorities.BoundsOf(chain);
     if (absl::Status may = authorities.Judge(*peer.identity, connection); !may.ok()) {
       peer.outside_authority = true;
       peer.identity = std::move(may);

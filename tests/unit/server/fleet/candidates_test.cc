@@ -51,5 +51,17 @@ TEST(Candidates, AtTheBoundTheOneThatWasRefusedLongestAgoIsForgotten) {
   for (const Candidate& each : all) EXPECT_NE(each.robot.ruri, "rcan://f/1");
 }
 
+TEST(Candidates, AtTheBoundTheFleetThatHasMostForgets) {
+  Candidates candidates;
+  candidates.Note({.robot = {.ruri = "rcan://n/1", .fleet = "north"}}, FromUnixMs(1));
+  for (std::size_t i = 0; i <= kCandidatesMax; ++i) {
+    candidates.Note(Of(fmt::format("rcan://f/{}", i)), FromUnixMs(2));
+  }
+  const auto all = candidates.All();
+  EXPECT_EQ(all.size(), kCandidatesMax);
+  EXPECT_EQ(all.back().robot.ruri, "rcan://n/1");
+  EXPECT_EQ(all[all.size() - 2].robot.ruri, "rcan://f/2") << "its oldest went";
+}
+
 }  // namespace
 }  // namespace uplink::fleet

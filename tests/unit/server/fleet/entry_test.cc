@@ -1,6 +1,7 @@
 // Which robots come in: blocked ones, new ones, those of gateways without names, and moved ones.
 #include "server/fleet/entry.h"
 
+#include <memory>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -197,6 +198,26 @@ TEST_F(EntryTest, ACertificateOfAnotherFleetMovesARobotUnlessFleetsStay) {
   EXPECT_EQ(fleet_.Find(kRobot)->id()->fleet, "south");
   EXPECT_EQ(Come(Of(kRobot, "south")), Refusal::kNone);
   EXPECT_FALSE(fleet_.entry().Moves(Of(kRobot)));
+}
+
+TEST_F(EntryTest, AnAuthorityMovesARobotOutOfItsOwnFleetsAlone) {
+  const auto by = [](Grant grant) {
+    Claim claim = Of(kRobot, "south", grant);
+    claim.bounds = std::make_shared<const identity::FleetBounds>(identity::FleetBounds{
+        .authority = "guests", .fleets = identity::Scope::Of({"south", "west"})});
+    return claim;
+  };
+  EXPECT_EQ(Come(Of(kRobot, "north")), Refusal::kNone);
+  EXPECT_EQ(Come(by(Grant::kOwn)), Refusal::kAuthorityOutside);
+  EXPECT_EQ(Come(by(Grant::kNamed)), Refusal::kAuthorityOutside);
+  EXPECT_EQ(fleet_.Find(kRobot)->id()->fleet, "north");
+  EXPECT_FALSE(fleet_.entry().Moves(by(Grant::kOwn))) << "the store may have it in any fleet";
+  EXPECT_EQ(StatusOfEntry(Refusal::kAuthorityOutside, by(Grant::kOwn)).message(),
+            "client certificate: its authority guests may not move this robot from its fleet");
+  EXPECT_EQ(Come(Of(kRobot, "west")), Refusal::kNone);
+  EXPECT_TRUE(fleet_.FindOrAdmitBy(by(Grant::kOwn)).moved);
+  EXPECT_EQ(fleet_.Find(kRobot)->id()->fleet, "south");
+  EXPECT_FALSE(fleet_.FindOrAdmitBy(by(Grant::kOwn)).moved);
 }
 
 TEST_F(EntryTest, TheConfigurationMovesATwinEvenIfFleetsStay) {

@@ -32,7 +32,7 @@ class HttpCommandsTest : public ::testing::Test {
                         const std::string& type = "application/json") {
     Request request{Method::kPost, target};
     request.body = body;
-    request.content_type = body.empty() ? "" : type;
+    request.content_type = type;
     return request;
   }
   Response Post(const std::string& target, const std::string& body = {}) {
@@ -77,6 +77,11 @@ TEST_F(HttpCommandsTest, ABodyAndAParameterThatDifferAreRefused) {
 TEST_F(HttpCommandsTest, RefusesWhatIsNoJsonOrHasAnotherField) {
   const std::string target = "/api/v1/robot/block?ruri=" + std::string(kNorth);
   EXPECT_EQ(world_.Get(PostOf(target, "a=b", "application/x-www-form-urlencoded")).status, 415);
+  for (const char* body : {"", "{}"}) {
+    const Response untyped = world_.Get(PostOf(target, body, ""));
+    EXPECT_EQ(untyped.status, 415) << "a page of any site may send it";
+    EXPECT_THAT(untyped.body, HasSubstr("Content-Type: application/json"));
+  }
   EXPECT_EQ(world_.Get(PostOf(target, "{}", "Application/JSON ; charset=utf-8")).status, 200);
   const Response other = Post(target, R"({"blokced":true})");
   EXPECT_EQ(other.status, 400);

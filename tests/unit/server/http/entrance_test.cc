@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -228,6 +230,26 @@ TEST_F(EntranceTest, APageOfAnotherSiteIsShownNoData) {
   EXPECT_EQ(status("/api/v1/status"), 200);
   request.fetch_site = "cross-site";
   EXPECT_EQ(status("/api/v1/status"), 403);
+}
+
+TEST_F(EntranceTest, APageOfAnotherPortChangesNothing) {
+  entrance_.Open(world_.site);
+  Request request{Method::kPost, "/api/v1/reload"};
+  request.host = "127.0.0.1:7480";
+  request.content_type = "application/json";
+  const auto refused = [&](const char* site, std::optional<std::string> origin) {
+    request.fetch_site = site;
+    request.origin = std::move(origin);
+    return entrance_.Resolve(request).run().status == 403;
+  };
+  EXPECT_FALSE(refused("", std::nullopt)) << "a program";
+  EXPECT_FALSE(refused("none", std::nullopt));
+  EXPECT_FALSE(refused("same-origin", "http://127.0.0.1:7480"));
+  EXPECT_FALSE(refused("", "http://127.0.0.1:7480"));
+  EXPECT_TRUE(refused("", "http://127.0.0.1:3000"));
+  EXPECT_TRUE(refused("", "http://localhost:7480"));
+  EXPECT_TRUE(refused("same-site", std::nullopt));
+  EXPECT_TRUE(refused("same-site", "http://127.0.0.1:3000"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <openssl/asn1.h>
+#include <openssl/x509.h>
 
 #include "server/identity/pem.h"
 #include "tests/support/certificates.h"
@@ -58,6 +60,30 @@ TEST_F(AuthorityRulesTest, TheCertificateCountsAndNotItsName) {
   const testing::TestAuthority namesake("test authority");
   const Certificate other = Read(namesake);
   EXPECT_TRUE(rules_.Judge({.role = Role::kRobot, .fleet = "south"}, *other).ok());
+}
+
+TEST_F(AuthorityRulesTest, ARenewedCertificateOfTheSameNameAndKeyHasItsRule) {
+  Add({.name = "north", .fleets = Scope::Of({"north"})});
+  const Certificate renewed = Read(authority_);
+  ASSERT_EQ(ASN1_INTEGER_set(X509_get_serialNumber(renewed.get()), 77), 1);
+  ASSERT_GT(i2d_re_X509_tbs(renewed.get(), nullptr), 0);
+  ASSERT_NE(DigestOf(*renewed), DigestOf(*certificate_));
+  EXPECT_TRUE(rules_.Has(*renewed));
+  EXPECT_FALSE(rules_.Judge({.role = Role::kRobot, .fleet = "south"}, *renewed).ok());
+}
+
+TEST_F(AuthorityRulesTest, OneThatAnotherHasSignedKeepsItsRule) {
+  const testing::TestAuthority hall("hall", authority_);
+  ASSERT_TRUE(
+      rules_.Add({"hall.pem", hall.certificate()}, {.name = "hall", .roles = {Role::kRobot}}).ok());
+  const Certificate signed_one = Read(hall);
+  STACK_OF(X509)* const chain = sk_X509_new_null();
+  sk_X509_push(chain, signed_one.get());
+  sk_X509_push(chain, certificate_.get());
+  EXPECT_TRUE(rules_.Judge({.role = Role::kRobot, .fleet = "south"}, chain).ok());
+  EXPECT_EQ(rules_.Judge({.role = Role::kAdmin, .fleet = "*"}, chain).message(),
+            "client certificate: its authority hall may not vouch for the role admin");
+  sk_X509_free(chain);
 }
 
 TEST_F(AuthorityRulesTest, ACertificateHasOneRule) {

@@ -256,13 +256,18 @@ TEST(FromConfig, TheListenerForOperatorsAsksForNoCertificateAndHasItsOwnPartOfTh
   config.tls.client_ca_file = "robots.crt";
   const std::size_t alone = RelayOptionsOf(config::Config(), 0).descriptors_reserved;
   EXPECT_EQ(RelayOptionsOf(config, 0).descriptors_reserved, alone + config::kFleetDescriptors);
+  config.identity.authorities = "authorities";
+  EXPECT_FALSE(std::get<transport::PemFiles>(FleetOptionsOf(config, 0).key_material).entries_alone);
   config.tls.operator_ca_file = "operators.crt";
   const transport::RelayOptions options = FleetOptionsOf(config, 0);
   EXPECT_EQ(options.address.port, 7444);
   EXPECT_FALSE(options.tls.certificate_required);
   EXPECT_FALSE(options.serves_relay);
   EXPECT_EQ(options.descriptors_max, config::kFleetDescriptors);
-  EXPECT_EQ(std::get<transport::PemFiles>(options.key_material).client_ca, "operators.crt");
+  const auto& files = std::get<transport::PemFiles>(options.key_material);
+  EXPECT_EQ(files.client_ca, "operators.crt");
+  EXPECT_EQ(files.authorities, "authorities") << "an entry counts wherever the authority stands";
+  EXPECT_TRUE(files.entries_alone);
   EXPECT_TRUE(RelayOptionsOf(config, 0).tls.certificate_required);
 }
 

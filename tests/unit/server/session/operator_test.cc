@@ -176,6 +176,21 @@ TEST_F(OperatorTest, WhereFleetsStayACertificateOfAnotherFleetIsRefused) {
   EXPECT_THAT(other.end(), HasSubstr("is of another fleet than the certificate, other"));
 }
 
+TEST_F(OperatorTest, TheStoreKeepsARobotWhoseFleetIsOutsideOfTheAuthority) {
+  EXPECT_EQ(server().Connect(SessionOf(1)).end(), "");
+  server().Commit();
+  Start();
+  BenchStream& other = server().OpenAs(
+      {.role = identity::Role::kRobot,
+       .fleet = "other",
+       .ruri = std::string(kRobot),
+       .bounds = std::make_shared<const identity::FleetBounds>(identity::FleetBounds{
+           .authority = "guests", .fleets = identity::Scope::Of({"other"})})});
+  other.Send(HelloFrame(SessionOf(1)));
+  server().Commit();
+  EXPECT_THAT(other.end(), HasSubstr("its authority guests may not move this robot"));
+}
+
 TEST_F(OperatorTest, WhereFleetsStayTheStoreKeepsARobotThatMemoryForgot) {
   EXPECT_EQ(server().Connect(SessionOf(1)).end(), "");
   server().Commit();

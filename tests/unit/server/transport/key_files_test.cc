@@ -1,6 +1,7 @@
 // What a start takes and refuses, a reload takes and refuses, too.
 #include "server/transport/key_files.h"
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/config/load.h"
+#include "server/identity/pem.h"
 #include "tests/support/certificates.h"
 #include "tests/support/pem_texts.h"
 #include "tests/support/temp_folder.h"
@@ -90,6 +92,28 @@ TEST_F(KeyFilesTest, BothTakeAKeyAsAnyToolWritesIt) {
   ExpectTaken(WithKey(renewed_.certificate + renewed_.key), "beside its certificate");
   ExpectTaken(WithKey(renewed_.key + "text behind it"), "text behind it");
   ExpectTaken(WithKey("\xEF\xBB\xBF" + renewed_.key), "a byte order mark");
+}
+
+TEST_F(KeyFilesTest, AnEntryCountsForAnAuthorityThatStandsElsewhereToo) {
+  const std::string folder = folder_.File("authorities");
+  ASSERT_TRUE(std::filesystem::create_directory(folder));
+  std::ofstream(folder + "/hall.pem") << authority_.certificate();
+  std::ofstream(folder + "/hall.toml") << "roles = [\"viewer\"]\n";
+  std::ofstream(folder + "/guests.pem") << other_.certificate();
+  std::ofstream(folder + "/guests.toml") << "";
+  KeyFiles files({.certificate = config_.tls.certificate_file,
+                  .key = config_.tls.key_file,
+                  .client_ca = config_.tls.client_ca_file,
+                  .authorities = folder,
+                  .entries_alone = true});
+  Write(good_);
+  ASSERT_TRUE(files.Refresh().value_or(false));
+  EXPECT_EQ(files.texts().client_ca, good_.client_ca) << "the folder adds none";
+  const auto hall = identity::ReadCertificates({"hall", authority_.certificate()});
+  ASSERT_TRUE(hall.ok()) << hall.status();
+  EXPECT_FALSE(files.texts()
+                   .rules.Judge({.role = identity::Role::kAdmin, .fleet = "*"}, *hall->front())
+                   .ok());
 }
 
 TEST_F(KeyFilesTest, BothTakeAChainBesideItsKey) {

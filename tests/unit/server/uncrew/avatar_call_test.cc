@@ -1,5 +1,10 @@
 #include "server/uncrew/avatar_call.h"
 
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -220,6 +225,32 @@ TEST_F(AvatarCallTest, ADroneIsMovedToItsNewFleetAlsoIfSomethingOfItWaited) {
   static_cast<void>(
       bench_.CallBytes(moved, SampleType::kHeading,
                        test::RequestOf(SampleType::kHeading, "heading { heading_deg: 3 }")));
+  bench_.Commit();
+  testing::FakeReader reader(database_);
+  const auto robots = reader.Robots(1);
+  ASSERT_TRUE(robots.ok());
+  EXPECT_EQ(robots->front().robot.fleet, "other");
+}
+
+TEST_F(AvatarCallTest, AnAuthorityMovesADroneOutOfItsOwnFleetsAlone) {
+  Begin();
+  FakeCall& waits = bench_.Call(SampleType::kStatusText, kText);
+  const auto call = [this](std::vector<std::string> fleets) -> FakeCall& {
+    identity::PeerIdentity moved = AvatarBench::Drone("1");
+    moved.fleet = "other";
+    moved.bounds = std::make_shared<const identity::FleetBounds>(identity::FleetBounds{
+        .authority = "guests", .fleets = identity::Scope::Of(std::move(fleets))});
+    return bench_.CallBytes(moved, SampleType::kHeading,
+                            test::RequestOf(SampleType::kHeading, "heading { heading_deg: 2 }"));
+  };
+  const std::string fleet = AvatarBench::Drone("1").fleet;
+  const fleet::RobotPtr robot = bench_.fleet().Find(AvatarBench::Drone("1").ruri);
+  EXPECT_EQ(call({"other"}).End(), "PERMISSION_DENIED");
+  EXPECT_EQ(robot->id()->fleet, fleet);
+  static_cast<void>(call({"other", fleet}));
+  bench_.Commit();
+  EXPECT_EQ(waits.End(), "STORED");
+  static_cast<void>(call({"other", fleet}));
   bench_.Commit();
   testing::FakeReader reader(database_);
   const auto robots = reader.Robots(1);
