@@ -123,6 +123,21 @@ TEST_F(AccessRoundsTest, AWholeReadEndsStreamsAsOperatorsAskedSince) {
   EXPECT_EQ(asked, 1U);
 }
 
+TEST_F(AccessRoundsTest, TheFirstReadEndsNoStream) {
+  store_.settings.push_back(
+      {.ruri = "rcan://a/1", .disconnect_at = clock_.System(), .version = ++store_.version});
+  static_cast<void>(rounds());
+  std::size_t asked = 0;
+  settings_->OnChange([&asked](std::span<const fleet::RobotSettings::Change> changes) {
+    asked += static_cast<std::size_t>(
+        std::ranges::count_if(changes, [](const auto& each) { return each.disconnect; }));
+  });
+  rounds().Begin(absl::OkStatus());
+  clock_.Advance(kWholeReadEvery);
+  rounds().Round();
+  EXPECT_EQ(asked, 0U);
+}
+
 TEST_F(AccessRoundsTest, ALookThatFailsIsRepeatedAtOnceAndReadsAll) {
   Revoke(1);
   Revoke(2);
