@@ -139,8 +139,7 @@ void Fleet::OnSettings(std::span<const RobotSettings::Change> changes) {
     }
     if (robot->blocked()) {
       robot->sessions.EndStream(robot::Standing::kBlocked).Wake();
-    } else if (change.disconnect && !IsTwin(*robot) &&
-               clock_.System() - change.disconnect_at <= kDisconnectCounts) {
+    } else if (change.disconnect && !IsTwin(*robot)) {
       robot->sessions.EndStream(robot::Standing::kDisconnected).Wake();
     }
   }

@@ -41,9 +41,6 @@ using RobotPtr = std::shared_ptr<robot::Robot>;
 /// Robots beyond `robots_max` that may be leaving memory: so many new robots may enter a full fleet
 /// at once.
 inline constexpr std::size_t kLeavingMax = 1'024;
-/// An ask to disconnect counts so long: this process may learn of it late, after the robot came
-/// again.
-inline constexpr std::chrono::minutes kDisconnectCounts{1};
 
 /// All robots by RURI: at most `robots_max`, and those that are leaving memory. Thread-safe.
 class Fleet final {

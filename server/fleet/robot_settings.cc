@@ -78,7 +78,6 @@ void RobotSettings::Put(storage::RobotSetting setting, std::vector<Change>& chan
     return;
   }
   change.disconnect = AsksDisconnect(change.before, setting);
-  change.disconnect_at = setting.disconnect_at.value_or(SystemTime());
   Erase(change.ruri);
   if (HoldsAnything(setting)) {
     const bool decides = DecidesEntry(setting);

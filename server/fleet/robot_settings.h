@@ -44,10 +44,9 @@ class RobotSettings final {
     std::string ruri;
     RobotSettingPtr before;
     RobotSettingPtr now;
-    /// An operator asked that its streams end, since the last Apply.
+    /// An operator asked that its streams end, since the last Apply: whatever time it bears, which
+    /// is of another server's clock.
     bool disconnect = false;
-    /// When that was.
-    SystemTime disconnect_at = {};
   };
   using Changed = std::function<void(std::span<const Change>)>;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include <absl/status/statusor.h>
@@ -30,28 +29,14 @@ absl::StatusOr<std::vector<Row>> RowsAfter(AccessVersion after, const Read& read
   }
 }
 
-struct Changes {
-  std::vector<storage::Revocation> revocations;
-  std::vector<storage::RobotSetting> settings;
-};
-
-absl::StatusOr<Changes> ChangesAfter(storage::AccessStore& store, AccessVersion after) {
+absl::StatusOr<AllAccess> ChangesAfter(storage::AccessStore& store, AccessVersion after) {
   auto revocations = RowsAfter<storage::Revocation>(
       after, [&store](AccessVersion from) { return store.RevocationsAfter(from); });
   if (!revocations.ok()) return revocations.status();
   auto settings = RowsAfter<storage::RobotSetting>(
       after, [&store](AccessVersion from) { return store.SettingsAfter(from); });
   if (!settings.ok()) return settings.status();
-  return Changes{*std::move(revocations), *std::move(settings)};
-}
-
-/// The store has no row any more, revoked or taken back, of one of those that it had.
-template <typename Known>
-bool LacksAny(const Known& known, const std::vector<storage::Revocation>& all) {
-  std::set<typename Known::key_type> names;
-  for (const storage::Revocation& each : all) names.emplace(each.by, each.value);
-  return !std::ranges::all_of(known,
-                              [&names](const auto& each) { return names.contains(each.first); });
+  return AllAccess{*std::move(revocations), *std::move(settings)};
 }
 
 std::vector<storage::RobotSetting> NewerThan(AccessVersion seen,
@@ -66,6 +51,7 @@ std::vector<storage::RobotSetting> NewerThan(AccessVersion seen,
 
 AccessRounds::AccessRounds(Context context)
     : context_(std::move(context)),
+      saved_(context_.saved_path, context_.store_name, context_.logger),
       rounds_("access",
               [this](const std::stop_token& /*stop*/) {
                 return loop::Next{.within = Round(), .not_before = kLookAtAccessApart};
@@ -126,14 +112,12 @@ absl::Status AccessRounds::Read() {
 }
 
 absl::Status AccessRounds::ReadAll(AccessVersion version) {
-  absl::StatusOr<Changes> all = ChangesAfter(context_.store, 0);
+  absl::StatusOr<AllAccess> all = ChangesAfter(context_.store, 0);
   if (!all.ok()) return all.status();
   read_all_at_ = context_.clock.Steady();
   const bool at_first = !seen_;
+  NoticeWentBack(*all, version);
   const auto before = std::exchange(revocations_, {});
-  if (!at_first && (version < *seen_ || LacksAny(before, all->revocations))) {
-    context_.logger.Warn("access_went_back", {{"version", version}, {"seen", *seen_}});
-  }
   Take(std::move(all->revocations));
   const bool denies_others = at_first || before != revocations_;
   if (denies_others) SetDenied();
@@ -154,7 +138,7 @@ absl::Status AccessRounds::ReadAll(AccessVersion version) {
 }
 
 absl::Status AccessRounds::ReadNewer(AccessVersion version) {
-  absl::StatusOr<Changes> newer = ChangesAfter(context_.store, *seen_);
+  absl::StatusOr<AllAccess> newer = ChangesAfter(context_.store, *seen_);
   if (!newer.ok()) return newer.status();
   const bool revokes = !newer->revocations.empty();
   Take(std::move(newer->revocations));
@@ -206,16 +190,13 @@ void AccessRounds::UseSaved(const absl::Status& why) {
     context_.logger.Warn("access_unread", {{"why", std::string(why.message())}});
     return;
   }
-  const absl::StatusOr<std::string> text = ReadSavedAccess(context_.saved_path);
-  absl::StatusOr<AccessCopy> copy =
-      text.ok() ? ParseAccess(*text, context_.store_name) : text.status();
+  absl::StatusOr<AccessCopy> copy = saved_.Read();
   if (!copy.ok()) {
     context_.logger.Warn("access_unread", {{"why", std::string(why.message())},
                                            {"saved_list", context_.saved_path},
                                            {"saved_why", std::string(copy.status().message())}});
     return;
   }
-  saved_version_ = copy->version;
   Take(std::move(copy->revocations));
   context_.settings.Replace(std::move(copy->settings));
   SetDenied();
@@ -226,38 +207,31 @@ void AccessRounds::UseSaved(const absl::Status& why) {
                                                   {"settings", context_.settings.size()}});
 }
 
-void AccessRounds::Save() {
-  if (!unsaved_ || context_.saved_path.empty()) return;
+AccessCopy AccessRounds::Known() const {
   AccessCopy copy;
   copy.version = seen_.value_or(0);
   for (const auto& [name, revocation] : revocations_) copy.revocations.push_back(revocation);
   for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
     if (each->blocked || each->registered) copy.settings.push_back(*each);
   }
-  absl::Status saved = KeepNewerCopy(copy.version);
-  if (saved.ok()) saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
-  if (saved.ok()) saved_version_ = copy.version;
-  unsaved_ = !saved.ok();
-  const std::string before = std::exchange(save_error_, std::string(saved.message()));
-  if (!saved.ok() && before != save_error_) {
-    context_.logger.Warn("access_not_saved", {{"why", save_error_}});
-  }
+  return copy;
 }
 
-absl::Status AccessRounds::KeepNewerCopy(AccessVersion version) {
-  if (!saved_version_) {
-    saved_version_ = SavedAccessVersion(context_.saved_path, context_.store_name);
+void AccessRounds::NoticeWentBack(const AllAccess& all, AccessVersion version) {
+  absl::StatusOr<AccessCopy> known = seen_ ? Known() : saved_.Read();
+  if (!known.ok()) return;
+  const std::size_t lacks = LackedBy(all, *known);
+  if (known->version <= version && lacks == 0) return;
+  if (seen_) {
+    context_.logger.Warn("access_went_back",
+                         {{"version", version}, {"seen", *seen_}, {"lacks", lacks}});
   }
-  if (*saved_version_ <= version) return absl::OkStatus();
-  const std::string kept = context_.saved_path + ".old";
-  absl::Status done = KeepSavedAccess(context_.saved_path, kept);
-  if (!done.ok()) return done;
-  context_.logger.Warn("access_saved_list_newer", {{"version", version},
-                                                   {"saved_version", *saved_version_},
-                                                   {"saved_list", context_.saved_path},
-                                                   {"kept", kept}});
-  saved_version_ = version;
-  return done;
+  saved_.KeepOld(*std::move(known), version, lacks);
+}
+
+void AccessRounds::Save() {
+  if (context_.saved_path.empty() || (!unsaved_ && saved_.IsAsSaved())) return;
+  unsaved_ = !saved_.Save(Known());
 }
 
 void AccessRounds::NoteOutcome(const absl::Status& status) {

@@ -18,7 +18,9 @@
 #include "server/identity/deny_list.h"
 #include "server/log/logger.h"
 #include "server/loop/rounds.h"
+#include "server/store/access_copy_file.h"
 #include "server/store/access_probe.h"
+#include "server/store/saved_access.h"
 #include "storage/access_store.h"
 #include "storage/change_signal.h"
 
@@ -34,8 +36,8 @@ inline constexpr milliseconds kLookAtAccessApart{10};
 /// How often everything is read, whatever the version says: a store that was replaced by an older
 /// state and written since may have a version that tells nothing.
 inline constexpr std::chrono::minutes kWholeReadEvery{1};
-/// How often the files of authorities are looked at, and a copy that could not be saved is tried
-/// again.
+/// How often the files of authorities are looked at, and a copy that could not be saved, or that is
+/// another one since, is saved again.
 inline constexpr std::chrono::seconds kLookAtAccessFilesEvery{5};
 
 /// Follows what operators decide about who may come in: reads the store's changes, and the lists of
@@ -101,9 +103,12 @@ class AccessRounds final {
   void Take(std::vector<storage::Revocation> revocations);
   void SetDenied();
   void UseSaved(const absl::Status& why);
+  /// What decides, as it is known now.
+  [[nodiscard]] AccessCopy Known() const;
+  /// Warns if what is known, or at first what was saved, is of a later state than the store is, and
+  /// keeps it.
+  void NoticeWentBack(const AllAccess& all, storage::AccessVersion version);
   void Save();
-  /// A saved copy that is newer than the store stays beside the one that replaces it.
-  [[nodiscard]] absl::Status KeepNewerCopy(storage::AccessVersion version);
   void NoteOutcome(const absl::Status& status);
   loop::Next Listen(const std::stop_token& stop);
 
@@ -119,9 +124,7 @@ class AccessRounds final {
   std::optional<SteadyTime> looked_at_files_;
   /// The copy on disk is not what is known.
   bool unsaved_ = false;
-  /// Of the copy on disk; nothing: not looked at yet.
-  std::optional<storage::AccessVersion> saved_version_;
-  std::string save_error_;
+  AccessCopyFile saved_;
   std::atomic<bool> failing_{false};
   std::atomic<bool> unread_{true};
   loop::Rounds rounds_;

@@ -1,8 +1,10 @@
 #include "server/store/saved_access.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -115,6 +117,30 @@ bool WriteWhole(int file, std::string_view text) {
 
 }  // namespace
 
+std::size_t LackedBy(const AllAccess& store, const AccessCopy& known) {
+  std::map<std::pair<storage::RevokedBy, std::string_view>, const storage::Revocation*> revocations;
+  for (const storage::Revocation& each : store.revocations) {
+    revocations[{each.by, each.value}] = &each;
+  }
+  std::map<std::string_view, const storage::RobotSetting*> settings;
+  for (const storage::RobotSetting& each : store.settings) settings[each.ruri] = &each;
+  // What was decided otherwise since has a later version.
+  const auto lacks_revocation = [&](const storage::Revocation& each) {
+    const auto row = revocations.find({each.by, each.value});
+    if (row == revocations.end()) return true;
+    return !row->second->revoked && row->second->version <= known.version;
+  };
+  const auto lacks_setting = [&](const storage::RobotSetting& each) {
+    const auto row = settings.find(each.ruri);
+    if (row == settings.end()) return true;
+    const storage::RobotSetting& now = *row->second;
+    const bool undone = (each.blocked && !now.blocked) || (each.registered && !now.registered);
+    return undone && now.version <= known.version;
+  };
+  return static_cast<std::size_t>(std::ranges::count_if(known.revocations, lacks_revocation) +
+                                  std::ranges::count_if(known.settings, lacks_setting));
+}
+
 std::string TextOf(const AccessCopy& copy, const std::string& store) {
   std::string text = fmt::format("{}\n{}{}\n{}{}\n", kHead, kStore, store, kVersion, copy.version);
   std::size_t lines = kLinesBefore;
@@ -193,25 +219,6 @@ absl::StatusOr<std::string> ReadSavedAccess(const std::string& path) {
   FileText file = ReadFileText(path, kSavedAccessBytesMax);
   if (file.problem.empty()) return std::move(file.text);
   return absl::FailedPreconditionError(fmt::format("{}: {}", path, file.problem));
-}
-
-storage::AccessVersion SavedAccessVersion(const std::string& path, const std::string& store) {
-  const absl::StatusOr<std::string> text = ReadSavedAccess(path);
-  if (!text.ok()) return 0;
-  const absl::StatusOr<AccessCopy> copy = ParseAccess(*text, store);
-  return copy.ok() ? copy->version : 0;
-}
-
-absl::Status KeepSavedAccess(const std::string& path, const std::string& kept) {
-  const std::string aside = kept + ".new";
-  ::unlink(aside.c_str());
-  absl::Status done;
-  if (::link(path.c_str(), aside.c_str()) != 0 || std::rename(aside.c_str(), kept.c_str()) != 0) {
-    done = Failed(kept, "cannot be made");
-  }
-  // Renamed to another name of the same file, it is still there.
-  ::unlink(aside.c_str());
-  return done;
 }
 
 }  // namespace uplink::store

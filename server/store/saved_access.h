@@ -25,6 +25,17 @@ struct AccessCopy {
   storage::AccessVersion version = 0;
 };
 
+/// Everything that the store has of it, what was taken back included. A value.
+struct AllAccess {
+  std::vector<storage::Revocation> revocations;
+  std::vector<storage::RobotSetting> settings;
+};
+
+/// So many decisions of `known` the store never took back and yet has no more: it is an earlier
+/// state of itself. The versions tell less, for they go by the clock, and a store that was restored
+/// may have been written since.
+[[nodiscard]] std::size_t LackedBy(const AllAccess& store, const AccessCopy& known);
+
 /// The copy as text, a line each; `store` is what the log calls the store. What a line cannot hold
 /// is left out.
 [[nodiscard]] std::string TextOf(const AccessCopy& copy, const std::string& store);
@@ -40,10 +51,5 @@ struct AccessCopy {
 [[nodiscard]] absl::Status SaveAccess(const std::string& path, const std::string& text);
 /// Errors: also kNotFound: there is none; kFailedPrecondition: others than its owner may write it.
 [[nodiscard]] absl::StatusOr<std::string> ReadSavedAccess(const std::string& path);
-/// The version of the copy that is there; 0: none counts.
-[[nodiscard]] storage::AccessVersion SavedAccessVersion(const std::string& path,
-                                                        const std::string& store);
-/// Keeps the file under another name when it is replaced, in the place of an earlier one.
-[[nodiscard]] absl::Status KeepSavedAccess(const std::string& path, const std::string& kept);
 
 }  // namespace uplink::store

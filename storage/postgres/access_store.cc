@@ -109,14 +109,14 @@ class PostgresAccessStore final : public AccessStore {
     return row->rows() == 0 ? 0 : static_cast<AccessVersion>(row->Int(0, 0));
   }
   absl::StatusOr<std::vector<Revocation>> RevocationsAfter(AccessVersion after) override {
-    const auto rows =
-        connection_->Read(StoreCallOf(kRevocations, after, kAccessPageMax), "read revocations");
+    const auto rows = connection_->ReadAgain(StoreCallOf(kRevocations, after, kAccessPageMax),
+                                             "read revocations");
     if (!rows.ok()) return rows.status();
     return rows->All(RevocationIn<ResultRow>);
   }
   absl::StatusOr<std::vector<RobotSetting>> SettingsAfter(AccessVersion after) override {
-    const auto rows = connection_->Read(StoreCallOf(kSettings.view(), after, kAccessPageMax),
-                                        "read settings of robots");
+    const auto rows = connection_->ReadAgain(StoreCallOf(kSettings.view(), after, kAccessPageMax),
+                                             "read settings of robots");
     if (!rows.ok()) return rows.status();
     return rows->All(SettingIn<ResultRow>);
   }
@@ -146,7 +146,7 @@ class PostgresAccessStore final : public AccessStore {
           calls.push_back(StoreCallOf(kNotify));
           return calls;
         },
-        "revoke a certificate");
+        "revoke a certificate", kAccessLookMax);
     if (!written.ok()) return written.status();
     return changes;
   }
@@ -179,7 +179,7 @@ class PostgresAccessStore final : public AccessStore {
           calls.push_back(StoreCallOf(kNotify));
           return calls;
         },
-        "change a robot's setting");
+        "change a robot's setting", kAccessLookMax);
     if (!written.ok()) return written.status();
     if (changes) after.version = static_cast<AccessVersion>((*written)[1].Int(0, 0));
     return ChangedSetting{.setting = std::move(after), .changed = changes};
@@ -198,7 +198,7 @@ class PostgresAccessStore final : public AccessStore {
               if (done[1].written() == 0) return NoSuchFault(fault);
               return PipelineOf(AuditCall(row));
             },
-            "acknowledge a fault")
+            "acknowledge a fault", kAccessLookMax)
         .status();
   }
   absl::Status Append(const AuditRow& audit) override {

@@ -7,6 +7,14 @@
 #include "storage/postgres/write/transaction.h"
 
 namespace uplink::storage::postgres {
+namespace {
+
+constexpr std::string_view kAnswer = "SELECT 1";
+/// For this transaction alone.
+constexpr std::string_view kEndIfIdle =
+    "SELECT set_config('idle_in_transaction_session_timeout', $1::text, true)";
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<OwnConnection>> OwnConnection::Make(const StoreOptions& options,
                                                                    const Clock& clock,
@@ -36,12 +44,24 @@ absl::StatusOr<Result> OwnConnection::Write(StoreCall call, std::string_view doi
   return std::move(results->front());
 }
 
+absl::StatusOr<Connection*> OwnConnection::Alive(milliseconds most) {
+  if (link_.connected()) {
+    const absl::StatusOr<Connection*> stood = link_.Get();
+    if (!stood.ok()) return stood.status();
+    // Without an answer it is broken, and nothing was written over it.
+    static_cast<void>((*stood)->RunOne(StoreCallOf(kAnswer), "ask for a sign of life", most));
+  }
+  return link_.Get();
+}
+
 absl::StatusOr<std::vector<Result>> OwnConnection::ReadAndWrite(std::vector<StoreCall> read,
                                                                 const Decide& decide,
-                                                                std::string_view doing) {
-  const absl::StatusOr<Connection*> connection = link_.Get();
+                                                                std::string_view doing,
+                                                                milliseconds most) {
+  const absl::StatusOr<Connection*> connection = Alive(most);
   if (!connection.ok()) return connection.status();
   std::vector<StoreCall> calls = BeginCalls();
+  calls.push_back(StoreCallOf(kEndIfIdle, std::to_string(kBetweenTripsMax.count())));
   const auto before = static_cast<std::ptrdiff_t>(calls.size());
   for (StoreCall& call : read) calls.push_back(std::move(call));
   auto answers = (*connection)->Run(calls, doing);
@@ -67,6 +87,10 @@ absl::StatusOr<Result> OwnConnection::Read(StoreCall call, std::string_view doin
   const absl::StatusOr<Connection*> connection = link_.Get();
   if (!connection.ok()) return connection.status();
   return (*connection)->RunOne(std::move(call), doing);
+}
+
+absl::StatusOr<Result> OwnConnection::ReadAgain(const StoreCall& call, std::string_view doing) {
+  return ReadAgainIfDied(link_, [&] { return Read(call, doing); });
 }
 
 absl::StatusOr<Result> OwnConnection::ReadSoon(StoreCall call, std::string_view doing,

@@ -16,6 +16,10 @@
 
 namespace uplink::storage::postgres {
 
+/// What passes between the two round trips of one transaction, at most: then the server ends it, so
+/// that a client whose network was lost in between holds its locks no longer.
+inline constexpr milliseconds kBetweenTripsMax{500};
+
 /// A connection of one's own, beside those of the writers: made when it is needed, and made anew
 /// after it broke. A resource.
 ///
@@ -41,15 +45,20 @@ class OwnConnection final {
   using Decide =
       std::function<absl::StatusOr<std::vector<StoreCall>>(const std::vector<Result>& read)>;
   /// Two round trips of one transaction: `read`, then what `decide` makes of the answers, and the
-  /// commit. The answers to the second; what `decide` refuses rolls back and is the answer.
+  /// commit. The answers to the second; what `decide` refuses rolls back and is the answer. A
+  /// connection that stood before is asked for a sign of life, which may take `most`, and made anew
+  /// without one. kBetweenTripsMax bounds what `decide` takes.
   [[nodiscard]] absl::StatusOr<std::vector<Result>> ReadAndWrite(std::vector<StoreCall> read,
                                                                  const Decide& decide,
-                                                                 std::string_view doing);
+                                                                 std::string_view doing,
+                                                                 milliseconds most);
   /// The answers to statements that change nothing.
   [[nodiscard]] absl::StatusOr<std::vector<Result>> Read(const std::vector<StoreCall>& calls,
                                                          std::string_view doing);
   [[nodiscard]] absl::StatusOr<Result> Read(StoreCall call, std::string_view doing);
-  /// The same, within `most` if the connection stood before: then a network that has lost it
+  /// The same, asked again over a new connection if that which stood before had died.
+  [[nodiscard]] absl::StatusOr<Result> ReadAgain(const StoreCall& call, std::string_view doing);
+  /// As Read, within `most` if the connection stood before: then a network that has lost it
   /// without a word costs no more, and the next call makes a new one. A new one has the time of any
   /// call, so that a server that is slow answers.
   [[nodiscard]] absl::StatusOr<Result> ReadSoon(StoreCall call, std::string_view doing,
@@ -61,6 +70,7 @@ class OwnConnection final {
 
  private:
   OwnConnection(Link::Options options, const Clock& clock) : link_(std::move(options), clock) {}
+  absl::StatusOr<Connection*> Alive(milliseconds most);
 
   Link link_;
 };

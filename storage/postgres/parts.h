@@ -35,7 +35,8 @@ namespace uplink::storage::postgres {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ClockMarks>> MakeClockMarks(
     const StoreOptions& options, const Clock& clock);
 
-/// How long AccessStore::Version may take over a connection that stood before.
+/// How long AccessStore::Version may take over a connection that stood before, and the sign of life
+/// of one before a change.
 inline constexpr milliseconds kAccessLookMax{500};
 /// Of a server that follows decisions of operators: how long a page of rows may take, and
 /// connecting to each place.

@@ -1,11 +1,14 @@
 """A certificate that is revoked at one server ends its stream at each, whatever the ways to the store
 do. How long that took is printed and not judged: a busy machine takes its time."""
 
+import contextlib
 import hashlib
+import http.client
 import json
 import pathlib
 import ssl
 import subprocess
+import threading
 import time
 import urllib.request
 
@@ -40,6 +43,24 @@ class DeafWay(TcpProxy):
             self.unheard += 1
             return b""
         return data
+
+
+class LockedWay(DeafWay):
+    """A way to the store that can lose a connection once that has locked what changes go by."""
+
+    def __init__(self, *targets):
+        self.armed = False
+        self.locked = threading.Event()
+        super().__init__(*targets)
+
+    def _take(self, ends, source, data):
+        if self.armed and source is ends[0] and b"access_version" in data and b"FOR UPDATE" in data:
+            self.armed = False
+            # The question passes, and no answer to it.
+            self.lost.add(ends)
+            self.locked.set()
+            return data
+        return super()._take(ends, source, data)
 
 
 class Robots:
@@ -104,7 +125,7 @@ class Robots:
         self.process.wait(SECONDS)
 
 
-class OnPostgres(TwoServers):
+class WithRobots(TwoServers):
     way_to_store = DeafWay
     # Longer than a test waits: what waits for an answer of the store so long fails it.
     settings = 'timeout = "4m"\n'
@@ -121,6 +142,8 @@ class OnPostgres(TwoServers):
         for place in places:
             self.wait_for(lambda at=place: self.streams(at) == count // len(places), "all stream", place, SECONDS)
 
+
+class OnPostgres(WithRobots):
     def test_each_revocation_ends_its_stream_at_both_with_listen_cut(self):
         self.add(REVOCATIONS, A, B)
         self.robots.revoke_all_at(self.servers[A])
@@ -132,6 +155,27 @@ class OnPostgres(TwoServers):
         self.stores[B].lose()
         self.robots.revoke_all_at(self.servers[A])
         self.robots.assert_all_end(self, "PostgreSQL, connections lost")
+
+
+class LostInTheMiddle(WithRobots):
+    way_to_store = LockedWay
+
+    def test_a_server_that_is_lost_in_the_middle_of_a_change_delays_none_of_others(self):
+        self.add(FEW, B)
+        self.stores[A].armed = True
+        # Its answer comes once A gives up, which takes longer than the test.
+        threading.Thread(target=self.note, args=(self.servers[A],), daemon=True).start()
+        self.assertTrue(self.stores[A].locked.wait(SECONDS), "A has not begun to change anything")
+        self.robots.revoke_all_at(self.servers[B])
+        self.robots.assert_all_end(self, "PostgreSQL, a change lost in the middle")
+
+    @staticmethod
+    def note(server):
+        request = urllib.request.Request(
+            f"http://{server.http}/api/v1/robot/note?ruri=rcan://example.org/acme/rover/noted",
+            json.dumps({"note": "x"}).encode(), {"Content-Type": "application/json"})  # fmt: skip
+        with contextlib.suppress(OSError, http.client.HTTPException), urllib.request.urlopen(request, timeout=SECONDS):
+            pass
 
 
 class OnSqlite(EndToEnd):

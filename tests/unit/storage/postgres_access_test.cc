@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "storage/postgres/own_connection.h"
 #include "storage/postgres/parts.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
@@ -147,6 +148,43 @@ TEST_F(PostgresStuckAccessTest, AServerThatIsSlowerThanALookMayTakeAnswersTheNex
   slow.join();
   EXPECT_TRUE(version.ok()) << version.status();
   EXPECT_EQ(proxy_.connections(), connections + 1);
+}
+
+TEST_F(PostgresStuckAccessTest, AChangeOverAConnectionThatWasLostIsWrittenOnceOverANewOne) {
+  Revocation revocation;
+  revocation.value = "a";
+  const auto audit_rows = [this] { return shell_.Read("SELECT count(*) FROM uplinkd.audit"); };
+  // The server ends its sessions, as a restart does.
+  shell_.Run(
+      "SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity"
+      " WHERE datname = current_database() AND application_name = 'uplinkd'");
+  const auto changed = access_->Revoke(revocation, Did());
+  ASSERT_TRUE(changed.ok()) << changed.status();
+  EXPECT_TRUE(*changed);
+  EXPECT_EQ(audit_rows(), "1\n");
+  shell_.Run(
+      "SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity"
+      " WHERE datname = current_database() AND application_name = 'uplinkd'");
+  const auto rows = access_->RevocationsAfter(0);
+  EXPECT_TRUE(rows.ok()) << rows.status();
+}
+
+TEST_F(PostgresAccessTest, AServerThatIsLostInTheMiddleOfAChangeDelaysOthersLittle) {
+  StoreOptions options = Options();
+  options.call_timeout = std::chrono::hours(1);
+  const auto lost = *OwnConnection::Make(options, clock_);
+  const auto other = *MakeAccessStore(options, clock_);
+  const auto written = lost->ReadAndWrite(
+      PipelineOf(StoreCallOf("SELECT version FROM uplinkd.access_version WHERE id = 0 FOR UPDATE")),
+      [&](const std::vector<Result>& /*read*/) {
+        // It waits for the lock, which no timeout but that between the two trips takes away.
+        Revocation revocation;
+        revocation.value = "a";
+        EXPECT_TRUE(other->Revoke(revocation, Did()).value_or(false));
+        return std::vector<StoreCall>();
+      },
+      "hold the lock", kAccessLookMax);
+  EXPECT_TRUE(absl::IsUnavailable(written.status())) << written.status();
 }
 
 TEST(FollowingAccess, WaitsForNothingAsLongAsAWriterDoes) {

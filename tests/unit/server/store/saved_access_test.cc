@@ -76,6 +76,32 @@ TEST(SavedAccess, ACopyThatIsCutAnywhereDoesNotCount) {
   EXPECT_FALSE(ParseAccess(less, kStore).ok()) << "a line is missing";
 }
 
+TEST(LackedBy, CountsWhatTheStoreNeverTookBack) {
+  const AccessCopy known = Copy();
+  const auto all = [&known](storage::AccessVersion version) {
+    AllAccess rows{known.revocations, known.settings};
+    for (storage::Revocation& each : rows.revocations) each.version = version;
+    for (storage::RobotSetting& each : rows.settings) each.version = version;
+    return rows;
+  };
+  const auto undone = [&all](storage::AccessVersion version) {
+    AllAccess store = all(version);
+    store.revocations[1].revoked = false;
+    store.settings[0].blocked = false;
+    store.settings[1].registered = false;
+    return store;
+  };
+  EXPECT_EQ(LackedBy(all(1), known), 0U);
+  EXPECT_EQ(LackedBy(undone(known.version + 1), known), 0U) << "operators did it since";
+  EXPECT_EQ(LackedBy(undone(known.version), known), 3U) << "earlier rows, before the decisions";
+  AllAccess store = all(known.version + 1);
+  store.revocations.pop_back();
+  store.settings.erase(store.settings.begin());
+  EXPECT_EQ(LackedBy(store, known), 2U);
+  EXPECT_EQ(LackedBy({}, known), 5U);
+  EXPECT_EQ(LackedBy({}, {}), 0U);
+}
+
 class SavedAccessFile : public ::testing::Test {
  protected:
   ~SavedAccessFile() override { std::filesystem::remove_all(folder_); }
@@ -102,32 +128,6 @@ TEST_F(SavedAccessFile, OneThatOthersMayWriteDoesNotCount) {
   ASSERT_TRUE(SaveAccess(path_, "text").ok());
   ASSERT_EQ(::chmod(path_.c_str(), 0620), 0);
   EXPECT_EQ(ReadSavedAccess(path_).status().code(), absl::StatusCode::kFailedPrecondition);
-}
-
-TEST_F(SavedAccessFile, ItsVersionIsFoundIfItCounts) {
-  EXPECT_EQ(SavedAccessVersion(path_, kStore), 0U) << "there is none";
-  ASSERT_TRUE(SaveAccess(path_, TextOf(Copy(), kStore)).ok());
-  EXPECT_EQ(SavedAccessVersion(path_, kStore), Copy().version);
-  EXPECT_EQ(SavedAccessVersion(path_, "db:5432/other"), 0U);
-}
-
-TEST_F(SavedAccessFile, AKeptOneStaysAsItWas) {
-  const std::string kept = path_ + ".old";
-  for (const std::string text : {"first", "second"}) {
-    ASSERT_TRUE(SaveAccess(path_, text).ok());
-    ASSERT_TRUE(KeepSavedAccess(path_, kept).ok());
-    ASSERT_TRUE(SaveAccess(path_, "later").ok());
-    EXPECT_EQ(ReadSavedAccess(kept).value(), text);
-    EXPECT_EQ(ReadSavedAccess(path_).value(), "later");
-  }
-  struct stat status {};
-  ASSERT_EQ(::stat(kept.c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 07777U, 0600U);
-  std::filesystem::remove(path_);
-  EXPECT_EQ(KeepSavedAccess(path_, kept).message(),
-            kept + ": cannot be made: No such file or directory");
-  EXPECT_EQ(ReadSavedAccess(kept).value(), "second");
-  EXPECT_FALSE(std::filesystem::exists(kept + ".new"));
 }
 
 TEST_F(SavedAccessFile, AFolderThatIsMissingIsSaid) {
