@@ -29,14 +29,14 @@ class TwoSchemas(TwoServers):
                                 "--faults", 1, target=self.road.address))  # fmt: skip
         self.wait_for(lambda: self.streams(A) == ROBOTS, "all stream", A)
         self.road.choose(B)
-        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 5 WHERE version = 5")
+        self.cluster.sql("UPDATE uplinkd.schema_migrations SET oldest = 6 WHERE version = 6")
         return fleet
 
     def test_a_step_that_adds_lets_both_go_on(self):
         self.robots_at(A)
         self.assertEqual(self.schema(), "5|1")
         self.start(B)
-        self.assertEqual(self.schema(), "5|1")
+        self.assertEqual(self.schema(), "6|1")
         self.robots_at(B)
         self.watch(SPANS.after)
         for fleet in self.fleets:
