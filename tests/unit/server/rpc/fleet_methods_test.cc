@@ -355,15 +355,15 @@ TEST_F(FleetMethodsTest, AWatchEndsOnceItsTokenIsRevoked) {
   watch->OnMessage("");
   RunJobs(*watch);
   for (int i = 0; i < 2; ++i) {
-    ASSERT_EQ(watch->deadline(), world_.clock.Steady() + kCallerJudgedEvery);
-    world_.clock.Advance(kCallerJudgedEvery);
+    ASSERT_EQ(watch->deadline(), world_.clock.Steady() + http::kCallerJudgedEvery);
+    world_.clock.Advance(http::kCallerJudgedEvery);
     watch->OnTimer();
     ASSERT_FALSE(call.end) << "its token counts";
   }
   tokens_ = std::make_shared<const http::Tokens>();
   watch->OnTimer();
   EXPECT_FALSE(call.end) << "not before it is judged again";
-  world_.clock.Advance(kCallerJudgedEvery);
+  world_.clock.Advance(http::kCallerJudgedEvery);
   watch->OnTimer();
   ASSERT_TRUE(call.end);
   EXPECT_EQ(call.end->code(), absl::StatusCode::kUnauthenticated);
