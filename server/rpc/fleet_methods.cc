@@ -12,6 +12,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/base/check.h"
+#include "server/http/watch_events.h"
 #include "server/rpc/callers.h"
 #include "server/rpc/health_calls.h"
 #include "server/rpc/query_text.h"
@@ -50,11 +51,14 @@ absl::StatusOr<http::RoutedRequest> RoutedOf(http::RouteId route,
   return routed;
 }
 
-/// Reads a request and finds what answers it, for this caller.
-Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::Message& prototype,
-          identity::Caller caller, std::string from) {
-  return [&site, route, &prototype, caller = std::move(caller),
-          from = std::move(from)](std::string_view bytes) -> absl::StatusOr<Work> {
+/// Reads a request and finds what answers it, for its caller as that is judged then: the request
+/// may come kRequestWait after its call.
+Ask AskOf(const RpcContext& context, http::RouteId route,
+          const google::protobuf::Message& prototype, transport::CallerProof proof) {
+  return [context, route, &prototype,
+          proof = std::move(proof)](std::string_view bytes) -> absl::StatusOr<Work> {
+    auto caller = CallerOf(context.guard, &context.site, route, proof);
+    if (!caller.ok()) return caller.status();
     const std::unique_ptr<google::protobuf::Message> request(prototype.New());
     if (!request->ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
       return absl::InvalidArgumentError(
@@ -62,9 +66,9 @@ Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::M
     }
     absl::StatusOr<http::RoutedRequest> routed = RoutedOf(route, *request);
     if (!routed.ok()) return routed.status();
-    routed->caller = caller;
-    routed->from = from;
-    http::Resolved resolved = site.Resolve(route, *std::move(routed));
+    routed->caller = *std::move(caller);
+    routed->from = WithoutPort(proof.from);
+    http::Resolved resolved = context.site.Resolve(route, *std::move(routed));
     return Work{resolved.lane, [run = std::move(resolved.run)]() -> absl::StatusOr<std::string> {
                   http::Response answer = run();
                   if (absl::Status failed = StatusOf(answer); !failed.ok()) return failed;
@@ -80,12 +84,11 @@ transport::Method MethodOf(const RpcContext& context, std::string_view path,
           .admission = transport::Admission::kCall,
           .serve = [context, route = RouteOf(path), &prototype,
                     &clock](transport::ServedCall& call) -> CallHandlerOr {
-            const transport::CallerProof proof = call.proof();
-            auto caller = CallerOf(context.guard, &context.site, route, proof);
+            transport::CallerProof proof = call.proof();
+            const auto caller = CallerOf(context.guard, &context.site, route, proof);
             if (!caller.ok()) return caller.status();
-            return UnaryCall::Make(
-                context.calls, call, clock,
-                AskOf(context.site, route, prototype, *std::move(caller), WithoutPort(proof.from)));
+            return UnaryCall::Make(context.calls, call, clock, http::WatcherOf(*caller),
+                                   AskOf(context, route, prototype, std::move(proof)));
           },
           .ended = CountedIn(counts)};
 }
@@ -140,8 +143,7 @@ transport::Method ReflectionOf(const RpcContext& context) {
 
 transport::MethodsMaker FleetMethods(const RpcContext& context) {
   return [context](const Clock& clock) {
-    transport::Methods methods =
-        HealthMethods(context.monitor, context.calls, context.probe, clock);
+    transport::Methods methods = HealthMethods(context.monitor, context.probe, clock);
     AddMethods(context, *v1::ListRobotsRequest::descriptor()->file(), "FleetView", kViewMethods,
                context.probe.view, clock, methods);
     AddMethods(context, *v1::ReloadRequest::descriptor()->file(), "FleetAdmin", kAdminMethods,
