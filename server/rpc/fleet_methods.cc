@@ -51,6 +51,14 @@ absl::StatusOr<http::RoutedRequest> RoutedOf(http::RouteId route,
   return routed;
 }
 
+/// Who makes the call, if it may (CallerOf). Its connection learns who shows a token.
+absl::StatusOr<identity::Caller> JudgedCallerOf(const RpcContext& context, const http::Site* site,
+                                                http::RouteId route, transport::ServedCall& call) {
+  auto caller = CallerOf(context.guard, site, route, call.proof());
+  if (caller.ok() && caller->proof == identity::Proof::kToken) call.NoteCaller(caller->name);
+  return caller;
+}
+
 /// Reads a request and finds what answers it, for its caller as that is judged then: the request
 /// may come kRequestWait after its call.
 Ask AskOf(const RpcContext& context, http::RouteId route,
@@ -84,11 +92,10 @@ transport::Method MethodOf(const RpcContext& context, std::string_view path,
           .admission = transport::Admission::kCall,
           .serve = [context, route = RouteOf(path), &prototype,
                     &clock](transport::ServedCall& call) -> CallHandlerOr {
-            transport::CallerProof proof = call.proof();
-            const auto caller = CallerOf(context.guard, &context.site, route, proof);
+            const auto caller = JudgedCallerOf(context, &context.site, route, call);
             if (!caller.ok()) return caller.status();
             return UnaryCall::Make(context.calls, call, clock, http::WatcherOf(*caller),
-                                   AskOf(context, route, prototype, std::move(proof)));
+                                   AskOf(context, route, prototype, call.proof()));
           },
           .ended = CountedIn(counts)};
 }
@@ -99,10 +106,9 @@ transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
       .kind = transport::MethodKind::kServerStream,
       .open = true,
       .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
-        const transport::CallerProof proof = call.proof();
-        auto caller = CallerOf(context.guard, &context.site, route, proof);
+        auto caller = JudgedCallerOf(context, &context.site, route, call);
         if (!caller.ok()) return caller.status();
-        auto may_go_on = [context, route, proof] {
+        auto may_go_on = [context, route, proof = call.proof()] {
           return CallerOf(context.guard, &context.site, route, proof).ok();
         };
         return std::make_unique<WatchCall>(
@@ -132,7 +138,7 @@ transport::Method ReflectionOf(const RpcContext& context) {
   return {.kind = transport::MethodKind::kBidirectional,
           .open = true,
           .serve = [context, route](transport::ServedCall& call) -> CallHandlerOr {
-            const auto caller = CallerOf(context.guard, nullptr, route, call.proof());
+            const auto caller = JudgedCallerOf(context, nullptr, route, call);
             if (!caller.ok()) return caller.status();
             return std::make_unique<ReflectionCall>(call);
           },
