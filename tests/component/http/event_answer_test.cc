@@ -41,12 +41,14 @@ class OneEvent final : public EventStream {
     return {.text = "data: " + std::string(kEventBytes, 'x') + "\n\n"};
   }
   void OnReady(std::function<void()> /*ready*/) override {}
+  [[nodiscard]] const std::string& caller() const override { return caller_; }
   void NoteDenied() override { denied = true; }
 
   std::atomic<bool> denied{false};
   std::atomic<bool> endless{false};
 
  private:
+  const std::string caller_;
   bool taken_ = false;
 };
 
