@@ -98,6 +98,10 @@ class Connection final : public SocketOwner, public GrpcConnectionOwner {
     lifetime_.SetCalls(calls, thread_.clock.Steady());
     place_.SetStreams(calls);
   }
+  void OnCaller(std::string_view name) override {
+    const auto evicted = place_.CountAs(KeyOfCaller(name), origin_, thread_.clock.Steady());
+    if (evicted) owner_.EvictOther(*evicted);
+  }
 
  private:
   enum class Phase : std::uint8_t {

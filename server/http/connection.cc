@@ -206,10 +206,10 @@ class Connection final : public PlaceHolder,
 
   /// Events go on until either side ends them.
   void AnswerEvents(const Response& answer) {
-    if (!place_ || !context_->places.MayWatch()) {
-      return Answer(TooManyWatches("half of http.connections_max are watches already"));
+    const SteadyTime now = context_->server.clock.Steady();
+    if (!place_ || !context_->places.Watch(*place_, answer.events->caller(), now)) {
+      return Answer(TooManyWatches("too many of http.connections_max are watches already"));
     }
-    Note(Places::State::kWatching);
     NoteAnswered(context_->server, route_, answer.status, started_);
     events_.emplace(EventAnswer::Parts{
         *context_, wire_, weak_from_this(), answer.events, [this, request = ToRequest()]() mutable {

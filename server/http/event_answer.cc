@@ -34,7 +34,9 @@ std::string HeadOf(SystemTime now) {
 }  // namespace
 
 EventAnswer::EventAnswer(Parts parts)
-    : parts_(std::move(parts)), comment_(parts_.wire.get_executor()) {}
+    : parts_(std::move(parts)),
+      comment_(parts_.wire.get_executor()),
+      judgement_(parts_.wire.get_executor()) {}
 
 void EventAnswer::Begin() {
   // The reference moves along, so that the connection always ends on the loop's thread.
@@ -47,6 +49,7 @@ void EventAnswer::Begin() {
   parts_.wire.raw().expires_never();
   Read();
   AwaitComment();
+  AwaitJudgement();
   busy_ = true;
   Write(HeadOf(parts_.context.server.clock.System()));
 }
@@ -54,6 +57,7 @@ void EventAnswer::Begin() {
 void EventAnswer::End() {
   closed_ = true;
   comment_.cancel();
+  judgement_.cancel();
   if (job_) job_->Withdraw();
 }
 
@@ -82,11 +86,12 @@ void EventAnswer::Pump() {
 
 void EventAnswer::OnTaken(EventStream::Taken taken) {
   if (closed_) return;
+  // What was made for it meanwhile is not shown.
+  if (denied_) return Deny();
   over_ = over_ || taken.over;
   if (!taken.text.empty()) return Write(std::move(taken.text));
   busy_ = false;
   if (over_) return Finish();
-  if (denied_) return Deny();
   if (again_) Pump();
 }
 
@@ -128,12 +133,25 @@ void EventAnswer::AwaitComment() {
 void EventAnswer::OnComment() {
   if (over_) return Close();
   AwaitComment();
-  denied_ = !parts_.may_go_on();
-  // What is being made or sent is followed by that.
   if (busy_) return;
-  if (denied_) return Deny();
   busy_ = true;
   Write(kComment);
+}
+
+void EventAnswer::AwaitJudgement() {
+  judgement_.expires_after(parts_.judge_every);
+  judgement_.async_wait([this, weak = parts_.connection](error_code error) {
+    const Self self = weak.lock();
+    if (!error && self != nullptr && !closed_) OnJudgement();
+  });
+}
+
+void EventAnswer::OnJudgement() {
+  if (over_) return;
+  denied_ = !parts_.may_go_on();
+  if (!denied_) return AwaitJudgement();
+  // What is being sent is followed by that.
+  if (!busy_) Deny();
 }
 
 void EventAnswer::Deny() {
@@ -156,6 +174,7 @@ void EventAnswer::Finish() {
 void EventAnswer::Close() {
   if (std::exchange(closed_, true)) return;
   comment_.cancel();
+  judgement_.cancel();
   parts_.wire.raw().close();
 }
 

@@ -13,6 +13,7 @@
 #include "schema/base/clock.h"
 #include "server/http/connection.h"
 #include "server/http/event_stream.h"
+#include "server/http/guard.h"
 #include "server/http/posted_job.h"
 #include "server/http/wire.h"
 
@@ -35,9 +36,10 @@ class EventAnswer final {
     Wire& wire;
     std::weak_ptr<void> connection;
     std::shared_ptr<EventStream> events;
-    /// Whether the caller may still see it; asked at each comment.
+    /// Whether the caller may still see it; asked each `judge_every`.
     std::function<bool()> may_go_on;
     milliseconds comment_every = kEventComment;
+    milliseconds judge_every = kCallerJudgedEvery;
   };
   explicit EventAnswer(Parts parts);
   EventAnswer(const EventAnswer&) = delete;
@@ -57,6 +59,8 @@ class EventAnswer final {
   void Read();
   void AwaitComment();
   void OnComment();
+  void AwaitJudgement();
+  void OnJudgement();
   /// Tells the client that it may not watch any more, and ends.
   void Deny();
   /// No more events; closes once the peer has read what was sent.
@@ -65,6 +69,7 @@ class EventAnswer final {
 
   const Parts parts_;
   boost::asio::steady_timer comment_;
+  boost::asio::steady_timer judgement_;
   std::optional<PostedJob> job_;
   /// Being sent.
   std::string text_;

@@ -21,6 +21,8 @@ class EventStream {
   /// `ready` is called on any thread once there is something after a Take that found nothing. Call
   /// it once, before the first Take.
   virtual void OnReady(std::function<void()> ready) = 0;
+  /// What tells its caller from others; empty: nothing does.
+  [[nodiscard]] virtual const std::string& caller() const = 0;
   /// Its end is that its caller may not see it any more. Not beside a Take.
   virtual void NoteDenied() = 0;
 };

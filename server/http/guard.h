@@ -28,6 +28,9 @@ namespace uplink::http {
 /// Callers whose first request is remembered, so that it is logged once. Past it, the one that
 /// asked least recently is logged again.
 inline constexpr std::size_t kCallersKnownMax = 2'048;
+/// How often the caller of an answer that goes on, such as a watch, is judged again: one whose
+/// proof was taken back sees no more after that.
+inline constexpr std::chrono::seconds kCallerJudgedEvery{1};
 
 /// Who asks, and whether it may: by the token of a request, else by the certificate of its
 /// connection. It counts and logs what it denies.

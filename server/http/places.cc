@@ -91,9 +91,24 @@ bool Places::Crowded(Handle place) const {
   return 2 * taken_.size() > places_ || 2 * TakenBy(place->source) > source_share_;
 }
 
-bool Places::MayWatch() const {
-  const auto watching = std::ranges::count(taken_, State::kWatching, &Place::state);
-  return 2 * (static_cast<std::size_t>(watching) + 1) <= places_;
+bool Places::Watch(Handle place, const std::string& caller, SteadyTime now) {
+  if (!MayWatch(caller)) return false;
+  Note(place, State::kWatching, now);
+  place->watcher = caller;
+  return true;
+}
+
+bool Places::MayWatch(std::string_view caller) const {
+  std::size_t watching = 0;
+  std::size_t own = 0;
+  for (const Place& place : taken_) {
+    if (place.state != State::kWatching) continue;
+    ++watching;
+    if (place.watcher == caller) ++own;
+  }
+  if (2 * (watching + 1) > places_) return false;
+  const bool crowded = 4 * watching >= places_;
+  return !crowded || caller.empty() || own < kCrowdedWatchesOfCaller;
 }
 
 std::size_t Places::TakenBy(const Source& source) const {

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <string>
+#include <string_view>
 
 #include "schema/base/clock.h"
 #include "server/http/source.h"
@@ -17,6 +19,9 @@ inline constexpr std::chrono::seconds kSlowAnswer{1};
 /// A connection that was accepted less than this ago may have sent a request that is not read yet:
 /// a turn of the loop accepts up to kAcceptsPerTurn (limits.h), and takes a few milliseconds.
 inline constexpr milliseconds kNotReadYet{100};
+
+/// Watches of one caller, once half of those that may be open are: others still get in.
+inline constexpr std::size_t kCrowdedWatchesOfCaller = 4;
 
 /// A connection that holds a place.
 class PlaceHolder {
@@ -63,6 +68,8 @@ class Places final {
     /// It answers probes and scrapes alone.
     bool monitoring_only = false;
     bool shares = true;
+    /// Who watches by it (EventStream::caller), while it does.
+    std::string watcher{};
   };
   using Handle = std::list<Place>::iterator;
   /// Whether a connection counts in its source's share.
@@ -86,10 +93,13 @@ class Places final {
   /// source's share, are taken: a peer that sends requests ahead would be answered without a pause
   /// in which it could give way. Never without shares.
   [[nodiscard]] bool Crowded(Handle place) const;
-  /// Whether one more may watch: half of the places at most do, so that others are answered.
-  [[nodiscard]] bool MayWatch() const;
+  /// The connection watches from now on, if it may: half of the places at most do, so that others
+  /// are answered, and where half of those are taken this caller has fewer than
+  /// kCrowdedWatchesOfCaller. An empty caller is not told from others.
+  [[nodiscard]] bool Watch(Handle place, const std::string& caller, SteadyTime now);
 
  private:
+  [[nodiscard]] bool MayWatch(std::string_view caller) const;
   [[nodiscard]] std::size_t TakenBy(const Source& source) const;
 
   const std::size_t places_;

@@ -73,8 +73,8 @@ constexpr std::string_view kEnd = "end";
 /// unknown, so every connection begins with a snapshot.
 class WatchEvents final : public EventStream {
  public:
-  WatchEvents(std::unique_ptr<view::Watch> watch, std::shared_ptr<Bell> bell)
-      : watch_(std::move(watch)), bell_(std::move(bell)) {}
+  WatchEvents(std::unique_ptr<view::Watch> watch, std::shared_ptr<Bell> bell, std::string caller)
+      : watch_(std::move(watch)), bell_(std::move(bell)), caller_(std::move(caller)) {}
 
   Taken Take() override {
     Taken taken;
@@ -89,6 +89,7 @@ class WatchEvents final : public EventStream {
     return taken;
   }
   void OnReady(std::function<void()> ready) override { bell_->OnRing(std::move(ready)); }
+  [[nodiscard]] const std::string& caller() const override { return caller_; }
   void NoteDenied() override { watch_->NoteEnd(view::WatchEnd::kDenied); }
 
  private:
@@ -106,6 +107,7 @@ class WatchEvents final : public EventStream {
 
   const std::unique_ptr<view::Watch> watch_;
   const std::shared_ptr<Bell> bell_;
+  const std::string caller_;
   std::uint64_t id_ = 0;
 };
 
@@ -125,11 +127,13 @@ std::string WatcherOf(const identity::Caller& caller) {
 
 Response WatchResponse(view::Watches& watches, view::WatchQuery query) {
   auto bell = std::make_shared<Bell>();
+  std::string caller = query.caller;
   auto watch = watches.Begin(std::move(query), [bell] { bell->Ring(); });
   if (!watch.ok()) return TooManyWatches(std::string(watch.status().message()));
   Response response;
   response.content_type = "text/event-stream";
-  response.events = std::make_shared<WatchEvents>(*std::move(watch), std::move(bell));
+  response.events =
+      std::make_shared<WatchEvents>(*std::move(watch), std::move(bell), std::move(caller));
   return response;
 }
 

@@ -12,6 +12,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/base/check.h"
+#include "server/http/watch_events.h"
 #include "server/rpc/callers.h"
 #include "server/rpc/health_calls.h"
 #include "server/rpc/query_text.h"
@@ -50,11 +51,22 @@ absl::StatusOr<http::RoutedRequest> RoutedOf(http::RouteId route,
   return routed;
 }
 
-/// Reads a request and finds what answers it, for this caller.
-Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::Message& prototype,
-          identity::Caller caller, std::string from) {
-  return [&site, route, &prototype, caller = std::move(caller),
-          from = std::move(from)](std::string_view bytes) -> absl::StatusOr<Work> {
+/// Who makes the call, if it may (CallerOf). Its connection learns who shows a token.
+absl::StatusOr<identity::Caller> JudgedCallerOf(const RpcContext& context, const http::Site* site,
+                                                http::RouteId route, transport::ServedCall& call) {
+  auto caller = CallerOf(context.guard, site, route, call.proof());
+  if (caller.ok() && caller->proof == identity::Proof::kToken) call.NoteCaller(caller->name);
+  return caller;
+}
+
+/// Reads a request and finds what answers it, for its caller as that is judged then: the request
+/// may come kRequestWait after its call.
+Ask AskOf(const RpcContext& context, http::RouteId route,
+          const google::protobuf::Message& prototype, transport::CallerProof proof) {
+  return [context, route, &prototype,
+          proof = std::move(proof)](std::string_view bytes) -> absl::StatusOr<Work> {
+    auto caller = CallerOf(context.guard, &context.site, route, proof);
+    if (!caller.ok()) return caller.status();
     const std::unique_ptr<google::protobuf::Message> request(prototype.New());
     if (!request->ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
       return absl::InvalidArgumentError(
@@ -62,9 +74,9 @@ Ask AskOf(const http::Site& site, http::RouteId route, const google::protobuf::M
     }
     absl::StatusOr<http::RoutedRequest> routed = RoutedOf(route, *request);
     if (!routed.ok()) return routed.status();
-    routed->caller = caller;
-    routed->from = from;
-    http::Resolved resolved = site.Resolve(route, *std::move(routed));
+    routed->caller = *std::move(caller);
+    routed->from = WithoutPort(proof.from);
+    http::Resolved resolved = context.site.Resolve(route, *std::move(routed));
     return Work{resolved.lane, [run = std::move(resolved.run)]() -> absl::StatusOr<std::string> {
                   http::Response answer = run();
                   if (absl::Status failed = StatusOf(answer); !failed.ok()) return failed;
@@ -80,12 +92,10 @@ transport::Method MethodOf(const RpcContext& context, std::string_view path,
           .admission = transport::Admission::kCall,
           .serve = [context, route = RouteOf(path), &prototype,
                     &clock](transport::ServedCall& call) -> CallHandlerOr {
-            const transport::CallerProof proof = call.proof();
-            auto caller = CallerOf(context.guard, &context.site, route, proof);
+            const auto caller = JudgedCallerOf(context, &context.site, route, call);
             if (!caller.ok()) return caller.status();
-            return UnaryCall::Make(
-                context.calls, call, clock,
-                AskOf(context.site, route, prototype, *std::move(caller), WithoutPort(proof.from)));
+            return UnaryCall::Make(context.calls, call, clock, http::WatcherOf(*caller),
+                                   AskOf(context, route, prototype, call.proof()));
           },
           .ended = CountedIn(counts)};
 }
@@ -96,10 +106,9 @@ transport::Method WatchOf(const RpcContext& context, const Clock& clock) {
       .kind = transport::MethodKind::kServerStream,
       .open = true,
       .serve = [context, route, &clock](transport::ServedCall& call) -> CallHandlerOr {
-        const transport::CallerProof proof = call.proof();
-        auto caller = CallerOf(context.guard, &context.site, route, proof);
+        auto caller = JudgedCallerOf(context, &context.site, route, call);
         if (!caller.ok()) return caller.status();
-        auto may_go_on = [context, route, proof] {
+        auto may_go_on = [context, route, proof = call.proof()] {
           return CallerOf(context.guard, &context.site, route, proof).ok();
         };
         return std::make_unique<WatchCall>(
@@ -129,7 +138,7 @@ transport::Method ReflectionOf(const RpcContext& context) {
   return {.kind = transport::MethodKind::kBidirectional,
           .open = true,
           .serve = [context, route](transport::ServedCall& call) -> CallHandlerOr {
-            const auto caller = CallerOf(context.guard, nullptr, route, call.proof());
+            const auto caller = JudgedCallerOf(context, nullptr, route, call);
             if (!caller.ok()) return caller.status();
             return std::make_unique<ReflectionCall>(call);
           },
@@ -140,8 +149,7 @@ transport::Method ReflectionOf(const RpcContext& context) {
 
 transport::MethodsMaker FleetMethods(const RpcContext& context) {
   return [context](const Clock& clock) {
-    transport::Methods methods =
-        HealthMethods(context.monitor, context.calls, context.probe, clock);
+    transport::Methods methods = HealthMethods(context.monitor, context.probe, clock);
     AddMethods(context, *v1::ListRobotsRequest::descriptor()->file(), "FleetView", kViewMethods,
                context.probe.view, clock, methods);
     AddMethods(context, *v1::ReloadRequest::descriptor()->file(), "FleetAdmin", kAdminMethods,

@@ -32,43 +32,64 @@ absl::StatusOr<std::string> ServiceOf(std::string_view bytes) {
   return request.service();
 }
 
-absl::StatusOr<std::string> Check(const health::Monitor& monitor, const std::string& service) {
-  const auto status = StatusOfService(monitor, service);
-  if (!status) return absl::NotFoundError("no such service is served here");
-  Response response;
-  response.set_status(*status);
-  return response.SerializeAsString();
-}
-
 }  // namespace
 
-transport::Methods HealthMethods(const health::Monitor& monitor, UnaryCalls& calls, RpcProbe& probe,
+transport::Methods HealthMethods(const health::Monitor& monitor, RpcProbe& probe,
                                  const Clock& clock) {
   using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
-  const Ask ask = [&monitor](std::string_view bytes) -> absl::StatusOr<Work> {
-    auto service = ServiceOf(bytes);
-    if (!service.ok()) return service.status();
-    return Work{http::Lane::kIo,
-                [&monitor, service = *std::move(service)] { return Check(monitor, service); }};
-  };
   transport::Methods methods;
-  methods.emplace("/grpc.health.v1.Health/Check",
-                  transport::Method{
-                      .open = true,
-                      .admission = transport::Admission::kCall,
-                      .serve = [&calls, &clock, ask](transport::ServedCall& call) -> CallHandlerOr {
-                        return UnaryCall::Make(calls, call, clock, ask);
-                      },
-                      .ended = CountedIn(probe.Of(OtherMethod::kHealthCheck))});
+  methods.emplace(
+      "/grpc.health.v1.Health/Check",
+      transport::Method{.open = true,
+                        .admission = transport::Admission::kHealth,
+                        .serve = [&monitor, &clock](transport::ServedCall& call) -> CallHandlerOr {
+                          return std::make_unique<HealthCheck>(monitor, call, clock);
+                        },
+                        .ended = CountedIn(probe.Of(OtherMethod::kHealthCheck))});
   methods.emplace(
       "/grpc.health.v1.Health/Watch",
       transport::Method{.kind = transport::MethodKind::kServerStream,
                         .open = true,
+                        .admission = transport::Admission::kHealth,
                         .serve = [&monitor, &clock](transport::ServedCall& call) -> CallHandlerOr {
                           return std::make_unique<HealthWatch>(monitor, call, clock);
                         },
                         .ended = CountedIn(probe.Of(OtherMethod::kHealthWatch))});
   return methods;
+}
+
+void HealthCheck::Start() {
+  end_by_ = clock_.Steady() + kRequestWait;
+  call_.RequestMessage();
+}
+
+void HealthCheck::OnMessage(std::string_view bytes) {
+  const auto service = ServiceOf(bytes);
+  if (!service.ok()) return Finish(service.status());
+  const auto status = StatusOfService(monitor_, *service);
+  if (!status) return Finish(absl::NotFoundError("no such service is served here"));
+  Response response;
+  response.set_status(*status);
+  call_.Write(transport::WithPrefix(response));
+  Finish(absl::OkStatus());
+}
+
+void HealthCheck::OnTooLarge(std::uint64_t /*bytes*/) {
+  Finish(absl::ResourceExhaustedError("the request is too large"));
+}
+
+void HealthCheck::OnTimer() {
+  if (!end_by_ || clock_.Steady() < *end_by_) return;
+  Finish(absl::DeadlineExceededError("the request did not come whole in time"));
+}
+
+void HealthCheck::OnDrain(milliseconds /*grace*/) {
+  Finish(absl::UnavailableError("the connection ends; ask again"));
+}
+
+void HealthCheck::Finish(const absl::Status& status) {
+  end_by_.reset();
+  call_.Finish(status);
 }
 
 void HealthWatch::Start() {

@@ -9,6 +9,24 @@
 
 namespace uplink::rpc {
 
+bool UnaryCalls::Open(const std::string& caller) {
+  const std::lock_guard lock(mutex_);
+  if (open_.Of(caller) >= kUnaryCallsPerCallerMax) return false;
+  open_.Add(caller);
+  return true;
+}
+
+void UnaryCalls::Close(const std::string& caller) {
+  const std::lock_guard lock(mutex_);
+  open_.Drop(caller);
+}
+
+bool UnaryCalls::BeginAnswer() {
+  if (++under_way_ <= kUnaryCallsMax) return true;
+  --under_way_;
+  return false;
+}
+
 /// The answer on its way between two threads.
 struct UnaryCall::Answer {
   std::atomic<bool> unwanted{false};
@@ -19,28 +37,30 @@ struct UnaryCall::Answer {
 absl::StatusOr<std::unique_ptr<transport::CallHandler>> UnaryCall::Make(UnaryCalls& calls,
                                                                         transport::ServedCall& call,
                                                                         const Clock& clock,
+                                                                        std::string caller,
                                                                         Ask ask) {
-  // It takes its place, and gives it back also where there is none.
-  std::unique_ptr<UnaryCall> made(new UnaryCall(calls, call, clock, std::move(ask)));
-  if (calls.under_way > kUnaryCallsMax) {
-    return absl::ResourceExhaustedError(fmt::format(
-        "the server answers {} calls at a time, and has them; try again", kUnaryCallsMax));
+  if (!calls.Open(caller)) {
+    return absl::ResourceExhaustedError(
+        fmt::format("{} calls of this caller are open already, as many as one may have; try again",
+                    kUnaryCallsPerCallerMax));
   }
-  return made;
+  return std::unique_ptr<UnaryCall>(
+      new UnaryCall(calls, call, clock, std::move(caller), std::move(ask)));
 }
 
-UnaryCall::UnaryCall(UnaryCalls& calls, transport::ServedCall& call, const Clock& clock, Ask ask)
+UnaryCall::UnaryCall(UnaryCalls& calls, transport::ServedCall& call, const Clock& clock,
+                     std::string caller, Ask ask)
     : calls_(calls),
       call_(call),
       clock_(clock),
+      caller_(std::move(caller)),
       ask_(std::move(ask)),
-      answer_(std::make_shared<Answer>()) {
-  ++calls_.under_way;
-}
+      answer_(std::make_shared<Answer>()) {}
 
 UnaryCall::~UnaryCall() {
   answer_->unwanted = true;
-  --calls_.under_way;
+  if (counts_) calls_.EndAnswer();
+  calls_.Close(caller_);
 }
 
 void UnaryCall::Start() {
@@ -51,6 +71,11 @@ void UnaryCall::Start() {
 void UnaryCall::OnMessage(std::string_view bytes) {
   has_request_ = true;
   end_by_.reset();
+  counts_ = calls_.BeginAnswer();
+  if (!counts_) {
+    return Finish(absl::ResourceExhaustedError(fmt::format(
+        "the server answers {} calls at a time, and has them; try again", kUnaryCallsMax)));
+  }
   absl::StatusOr<Work> work = ask_(bytes);
   if (!work.ok()) return Finish(work.status());
   if (work->lane == http::Lane::kIo) return Tell(work->run());

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 
 #include "schema/base/clock.h"
 #include "server/http/routes.h"
+#include "server/limits/key_counts.h"
 #include "server/transport/call_handler.h"
 
 namespace uplink::rpc {
@@ -22,8 +24,12 @@ namespace uplink::rpc {
 inline constexpr std::uint64_t kRequestBytesMax = 64UL * 1024;
 /// How long a request may take to come whole.
 inline constexpr std::chrono::seconds kRequestWait{10};
-/// Calls that are answered at a time: each may hold an answer of storage::kPageBytesMax.
+/// Calls that are answered at a time: each may hold an answer of storage::kPageBytesMax. A call
+/// whose request is not there yet holds none, and does not count.
 inline constexpr std::size_t kUnaryCallsMax = 128;
+/// Calls that one caller has open at a time, their requests there or not: no token and no
+/// certificate takes all.
+inline constexpr std::size_t kUnaryCallsPerCallerMax = kUnaryCallsMax / 4;
 
 /// What a request asks for. A value; `run` does not throw.
 struct Work {
@@ -37,10 +43,27 @@ using Ask = std::function<absl::StatusOr<Work>(std::string_view request)>;
 /// Posts a job to the threads of a lane; false if it takes no more.
 using PostJob = std::function<bool(http::Lane lane, std::function<void()> job)>;
 
-/// What unary calls of all threads share. Thread-safe; it outlives them, and `post` the jobs.
-struct UnaryCalls {
+/// What unary calls of all threads share: where their jobs go, and how many there are. Thread-safe;
+/// it outlives them, and `post` the jobs.
+class UnaryCalls final {
+ public:
   PostJob post;
-  std::atomic<std::size_t> under_way{0};
+
+  /// One more call of this caller is open; false at kUnaryCallsPerCallerMax.
+  [[nodiscard]] bool Open(const std::string& caller);
+  /// Undoes one Open.
+  void Close(const std::string& caller);
+  /// One more is answered; false at kUnaryCallsMax.
+  [[nodiscard]] bool BeginAnswer();
+  /// Undoes one BeginAnswer.
+  void EndAnswer() { --under_way_; }
+  /// Calls that are answered now.
+  [[nodiscard]] std::size_t under_way() const { return under_way_; }
+
+ private:
+  std::atomic<std::size_t> under_way_{0};
+  std::mutex mutex_;
+  limits::KeyCounts<std::string> open_;
 };
 
 /// One unary call, whose answer is made on another thread.
@@ -48,9 +71,10 @@ struct UnaryCalls {
 /// Thread: confined to its connection's.
 class UnaryCall final : public transport::CallHandler {
  public:
-  /// Errors: kResourceExhausted past kUnaryCallsMax.
+  /// `caller`: what tells it from others. Errors: kResourceExhausted past kUnaryCallsPerCallerMax.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<transport::CallHandler>> Make(
-      UnaryCalls& calls, transport::ServedCall& call, const Clock& clock, Ask ask);
+      UnaryCalls& calls, transport::ServedCall& call, const Clock& clock, std::string caller,
+      Ask ask);
   ~UnaryCall() override;
   UnaryCall(const UnaryCall&) = delete;
   UnaryCall& operator=(const UnaryCall&) = delete;
@@ -70,15 +94,19 @@ class UnaryCall final : public transport::CallHandler {
 
  private:
   struct Answer;
-  UnaryCall(UnaryCalls& calls, transport::ServedCall& call, const Clock& clock, Ask ask);
+  UnaryCall(UnaryCalls& calls, transport::ServedCall& call, const Clock& clock, std::string caller,
+            Ask ask);
   void Tell(absl::StatusOr<std::string> answer);
   void Finish(const absl::Status& status);
 
   UnaryCalls& calls_;
   transport::ServedCall& call_;
   const Clock& clock_;
+  const std::string caller_;
   const Ask ask_;
   bool has_request_ = false;
+  /// It counts in kUnaryCallsMax.
+  bool counts_ = false;
   bool over_ = false;
   /// Until when the request must come, or, while the server drains, the answer.
   std::optional<SteadyTime> end_by_;

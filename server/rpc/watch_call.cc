@@ -10,6 +10,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "server/http/guard.h"
 #include "server/http/handlers.h"
 #include "server/loop/wake.h"
 #include "server/rpc/callers.h"
@@ -134,7 +135,7 @@ void WatchCall::Start() {
 void WatchCall::OnMessage(std::string_view bytes) {
   auto query = QueryFrom(bytes, caller_);
   if (!query.ok()) return Finish(query.status());
-  judge_at_ = context_.clock.Steady() + kCallerJudgedEvery;
+  judge_at_ = context_.clock.Steady() + http::kCallerJudgedEvery;
   feed_ = std::make_shared<Feed>(context_.watches, *std::move(query), call_.self());
   Take();
 }
@@ -183,7 +184,7 @@ void WatchCall::OnTimer() {
   if (over_) return;
   const SteadyTime now = context_.clock.Steady();
   if (judge_at_ && now >= *judge_at_) {
-    judge_at_ = now + kCallerJudgedEvery;
+    judge_at_ = now + http::kCallerJudgedEvery;
     if (!context_.may_go_on()) {
       return Finish(absl::UnauthenticatedError("the caller may not watch any more"),
                     view::WatchEnd::kDenied);

@@ -17,8 +17,6 @@ namespace uplink::rpc {
 
 /// When changes are asked for again that the threads had no room for.
 inline constexpr std::chrono::milliseconds kWatchTryAgain{200};
-/// How often a caller that watches is judged again, as of watches by HTTP.
-inline constexpr std::chrono::seconds kCallerJudgedEvery{15};
 
 /// One WatchRobots: changes are taken and written on another thread, once the peer has taken those
 /// before.

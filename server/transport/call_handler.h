@@ -85,6 +85,9 @@ class ServedCall {
   [[nodiscard]] virtual const identity::PeerIdentity& peer() const = 0;
   /// What the caller has shown; while an open method's `serve` runs.
   [[nodiscard]] virtual CallerProof proof() const { return {}; }
+  /// Its caller has shown a token: its connection counts as this caller's from then on, unless it
+  /// has a certificate. `name`: of the token.
+  virtual void NoteCaller(std::string_view /*name*/) {}
   /// The connection that it came by; null where there is no wire, as in simulation.
   [[nodiscard]] virtual PeerConnection* connection() { return nullptr; }
   /// The caller's deadline (grpc-timeout), at which the call ends by itself (Method::at_deadline).

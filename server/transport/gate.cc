@@ -11,7 +11,15 @@ namespace {
 constexpr std::size_t IndexOf(Admission admission) { return static_cast<std::size_t>(admission); }
 
 constexpr std::string_view WordOf(Admission admission) {
-  return admission == Admission::kCall ? "calls" : "streams";
+  switch (admission) {
+    case Admission::kStream:
+      return "streams";
+    case Admission::kCall:
+      return "calls";
+    case Admission::kHealth:
+      return "health checks";
+  }
+  return "";
 }
 
 constexpr std::size_t CallsMax(const Gate::Limits& limits) {
@@ -46,11 +54,13 @@ Gate::Gate(const Limits& limits, RelayProbe& probe)
       here_{
           Here{.max = limits.streams_max,
                .per_gateway_max = PerGateway(limits.streams_max, limits)},
+          Here{.max = CallsMax(limits), .per_gateway_max = PerGateway(CallsMax(limits), limits)},
           Here{.max = CallsMax(limits), .per_gateway_max = PerGateway(CallsMax(limits), limits)}} {}
 
 absl::Status Gate::CheckRobot(const std::string& robot, Admission admission) const {
   const std::size_t has = here_[IndexOf(admission)].by_robot.Of(robot);
-  if (has < (admission == Admission::kCall ? kCallsPerCertificateMax : kStreamsPerCertificateMax)) {
+  if (has <
+      (admission == Admission::kStream ? kStreamsPerCertificateMax : kCallsPerCertificateMax)) {
     return absl::OkStatus();
   }
   probe_.refused_robot_total.Add();

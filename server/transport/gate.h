@@ -30,8 +30,9 @@ inline constexpr std::size_t kGatewayFullConnections = 4;
 /// But at most this share of all streams, and of all calls: the rest is for all others.
 inline constexpr std::size_t kGatewayStreamsPercent = 75;
 
-/// Whether a call counts among streams, which stay, or among calls, which are answered soon.
-enum class Admission : std::uint8_t { kStream, kCall };
+/// Whether a call counts among streams, which stay, among calls, which are answered soon, or among
+/// checks of the health, which strangers may make: they take no place of the others.
+enum class Admission : std::uint8_t { kStream, kCall, kHealth };
 
 /// The certificate by which a stream came. A value.
 struct Entrant {
@@ -49,7 +50,8 @@ struct Entrant {
 class Gate final {
  public:
   struct Limits {
-    /// The bound of streams, and that of calls, which is at least kCallsMaxAtLeast.
+    /// The bound of streams, and those of calls and of checks of the health, which are at least
+    /// kCallsMaxAtLeast.
     std::size_t streams_max = 0;
     /// limits.gateway_streams_max, for one connection.
     std::size_t gateway_streams_max = config::LimitsConfig().gateway_streams_max;
@@ -66,7 +68,7 @@ class Gate final {
   void Close();
 
   [[nodiscard]] bool closed() const;
-  /// Streams and calls.
+  /// Streams, calls and checks.
   [[nodiscard]] std::size_t streams() const;
   /// Streams that one gateway may have.
   [[nodiscard]] std::size_t per_gateway_max() const { return here_[0].per_gateway_max; }
@@ -87,13 +89,13 @@ class Gate final {
   // Under the lock.
   [[nodiscard]] absl::Status CheckRobot(const std::string& robot, Admission admission) const;
   [[nodiscard]] absl::Status CheckGateway(const std::string& gateway, Admission admission) const;
-  [[nodiscard]] std::size_t All() const { return here_[0].all + here_[1].all; }
+  [[nodiscard]] std::size_t All() const { return here_[0].all + here_[1].all + here_[2].all; }
 
   RelayProbe& probe_;
   mutable std::mutex mutex_;
   mutable std::condition_variable empty_;
   /// By Admission.
-  std::array<Here, 2> here_;
+  std::array<Here, 3> here_;
   bool closed_ = false;
 };
 

@@ -19,6 +19,7 @@ class Events:
         self.connection.request("GET", path, headers=headers)
         self.answer = self.connection.getresponse()
         self.last_id = None
+        self.comments = 0
 
     def __enter__(self):
         return self
@@ -28,7 +29,7 @@ class Events:
         self.connection.close()
 
     def __iter__(self):
-        """Name and data of each event; comments are left out."""
+        """Name and data of each event; comments are counted alone."""
         name, data = None, []
         for line in self.answer:
             text = line.decode().rstrip("\n")
@@ -38,6 +39,8 @@ class Events:
                 data.append(text.removeprefix("data: "))
             elif text.startswith("id: "):
                 self.last_id = text.removeprefix("id: ")
+            elif text.startswith(":"):
+                self.comments += 1
             elif not text and name:
                 yield name, json.loads("\n".join(data))
                 name, data = None, []

@@ -6,6 +6,7 @@ prints what came of each call; or, to follow one stream, each answer as a line, 
 
 import json
 import sys
+import threading
 
 import grpc
 from google.protobuf import descriptor_pb2, descriptor_pool, json_format, message_factory
@@ -65,6 +66,30 @@ def follow(channel, pool, path, request, metadata):
     print(json.dumps({"end": end}), flush=True)
 
 
+def hold(task, path, count):
+    """So many calls, 50 by a connection, whose requests never come; until this process is killed."""
+    credentials = grpc.ssl_channel_credentials(read(task["ca"]))
+    never = threading.Event()
+
+    def nothing():
+        never.wait()
+        yield from ()
+
+    held = []
+    for at in range(count):
+        if at % 50 == 0:
+            options = (("grpc.use_local_subchannel_pool", 1),)
+            channel = grpc.secure_channel(task["target"], credentials, options)
+            grpc.channel_ready_future(channel).result(PATIENCE_SECONDS)
+        call = channel.stream_stream(path, request_serializer=bytes, response_deserializer=bytes)
+        held.append((channel, call(nothing())))
+    # Calls are in order on a connection: once a whole one is answered, those before it are there.
+    for channel in dict.fromkeys(channel for channel, _ in held):
+        channel.unary_unary(path, request_serializer=bytes, response_deserializer=bytes)(b"", timeout=PATIENCE_SECONDS)
+    print("held", flush=True)
+    never.wait()
+
+
 def ask(channel, pool, path, request, kind, metadata, take):
     into, out = method_of(channel, pool, path)
     try:
@@ -86,6 +111,8 @@ def main():
     task = json.load(sys.stdin)
     pool = pool_of(task["files"])
     metadata = (("authorization", f"Bearer {task['token']}"),) if task.get("token") else ()
+    if "hold" in task:
+        return hold(task, *task["hold"])
     with channel_of(task) as channel:
         if "follow" in task:
             return follow(channel, pool, *task["follow"], metadata)

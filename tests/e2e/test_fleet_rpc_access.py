@@ -1,14 +1,16 @@
 """Who gets what on listen.fleet: the table of rights by both doors, fleets, what is taken back, and bounds."""
 
+import contextlib
 import hashlib
 import json
 import socket
 import ssl
+import subprocess
 
 import test_access
 from google.protobuf import descriptor_pb2
 from harness import BIN, run, wait_until
-from test_fleet_rpc import PATHS, SECONDS, VIEW, FleetRpc, fixed
+from test_fleet_rpc import CLIENT, HEALTH, PATHS, PYTHON, SECONDS, VIEW, FleetRpc, fixed
 
 ADMIN = "/uplink.v1.FleetAdmin/"
 COMMANDS = {
@@ -28,6 +30,7 @@ COMMANDS = {
 ALLOWED = {"OK", "INVALID_ARGUMENT", "NOT_FOUND"}
 REQUEST_BYTES_MAX = 64 * 1024
 IDLE = 100
+CHECKS = 200
 
 
 class Rights(FleetRpc):
@@ -154,6 +157,31 @@ class Bounds(FleetRpc):
             while end.recv(4096):
                 pass
         self.assertEqual(server.terminate(60), 0)
+
+
+    def test_strangers_whose_checks_never_come_whole_keep_no_operator_out(self):
+        server = self.serve()
+        viewer = self.certificate(server, "viewer")
+        # More than the server answers at a time.
+        with self.held_checks(server, CHECKS):
+            for _ in range(2):
+                [answer] = self.call(server, (VIEW + "ListRobots", {}), pair=viewer)
+                self.assertEqual(answer["code"], "OK", answer)
+
+    @contextlib.contextmanager
+    def held_checks(self, server, count):
+        """So many Health/Check calls of a stranger whose requests never come."""
+        task = self.task(server, None, None)
+        client = subprocess.Popen([PYTHON, str(CLIENT)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        try:
+            with client.stdin as sent:
+                json.dump({**task, "hold": [HEALTH + "Check", count]}, sent)
+            self.assertEqual(client.stdout.readline(), "held\n")
+            yield
+        finally:
+            client.kill()
+            client.wait()
+            client.stdout.close()
 
 
 class Watch(FleetRpc):

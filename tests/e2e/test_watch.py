@@ -72,6 +72,23 @@ class Watch(EndToEnd):
             ended = events.until(lambda name, _: name == "end")
             self.assertEqual(ended["error"]["code"], "UNAUTHENTICATED")
 
+    def test_a_revoked_token_sees_no_more_changes(self):
+        """Robots go on and on; the watch of who is revoked ends before the comment that it would get."""
+        tokens = pathlib.Path(self.folder) / "tokens"
+        tokens.touch(mode=0o600)
+        made = run(BIN / "uplinkctl", "tokens", "new", "--tokens-file", tokens, "--role", "viewer", "--fleet", "*",
+                   "--expires", "1d")  # fmt: skip
+        server = self.server(f'[http]\ntokens_file = "{tokens}"').start()
+        self.fleet(server, "--robots", ROBOTS)
+        with Events(server.http, token=made.stdout.strip()) as events:
+            events.snapshot()
+            self.assertIsNotNone(events.until(lambda name, _: name == "robot"))
+            (line,) = tokens.read_text().splitlines()
+            uplinkctl("tokens", "revoke", "--tokens-file", str(tokens), json.loads(line)["id"])
+            ended = events.until(lambda name, _: name == "end")
+            self.assertEqual(ended["error"]["code"], "UNAUTHENTICATED")
+            self.assertEqual(events.comments, 0, "it ends before its first comment, which comes after 15 s")
+
     def test_watches_end_when_the_server_stops(self):
         server = self.server().start()
         with Events(server.http) as events:

@@ -68,6 +68,7 @@ class FrontWire final : public front::GrpcConnectionOwner {
   // front::GrpcConnectionOwner
   void Settle() override;
   void OnCalls(std::size_t /*calls*/) override {}
+  void OnCaller(std::string_view /*name*/) override {}
 
  private:
   /// What was read of the answer on a stream.

@@ -43,6 +43,8 @@ class CallOwner {
   [[nodiscard]] virtual transport::PeerConnection& connection() = 0;
   /// Asks the peer for an answer; then Call::OnPeerAnswered of all its calls follows.
   virtual void AskPeer() = 0;
+  /// ServedCall::NoteCaller.
+  virtual void NoteCaller(std::string_view name) = 0;
   /// Why no new call is served here, counted if it is a drain; empty while calls are served.
   [[nodiscard]] virtual std::optional<absl::Status> refusal() const = 0;
 };
@@ -82,6 +84,7 @@ class Call final : public Http2Stream, public transport::ServedCall {
     asks_peer_ = true;
     owner_.AskPeer();
   }
+  void NoteCaller(std::string_view name) override { owner_.NoteCaller(name); }
   [[nodiscard]] const identity::PeerIdentity& peer() const override {
     const auto& identity = owner_.tls_peer().identity;
     UPLINK_CHECK(identity.ok(), "a call is served for who may call it");

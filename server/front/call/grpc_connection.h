@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <absl/status/status.h>
 
@@ -29,6 +30,8 @@ class GrpcConnectionOwner {
   virtual void Settle() = 0;
   /// The first call began, or the last one ended: `calls` are open now.
   virtual void OnCalls(std::size_t calls) = 0;
+  /// A peer without a certificate has shown the token of this name; the first time.
+  virtual void OnCaller(std::string_view name) = 0;
 };
 
 /// One connection above TLS: HTTP/2 and its calls, what its peer may cost, and when it stops
@@ -104,6 +107,9 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   [[nodiscard]] const Origin& origin() const override { return origin_; }
   [[nodiscard]] transport::PeerConnection& connection() override { return connection_; }
   void AskPeer() override { http2_.PingOnce(); }
+  void NoteCaller(std::string_view name) override {
+    if (peer_.anonymous && !std::exchange(proven_, true)) owner_.OnCaller(name);
+  }
   [[nodiscard]] std::optional<absl::Status> refusal() const override;
 
  private:
@@ -121,6 +127,8 @@ class GrpcConnection final : public Http2Peer, public CallOwner {
   bool last_streams_told_ = false;
   bool served_ = false;
   bool answered_ = false;
+  /// It has shown a token.
+  bool proven_ = false;
   bool turned_away_ = false;
   /// Why no call is served any more, if its peer is banned.
   std::optional<absl::Status> ban_;

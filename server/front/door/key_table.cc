@@ -4,6 +4,8 @@
 #include <cstring>
 #include <iterator>
 
+#include <openssl/sha.h>
+
 #include "schema/base/check.h"
 
 namespace uplink::front {
@@ -15,6 +17,13 @@ KeyDigest KeyOf(const SourceAddress& source) {
   return key;
 }
 
+KeyDigest KeyOfCaller(std::string_view name) {
+  KeyDigest key{};
+  // The library's bytes are unsigned char; looking at chars as such is always allowed.
+  SHA256(reinterpret_cast<const unsigned char*>(name.data()), name.size(), key.data());
+  return key;
+}
+
 std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_t connection,
                                            std::size_t per_key_max, SteadyTime now) {
   const std::lock_guard lock(mutex_);
@@ -23,8 +32,26 @@ std::optional<std::uint64_t> KeyTable::Add(const KeyDigest& digest, std::uint64_
   Key& key = keys_[digest];
   key.connections.push_back({.id = connection, .digest = digest, .heard = now});
   connections_.emplace(connection, std::prev(key.connections.end()));
-  if (key.connections.size() <= per_key_max) return std::nullopt;
+  return EvictPast(key, per_key_max);
+}
 
+std::optional<std::uint64_t> KeyTable::Move(std::uint64_t connection, const KeyDigest& digest,
+                                            std::size_t per_key_max) {
+  UPLINK_CHECK(per_key_max > 0, "who moves may stay");
+  const std::lock_guard lock(mutex_);
+  const auto found = connections_.find(connection);
+  if (found == connections_.end() || found->second->digest == digest) return std::nullopt;
+  Key& into = keys_[digest];
+  const auto from = keys_.find(found->second->digest);
+  UPLINK_CHECK(from != keys_.end(), "a connection of no key");
+  into.connections.splice(into.connections.end(), from->second.connections, found->second);
+  found->second->digest = digest;
+  if (from->second.connections.empty()) keys_.erase(from);
+  return EvictPast(into, per_key_max);
+}
+
+std::optional<std::uint64_t> KeyTable::EvictPast(Key& key, std::size_t per_key_max) {
+  if (key.connections.size() <= per_key_max) return std::nullopt;
   const Connections::iterator evicted = ChooseToEvict(key.connections);
   const std::uint64_t evicted_id = evicted->id;
   connections_.erase(evicted_id);

@@ -6,6 +6,7 @@
 #include <list>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <unordered_map>
 
 #include "schema/base/clock.h"
@@ -19,6 +20,9 @@ using KeyDigest = std::array<std::uint8_t, 32>;
 /// Stands for the key of those from this source that have shown none. No SHA-256 is known to be so.
 [[nodiscard]] KeyDigest KeyOf(const SourceAddress& source);
 
+/// The same for those that have shown the token of this name: the SHA-256 of that.
+[[nodiscard]] KeyDigest KeyOfCaller(std::string_view name);
+
 /// The open, proven connections of each public key.
 ///
 /// Limits: bounded by the number of connections; the owner must Remove each.
@@ -31,6 +35,10 @@ class KeyTable final {
   /// has shrunk, the key keeps what it has, but gets no more.
   [[nodiscard]] std::optional<std::uint64_t> Add(const KeyDigest& digest, std::uint64_t connection,
                                                  std::size_t per_key_max, SteadyTime now);
+  /// The connection counts under this key from now on, as if it had just come; the result as Add's.
+  /// `per_key_max`: over 0.
+  [[nodiscard]] std::optional<std::uint64_t> Move(std::uint64_t connection, const KeyDigest& digest,
+                                                  std::size_t per_key_max);
   /// Its peer sent something. Here and below, unknown connections are ignored: they may have been
   /// evicted meanwhile.
   void NoteHeard(std::uint64_t connection, SteadyTime now);
@@ -61,6 +69,8 @@ class KeyTable final {
     Connections connections;
   };
 
+  /// Makes room for the newcomer of a key that has more than `per_key_max`.
+  [[nodiscard]] std::optional<std::uint64_t> EvictPast(Key& key, std::size_t per_key_max);
   /// The connection to close so that the newcomer may stay; the key has at least two.
   [[nodiscard]] static Connections::iterator ChooseToEvict(Connections& connections);
 

@@ -28,6 +28,16 @@ std::optional<std::uint64_t> Place::Count(const TlsPeer& peer, const Origin& ori
   return evicted;
 }
 
+std::optional<std::uint64_t> Place::CountAs(const KeyDigest& caller, const Origin& origin,
+                                            SteadyTime now) {
+  if (!taken_) return std::nullopt;
+  const auto evicted = book_.keys().Move(connection_, caller, kGatewayConnectionsMax);
+  if (!evicted || book_.evictions().Note(caller, now) < kEvictionsFlagged) return evicted;
+  book_.Tell("connections_contested", "contested", "one token opens connections again and again",
+             origin, now);
+  return evicted;
+}
+
 void Place::NoteHeard(SteadyTime now) {
   if (!taken_ || now < noted_at_ + kNoteHeardEvery) return;
   noted_at_ = now;

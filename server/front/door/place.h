@@ -10,7 +10,8 @@
 namespace uplink::front {
 
 /// Connections of one public key. A robot has more than one only until the old one is known to be
-/// gone; a gateway may spread its robots over several, and an operator's programs share a key.
+/// gone; a gateway may spread its robots over several, and an operator's programs share a key or a
+/// token.
 inline constexpr std::size_t kRobotConnectionsMax = 4;
 inline constexpr std::size_t kGatewayConnectionsMax = 16;
 
@@ -29,6 +30,10 @@ class Place final {
   /// Adds it to its key's connections; returns the one to evict.
   [[nodiscard]] std::optional<std::uint64_t> Count(const TlsPeer& peer, const Origin& origin,
                                                    SteadyTime now);
+  /// It counts among those of this caller from now on, no more among those of its source. Returns
+  /// the one to evict.
+  [[nodiscard]] std::optional<std::uint64_t> CountAs(const KeyDigest& caller, const Origin& origin,
+                                                     SteadyTime now);
   /// The peer sent something. Mostly free.
   void NoteHeard(SteadyTime now);
   void SetStreams(std::size_t streams);

@@ -31,20 +31,24 @@ using ::testing::HasSubstr;
 constexpr std::size_t kEventBytes = std::size_t{16} * 1024 * 1024;
 /// Long enough that a reader takes the last event before the next one is due.
 constexpr milliseconds kComment{200};
+constexpr milliseconds kJudge{20};
 
-/// One large event, and then nothing.
+/// One large event, and then nothing, or the same again and again.
 class OneEvent final : public EventStream {
  public:
   Taken Take() override {
-    if (std::exchange(taken_, true)) return {};
+    if (std::exchange(taken_, true) && !endless) return {};
     return {.text = "data: " + std::string(kEventBytes, 'x') + "\n\n"};
   }
   void OnReady(std::function<void()> /*ready*/) override {}
+  [[nodiscard]] const std::string& caller() const override { return caller_; }
   void NoteDenied() override { denied = true; }
 
   std::atomic<bool> denied{false};
+  std::atomic<bool> endless{false};
 
  private:
+  const std::string caller_;
   bool taken_ = false;
 };
 
@@ -83,7 +87,8 @@ class EventAnswerTest : public HttpServerTest {
                                                     ++asked_;
                                                     return may_go_on_.load();
                                                   },
-                                              .comment_every = kComment});
+                                              .comment_every = kComment,
+                                              .judge_every = kJudge});
       held->answer->Begin();
     });
   }
@@ -100,9 +105,18 @@ class EventAnswerTest : public HttpServerTest {
     const int before = asked_;
     return Eventually([&] { return asked_ > before; });
   }
+  /// Until the event is being sent: a socket does not take it whole.
+  void ReadItsBegin() {
+    std::array<char, 256> bytes{};
+    while (read_.find("data: ") == std::string::npos) {
+      const ssize_t n = ::recv(client_, bytes.data(), bytes.size(), 0);
+      ASSERT_GT(n, 0);
+      read_.append(bytes.data(), static_cast<std::size_t>(n));
+    }
+  }
   /// All that comes until the server ends it.
   std::string ReadAll() {
-    std::string all;
+    std::string all = std::move(read_);
     std::string bytes(64UL * 1024, '\0');
     while (true) {
       const ssize_t n = ::recv(client_, bytes.data(), bytes.size(), 0);
@@ -115,11 +129,13 @@ class EventAnswerTest : public HttpServerTest {
   std::atomic<bool> may_go_on_{true};
   std::atomic<int> asked_{0};
   int client_ = -1;
+  /// What ReadAll begins with.
+  std::string read_;
   std::shared_ptr<Held> held_;
 };
 
 TEST_F(EventAnswerTest, ACallerThatIsDeniedWhileItsEventsAreSentIsToldAfterThem) {
-  ASSERT_TRUE(AskedAgain());
+  ReadItsBegin();
   may_go_on_ = false;
   ASSERT_TRUE(AskedAgain()) << "while the event is sent";
   const std::string all = ReadAll();
@@ -128,6 +144,16 @@ TEST_F(EventAnswerTest, ACallerThatIsDeniedWhileItsEventsAreSentIsToldAfterThem)
   EXPECT_THAT(end, HasSubstr("event: end\ndata: {\"error\":{\"code\":\"UNAUTHENTICATED\""));
   EXPECT_THAT(end, EndsWith("}}\n\n"));
   EXPECT_TRUE(events_->denied);
+}
+
+TEST_F(EventAnswerTest, AfterTheEventThatIsSentOneWhoIsDeniedSeesNoFurtherOne) {
+  events_->endless = true;
+  ReadItsBegin();
+  may_go_on_ = false;
+  ASSERT_TRUE(AskedAgain()) << "while an event is sent";
+  const std::string all = ReadAll();
+  EXPECT_LT(all.size(), 2 * kEventBytes) << "although more is there";
+  EXPECT_THAT(all, EndsWith("}}\n\n"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -200,6 +201,23 @@ TEST_F(SharedPlacesTest, WhereAllAreTakenAnySourceGivesWay) {
   EXPECT_EQ(MakeRoom(1), Room::kNone) << "it has its share";
   EXPECT_EQ(MakeRoom(9), Room::kGivenWay);
   EXPECT_TRUE(holders_[2 * kShare].gave_way);
+}
+
+TEST(WatchPlacesTest, OnceHalfOfThemAreTakenACallerHasFour) {
+  testing::ManualClock clock;
+  std::deque<Holder> holders;
+  Places places(32);
+  const auto watch = [&](const std::string& caller) {
+    const auto place = places.Take(holders.emplace_back(), {}, clock.Steady());
+    return places.Watch(place, caller, clock.Steady());
+  };
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(watch("token a")) << i;
+  EXPECT_FALSE(watch("token a")) << "half of the half";
+  for (std::size_t i = 0; i < kCrowdedWatchesOfCaller; ++i) EXPECT_TRUE(watch("token b")) << i;
+  EXPECT_FALSE(watch("token b"));
+  EXPECT_TRUE(watch("token admin"));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(watch("")) << "callers that cannot be told apart";
+  EXPECT_FALSE(watch("token c")) << "half of all places are watches";
 }
 
 TEST_F(SharedPlacesTest, IsCrowdedOverHalfOfTheSharesPlaces) {

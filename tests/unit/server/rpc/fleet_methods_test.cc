@@ -60,7 +60,9 @@ class FakeCall final : public transport::ServedCall {
   [[nodiscard]] std::optional<SteadyTime> give_up_at() const override { return std::nullopt; }
   [[nodiscard]] loop::StreamRef self() const override { return {}; }
 
+  void NoteCaller(std::string_view name) override { caller = name; }
   int wanted = 0;
+  std::string caller;
   std::vector<std::string> written;
   std::optional<absl::Status> end;
 
@@ -89,6 +91,20 @@ class FleetMethodsTest : public ::testing::Test {
             .expiry = FromUnixMs(4'000'000'000'000)};
   }
 
+  /// Of a token for the fleet north, the only one that counts.
+  transport::CallerProof OfToken() {
+    const identity::NewToken token = identity::MakeToken(kRandom);
+    const identity::TokenEntry entry{.id = identity::TokenIdOf(token.hash),
+                                     .role = Role::kViewer,
+                                     .scope = identity::Scope::Of({"north"}),
+                                     .hash = token.hash};
+    const auto table = identity::TokenTable::Parse(identity::LineOf(entry), "tokens");
+    EXPECT_TRUE(table.ok()) << table.status();
+    tokens_ = std::make_shared<const http::Tokens>(http::Tokens{*table, std::nullopt});
+    transport::CallerProof proof;
+    proof.authorization = "Bearer " + token.token;
+    return proof;
+  }
   /// Begins a call. Null: it was refused.
   std::unique_ptr<transport::CallHandler> Begin(const std::string& path, FakeCall& call) {
     auto handler = methods_.at(path).serve(call);
@@ -250,22 +266,54 @@ TEST_F(FleetMethodsTest, ACallThatIsGoneIsNotAnswered) {
   handler.reset();
   ASSERT_EQ(jobs_.size(), 1U);
   jobs_.front()();
-  EXPECT_EQ(calls_.under_way, 0U);
+  EXPECT_EQ(calls_.under_way(), 0U);
   EXPECT_THAT(call.written, IsEmpty());
 }
 
-TEST_F(FleetMethodsTest, TheirNumberIsBounded) {
-  FakeCall call(Of(Role::kViewer));
-  std::vector<std::unique_ptr<transport::CallHandler>> open;
+TEST_F(FleetMethodsTest, ThoseThatAreAnsweredAreBounded) {
+  std::deque<FakeCall> open;
+  std::vector<std::unique_ptr<transport::CallHandler>> handlers;
+  const auto ask = [&](const std::string& name) {
+    transport::CallerProof proof = Of(Role::kViewer);
+    proof.subject = "CN=" + name;
+    FakeCall& call = open.emplace_back(std::move(proof));
+    handlers.push_back(Begin("/uplink.v1.FleetView/ListRobots", call));
+    EXPECT_NE(handlers.back(), nullptr);
+    handlers.back()->OnMessage("");
+    return call.end;
+  };
   for (std::size_t i = 0; i < kUnaryCallsMax; ++i) {
-    open.push_back(Begin("/uplink.v1.FleetView/ListRobots", call));
+    ASSERT_EQ(ask(std::to_string(i / kUnaryCallsPerCallerMax)), std::nullopt) << i;
+  }
+  EXPECT_EQ(calls_.under_way(), kUnaryCallsMax);
+  EXPECT_EQ(ask("another")->code(), absl::StatusCode::kResourceExhausted);
+  handlers.front().reset();
+  EXPECT_EQ(ask("another"), std::nullopt);
+}
+
+TEST_F(FleetMethodsTest, ACallWithoutItsRequestKeepsNoOtherCallerOut) {
+  FakeCall idle(Of(Role::kViewer));
+  std::vector<std::unique_ptr<transport::CallHandler>> open;
+  for (std::size_t i = 0; i < kUnaryCallsPerCallerMax; ++i) {
+    open.push_back(Begin("/uplink.v1.FleetView/ListRobots", idle));
     ASSERT_NE(open.back(), nullptr);
   }
-  EXPECT_EQ(Begin("/uplink.v1.FleetView/ListRobots", call), nullptr);
-  EXPECT_EQ(call.end->code(), absl::StatusCode::kResourceExhausted);
-  open.pop_back();
-  FakeCall next(Of(Role::kViewer));
-  EXPECT_NE(Begin("/uplink.v1.FleetView/ListRobots", next), nullptr);
+  EXPECT_EQ(calls_.under_way(), 0U);
+  EXPECT_EQ(Begin("/uplink.v1.FleetView/ListRobots", idle), nullptr) << "it has its share";
+  EXPECT_EQ(idle.end->code(), absl::StatusCode::kResourceExhausted);
+  transport::CallerProof other = Of(Role::kViewer);
+  other.subject = "CN=berta";
+  EXPECT_TRUE(View<v1::ListRobotsResponse>("ListRobots", other, v1::ListRobotsRequest()).ok());
+}
+
+TEST_F(FleetMethodsTest, ACallerIsJudgedAgainOnceItsRequestIsThere) {
+  const transport::CallerProof proof = OfToken();
+  FakeCall call(proof);
+  const auto handler = Begin("/uplink.v1.FleetView/ListRobots", call);
+  ASSERT_NE(handler, nullptr) << *call.end;
+  tokens_ = std::make_shared<const http::Tokens>();
+  handler->OnMessage("");
+  EXPECT_EQ(call.end->code(), absl::StatusCode::kUnauthenticated);
 }
 
 TEST_F(FleetMethodsTest, WhileTooManyWaitForTheStoreACallIsToldToTryAgain) {
@@ -339,36 +387,23 @@ TEST_F(FleetMethodsTest, AWatchShowsTheRobotsThatItNames) {
 }
 
 TEST_F(FleetMethodsTest, AWatchEndsOnceItsTokenIsRevoked) {
-  const identity::NewToken token = identity::MakeToken(kRandom);
-  const identity::TokenEntry entry{.id = identity::TokenIdOf(token.hash),
-                                   .role = Role::kViewer,
-                                   .scope = identity::Scope::Of({"north"}),
-                                   .hash = token.hash};
-  const auto table = identity::TokenTable::Parse(identity::LineOf(entry), "tokens");
-  ASSERT_TRUE(table.ok()) << table.status();
-  tokens_ = std::make_shared<const http::Tokens>(http::Tokens{*table, std::nullopt});
-  transport::CallerProof proof;
-  proof.authorization = "Bearer " + token.token;
+  const transport::CallerProof proof = OfToken();
   FakeCall call(proof);
   const auto watch = Begin("/uplink.v1.FleetView/WatchRobots", call);
   ASSERT_NE(watch, nullptr) << *call.end;
+  EXPECT_FALSE(call.caller.empty()) << "its connection counts as its own";
   watch->OnMessage("");
   RunJobs(*watch);
-  for (int i = 0; i < 2; ++i) {
-    ASSERT_EQ(watch->deadline(), world_.clock.Steady() + kCallerJudgedEvery);
-    world_.clock.Advance(kCallerJudgedEvery);
-    watch->OnTimer();
-    ASSERT_FALSE(call.end) << "its token counts";
-  }
+  ASSERT_EQ(watch->deadline(), world_.clock.Steady() + http::kCallerJudgedEvery);
+  world_.clock.Advance(http::kCallerJudgedEvery);
+  watch->OnTimer();
+  ASSERT_FALSE(call.end) << "its token counts";
   tokens_ = std::make_shared<const http::Tokens>();
   watch->OnTimer();
   EXPECT_FALSE(call.end) << "not before it is judged again";
-  world_.clock.Advance(kCallerJudgedEvery);
+  world_.clock.Advance(http::kCallerJudgedEvery);
   watch->OnTimer();
-  ASSERT_TRUE(call.end);
-  EXPECT_EQ(call.end->code(), absl::StatusCode::kUnauthenticated);
-  EXPECT_EQ(watch->deadline(), std::nullopt);
-  RunJobs(*watch);
+  EXPECT_EQ(call.end.value().code(), absl::StatusCode::kUnauthenticated);
 }
 
 TEST_F(FleetMethodsTest, AWatchThatEndsLeavesItsPlace) {
@@ -415,6 +450,23 @@ TEST_F(FleetMethodsTest, HealthIsOpenAndFollowsReadiness) {
   EXPECT_EQ(told.status(), Check::NOT_SERVING);
   request.set_service("nothing");
   EXPECT_EQ(check().status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(FleetMethodsTest, ChecksOfTheHealthTakeNoPlaceOfCalls) {
+  const std::string check = "/grpc.health.v1.Health/Check";
+  EXPECT_EQ(methods_.at(check).admission, transport::Admission::kHealth);
+  EXPECT_EQ(methods_.at("/grpc.health.v1.Health/Watch").admission, transport::Admission::kHealth);
+  std::deque<FakeCall> idle;
+  std::vector<std::unique_ptr<transport::CallHandler>> open;
+  for (std::size_t i = 0; i < 2 * kUnaryCallsMax; ++i) {
+    open.push_back(Begin(check, idle.emplace_back(transport::CallerProof())));
+    ASSERT_NE(open.back(), nullptr);
+  }
+  EXPECT_TRUE(
+      View<v1::ListRobotsResponse>("ListRobots", Of(Role::kViewer), v1::ListRobotsRequest()).ok());
+  world_.clock.Advance(kRequestWait);
+  open.front()->OnTimer();
+  EXPECT_EQ(idle.front().end->code(), absl::StatusCode::kDeadlineExceeded);
 }
 
 TEST_F(FleetMethodsTest, ReflectionTellsTheContract) {

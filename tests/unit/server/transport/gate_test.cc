@@ -71,6 +71,21 @@ TEST(Gate, CallsTakeNoPlacesOfStreamsAndAreBoundedBesides) {
   EXPECT_TRUE(gate.Enter(robot, Admission::kCall).ok());
 }
 
+TEST(Gate, ChecksOfTheHealthTakeNoPlacesOfOthers) {
+  RelayProbe probe;
+  Gate gate({.streams_max = 1}, probe);
+  for (std::size_t i = 0; i < kCallsMaxAtLeast; ++i) {
+    ASSERT_TRUE(gate.Enter({}, Admission::kHealth).ok()) << i;
+  }
+  EXPECT_EQ(std::string(gate.Enter({}, Admission::kHealth).message()),
+            "the server admits no more health checks: it has 1024");
+  EXPECT_TRUE(gate.Enter({}, Admission::kCall).ok());
+  EXPECT_TRUE(gate.Enter({}).ok());
+  EXPECT_EQ(gate.streams(), kCallsMaxAtLeast + 2);
+  gate.Leave({}, Admission::kHealth);
+  EXPECT_TRUE(gate.Enter({}, Admission::kHealth).ok());
+}
+
 TEST(Gate, AGatewayHasAsManyCallsAsFourFullConnectionsHold) {
   RelayProbe probe;
   Gate gate({.streams_max = 10'000, .gateway_streams_max = 256}, probe);

@@ -87,6 +87,21 @@ TEST(KeyTable, AMaximumThatHasShrunkLetsAKeyHaveNoMoreThanItHas) {
   EXPECT_EQ(table.connections(), 3U);
 }
 
+TEST(KeyTable, OneThatMovesCountsUnderItsNewKeyAlone) {
+  KeyTable table;
+  AddStreaming(table, 3);
+  EXPECT_EQ(table.Move(1, Digest(2), 1), std::nullopt);
+  EXPECT_EQ(table.keys(), 2U);
+  EXPECT_EQ(table.Add(Digest(1), 4, 3, kNow), std::nullopt) << "its place there is free";
+  EXPECT_EQ(table.Add(Digest(1), 5, 3, kNow), 4U) << "it is evicted no more, though the oldest";
+  EXPECT_EQ(table.Move(2, Digest(2), 1), 1U) << "the newcomer stays";
+  EXPECT_EQ(table.Move(2, Digest(2), 1), std::nullopt) << "it is there";
+  EXPECT_EQ(table.Move(1, Digest(3), 1), std::nullopt) << "it was evicted";
+  table.Remove(3);
+  table.Remove(5);
+  EXPECT_EQ(table.keys(), 1U);
+}
+
 TEST(KeyTable, ARemovedConnectionLeavesItsPlace) {
   KeyTable table;
   AddStreaming(table, 2);

@@ -56,6 +56,22 @@ TEST_F(PlaceTest, WhereAllHaveStreamsTheOneHeardLeastRecentlyGoes) {
   EXPECT_EQ(Come(identity::Role::kRobot), 2U);
 }
 
+TEST_F(PlaceTest, OneThatHasShownATokenGivesWayToNoStrangerOfItsSource) {
+  Fill(identity::Role::kGateway, kGatewayConnectionsMax);
+  EXPECT_EQ(places_[0]->CountAs(KeyOfCaller("a"), {}, kStart), std::nullopt);
+  EXPECT_EQ(Come(identity::Role::kGateway), std::nullopt) << "in the place that it left";
+  EXPECT_EQ(Come(identity::Role::kGateway), 2U);
+}
+
+TEST_F(PlaceTest, ATokenHasSixteen) {
+  for (std::size_t i = 0; i <= kGatewayConnectionsMax; ++i) {
+    EXPECT_EQ(Come(identity::Role::kGateway), std::nullopt);
+    const auto evicted = places_.back()->CountAs(KeyOfCaller("a"), {}, kStart);
+    EXPECT_EQ(evicted.value_or(0), i == kGatewayConnectionsMax ? 1U : 0U) << i;
+  }
+  EXPECT_NE(KeyOfCaller("a"), KeyOfCaller("b"));
+}
+
 TEST_F(PlaceTest, ThereAreSoManyInAll) {
   std::vector<std::unique_ptr<Place>> all;
   for (std::uint64_t i = 0; i < 100; ++i) {
