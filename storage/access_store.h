@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -48,6 +49,10 @@ enum class RevokedBy : std::uint8_t {
   /// SHA-256 of its public key (SPKI, DER, the point uncompressed), the same.
   kKey = 2,
 };
+
+/// Every kind, in number order.
+inline constexpr std::array kAllRevokedBy = {RevokedBy::kIssuerSerial, RevokedBy::kCertificate,
+                                             RevokedBy::kKey};
 
 /// A certificate or key that may not come in, or that may again. A value.
 struct Revocation {
