@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "server/store/saved_access.h"
+#include "storage/access_rules.h"
 
 namespace uplink::store {
 namespace {
@@ -232,7 +233,7 @@ void AccessRounds::Save() {
   copy.version = seen_.value_or(0);
   for (const auto& [name, revocation] : revocations_) copy.revocations.push_back(revocation);
   for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
-    if (each->blocked || each->registered) copy.settings.push_back(*each);
+    if (storage::DecidesEntry(*each)) copy.settings.push_back(*each);
   }
   absl::Status saved = KeepNewerCopy(copy.version);
   if (saved.ok()) saved = SaveAccess(context_.saved_path, TextOf(copy, context_.store_name));
