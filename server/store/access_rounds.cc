@@ -135,7 +135,7 @@ absl::Status AccessRounds::ReadAll(AccessVersion version) {
   if (!at_first && (version < *seen_ || LacksAny(before, all->revocations))) {
     context_.logger.Warn("access_went_back", {{"version", version}, {"seen", *seen_}});
   }
-  Take(std::move(all->revocations));
+  Merge(std::move(all->revocations));
   const bool denies_others = at_first || before != revocations_;
   if (denies_others) SetDenied();
   // What is replaced asks no stream to end.
@@ -158,7 +158,7 @@ absl::Status AccessRounds::ReadNewer(AccessVersion version) {
   absl::StatusOr<Changes> newer = ChangesAfter(context_.store, *seen_);
   if (!newer.ok()) return newer.status();
   const bool revokes = !newer->revocations.empty();
-  Take(std::move(newer->revocations));
+  Merge(std::move(newer->revocations));
   if (revokes) SetDenied();
   context_.settings.Apply(std::move(newer->settings));
   // What came meanwhile is read once more.
@@ -168,7 +168,7 @@ absl::Status AccessRounds::ReadNewer(AccessVersion version) {
   return absl::OkStatus();
 }
 
-void AccessRounds::Take(std::vector<storage::Revocation> revocations) {
+void AccessRounds::Merge(std::vector<storage::Revocation> revocations) {
   for (storage::Revocation& each : revocations) {
     Name name{each.by, each.value};
     if (each.revoked) {
@@ -217,7 +217,7 @@ void AccessRounds::UseSaved(const absl::Status& why) {
     return;
   }
   saved_version_ = copy->version;
-  Take(std::move(copy->revocations));
+  Merge(std::move(copy->revocations));
   context_.settings.Replace(std::move(copy->settings));
   SetDenied();
   unread_.store(false);
