@@ -131,7 +131,7 @@ class AccessStore {
 
   // --- Servers ---
 
-  /// Cheap: asked each second. A version is seen only once all earlier ones are.
+  /// Cheap: asked each half second. A version is seen only once all earlier ones are.
   [[nodiscard]] virtual absl::StatusOr<AccessVersion> Version() = 0;
   /// Those whose version is above `after`, ascending, at most kAccessPageMax; fewer: there are no
   /// more.

@@ -53,7 +53,8 @@ class Entry final {
   [[nodiscard]] bool Moves(const Claim& claim) const {
     return claim.grant != Grant::kFleet && !rules_.fleets_stay;
   }
-  /// The subject of the first gateway that came without names, once; later and before nothing.
+  /// The subject of the first gateway that came without names. Nothing until one came, and after
+  /// the first call that returned it.
   [[nodiscard]] std::optional<std::string> TakeUnnamed();
   [[nodiscard]] Candidates& candidates() { return candidates_; }
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }
