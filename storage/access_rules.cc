@@ -109,8 +109,10 @@ absl::StatusOr<RobotSetting> Changed(RobotSetting before, const SettingChange& c
 }
 
 bool SetsNothing(const RobotSetting& setting) {
-  return !setting.blocked && !setting.registered && setting.labels.empty() && setting.note.empty();
+  return !DecidesEntry(setting) && setting.labels.empty() && setting.note.empty();
 }
+
+bool DecidesEntry(const RobotSetting& setting) { return setting.blocked || setting.registered; }
 
 absl::Status TooManyRevocations() {
   return absl::ResourceExhaustedError(std::to_string(kRevocationsMax) +

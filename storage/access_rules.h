@@ -29,6 +29,9 @@ namespace uplink::storage {
 /// Everything was taken back but an earlier disconnect_at.
 [[nodiscard]] bool SetsNothing(const RobotSetting& setting);
 
+/// It says whether the robot may come in: the saved copy has it, and memory keeps it first.
+[[nodiscard]] bool DecidesEntry(const RobotSetting& setting);
+
 [[nodiscard]] absl::Status TooManyRevocations();
 [[nodiscard]] absl::Status TooManySettings();
 [[nodiscard]] absl::Status NoSuchFault(const Acknowledgement& fault);
@@ -41,6 +44,10 @@ inline constexpr std::string_view kSettingColumns =
 /// SetsNothing, as a condition on a row.
 inline constexpr std::string_view kSetsNothingSql =
     "NOT blocked AND NOT registered AND labels = '{}' AND note = ''";
+/// Something is set that goes with the robot when it is forgotten, as a condition on a row.
+inline constexpr std::string_view kHasNotesSql = "(labels <> '{}' OR note <> '')";
+/// What takes that back.
+inline constexpr std::string_view kNoNotesSql = "labels = '{}', note = ''";
 
 /// Labels as a column holds them.
 [[nodiscard]] std::string LabelsText(const RobotSetting& setting);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -48,6 +49,10 @@ enum class RevokedBy : std::uint8_t {
   /// SHA-256 of its public key (SPKI, DER, the point uncompressed), the same.
   kKey = 2,
 };
+
+/// Every kind, in number order.
+inline constexpr std::array kAllRevokedBy = {RevokedBy::kIssuerSerial, RevokedBy::kCertificate,
+                                             RevokedBy::kKey};
 
 /// A certificate or key that may not come in, or that may again. A value.
 struct Revocation {
@@ -126,7 +131,7 @@ class AccessStore {
 
   // --- Servers ---
 
-  /// Cheap: asked each second. A version is seen only once all earlier ones are.
+  /// Cheap: asked each half second. A version is seen only once all earlier ones are.
   [[nodiscard]] virtual absl::StatusOr<AccessVersion> Version() = 0;
   /// Those whose version is above `after`, ascending, at most kAccessPageMax; fewer: there are no
   /// more.

@@ -13,7 +13,7 @@ namespace uplink::admin {
 
 /// What was done, or asked for. A value.
 struct Deed {
-  /// One of kActions.
+  /// A word of kActions.
   std::string_view action;
   /// What it was about; empty: the server.
   std::string target{};

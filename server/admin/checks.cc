@@ -10,16 +10,16 @@
 
 #include "schema/base/utf8.h"
 #include "server/identity/ruri.h"
+#include "server/identity/shown_certificate.h"
 #include "storage/reader.h"
 
 namespace uplink::admin {
 namespace {
 
 constexpr std::size_t kDigestDigits = 64;
-/// 20 bytes (RFC 5280), and as many again of certificates that do not keep to that.
-constexpr std::size_t kSerialDigitsMax = 80;
 /// Beside a serial and a space.
-constexpr std::size_t kIssuerBytesMax = storage::kRevokedValueBytesMax - kSerialDigitsMax - 1;
+constexpr std::size_t kIssuerBytesMax =
+    storage::kRevokedValueBytesMax - identity::kSerialTextBytesMax - 1;
 
 absl::Status Wrong(std::string_view field, std::string_view what) {
   return absl::InvalidArgumentError(fmt::format("{} {}", field, what));
@@ -59,7 +59,7 @@ std::optional<std::string> HexOf(std::string_view text, Case letters) {
 /// As certificates' serials are kept: whole bytes, without leading zero bytes.
 std::optional<std::string> SerialOf(std::string_view text) {
   std::optional<std::string> hex = HexOf(text, Case::kUpper);
-  if (!hex || hex->empty() || hex->size() > kSerialDigitsMax) return std::nullopt;
+  if (!hex || hex->empty() || hex->size() > identity::kSerialTextBytesMax) return std::nullopt;
   const std::size_t first = hex->find_first_not_of('0');
   if (first == std::string::npos) return "0";
   hex->erase(0, first);

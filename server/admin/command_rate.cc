@@ -23,10 +23,6 @@ using limits::TokenBucket;
 /// Of the status's payload that holds the seconds.
 constexpr std::string_view kRetryAfter = "uplinkd/retry-after";
 
-bool IsOfAdmins(std::string_view action) {
-  return action == kCertificateRevoke || action == kCertificateUnrevoke || action == kReload;
-}
-
 absl::Status Over(const Policy& policy, SteadyTime::duration wait) {
   const auto seconds = std::chrono::ceil<std::chrono::seconds>(wait).count();
   absl::Status status = absl::ResourceExhaustedError(
@@ -46,7 +42,7 @@ absl::Status CommandRate::Take(const Asker& asker, std::string_view action, Stea
   const std::lock_guard lock(mutex_);
   std::array<Share, 2> shares{{{&admins_, PolicyId::kAdminCommands}, {}}};
   std::size_t count = 1;
-  if (!IsOfAdmins(action)) {
+  if (GivenByOf(action) != GivenBy::kAdmins) {
     TokenBucket& own = callers_.Touch(fmt::format("{} {}", ToText(asker.proof), asker.caller.name));
     shares = {{{&own, PolicyId::kCommandsOfCaller}, {&all_, PolicyId::kCommands}}};
     count = 2;

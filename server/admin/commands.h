@@ -60,7 +60,7 @@ class Commands final {
     std::function<std::optional<std::string>(std::string_view ruri)> fleet_of{};
     /// A robot that is known has no stream, only calls. Any thread. Empty: none is so.
     std::function<bool(std::string_view ruri)> only_calls{};
-    /// The store has something new, which servers read each second anyway. Any thread; may be
+    /// The store has something new, which servers look for by themselves too. Any thread; may be
     /// empty.
     std::function<void()> changed{};
     /// Reads the configuration again, and waits for the outcome. kUnavailable: the server starts or

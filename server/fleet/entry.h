@@ -58,7 +58,8 @@ class Entry final {
     return claim.grant != Grant::kFleet && !rules_.fleets_stay &&
            (claim.bounds == nullptr || claim.bounds->fleets.Has(from));
   }
-  /// The subject of the first gateway that came without names, once; later and before nothing.
+  /// The subject of the first gateway that came without names. Nothing until one came, and after
+  /// the first call that returned it.
   [[nodiscard]] std::optional<std::string> TakeUnnamed();
   [[nodiscard]] Candidates& candidates() { return candidates_; }
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }

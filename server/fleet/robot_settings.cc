@@ -2,16 +2,14 @@
 
 #include <optional>
 
+#include "storage/access_rules.h"
+
 namespace uplink::fleet {
 namespace {
 
-bool DecidesEntry(const storage::RobotSetting& setting) {
-  return setting.blocked || setting.registered;
-}
-
+/// An earlier disconnect stays, so that it asks no stream to end again.
 bool HoldsAnything(const storage::RobotSetting& setting) {
-  return DecidesEntry(setting) || !setting.labels.empty() || !setting.note.empty() ||
-         setting.disconnect_at.has_value();
+  return !storage::SetsNothing(setting) || setting.disconnect_at.has_value();
 }
 
 bool ChangesNothing(const RobotSettings::Change& change) {
@@ -80,7 +78,7 @@ void RobotSettings::Put(storage::RobotSetting setting, std::vector<Change>& chan
   change.disconnect = AsksDisconnect(change.before, setting);
   Erase(change.ruri);
   if (HoldsAnything(setting)) {
-    const bool decides = DecidesEntry(setting);
+    const bool decides = storage::DecidesEntry(setting);
     const bool full = decided_.size() + noted_.size() >= settings_max_;
     left_out_ += full ? 1 : 0;
     if (full && decides && !noted_.empty()) {

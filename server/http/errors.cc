@@ -1,10 +1,12 @@
 #include "server/http/errors.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "server/admin/command_code.h"
 #include "server/admin/command_rate.h"
 #include "server/view/json.h"
 
@@ -78,22 +80,14 @@ Response NoSuchPath(std::string_view path) {
 }
 
 Response CommandError(const absl::Status& status) {
+  const std::optional<admin::CommandCode> code = admin::CommandCodeOf(status);
+  if (!code) return ErrorResponse(status);
   const std::string message(status.message());
-  if (status.code() == absl::StatusCode::kInvalidArgument) {
-    return Answer(400, {"INVALID_ARGUMENT", message, message.substr(0, message.find(' '))});
-  }
-  if (const auto seconds = admin::RetryAfterOf(status)) {
-    Response response = Answer(429, {"RESOURCE_EXHAUSTED", message});
-    response.retry_after = *seconds;
-    return response;
-  }
-  if (status.code() == absl::StatusCode::kResourceExhausted) {
-    return Answer(409, {"RESOURCE_EXHAUSTED", message});
-  }
-  if (status.code() == absl::StatusCode::kFailedPrecondition) {
-    return Answer(409, {"FAILED_PRECONDITION", message});
-  }
-  return ErrorResponse(status);
+  view::ErrorText text{code->name, message};
+  if (absl::IsInvalidArgument(status)) text.field = text.message.substr(0, message.find(' '));
+  Response response = Answer(code->http, text);
+  if (const auto seconds = admin::RetryAfterOf(status)) response.retry_after = *seconds;
+  return response;
 }
 
 Response MethodNotAllowed(bool changes) {

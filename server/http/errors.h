@@ -19,8 +19,8 @@ namespace uplink::http {
 [[nodiscard]] Response ErrorResponse(const BadParameter& problem);
 /// 404 for a path that is none of ours.
 [[nodiscard]] Response NoSuchPath(std::string_view path);
-/// The same for a command: its kInvalidArgument begins with the field and is shown whole, as a
-/// bound is that was reached (409), and a rate (429).
+/// The same for a command, by CommandCodeOf (admin/command_code.h): its kInvalidArgument begins
+/// with the field.
 [[nodiscard]] Response CommandError(const absl::Status& status);
 /// 405; the path takes GET and HEAD, or POST if it changes something.
 [[nodiscard]] Response MethodNotAllowed(bool changes = false);

@@ -50,27 +50,52 @@ std::string SignedText(std::string_view serial, const ShownCertificate::Sha256& 
   return std::string(BytesOf(signer)).append(serial);
 }
 
+/// Whether the list names a certificate by anything. `issuer` and `signer` return its issuer and
+/// the digest of the key that signed it; they are called only for a serial that the list holds.
+template <typename Issuer, typename Signer>
+bool Names(const DeniedCertificates& list, const ShownCertificate& shown, const Issuer& issuer,
+           const Signer& signer) {
+  if (list.NamesDigest(shown)) return true;
+  return list.NamesSerial(shown.serial) &&
+         (list.NamesIssued(shown.serial, issuer()) || list.NamesSigned(shown.serial, signer()));
+}
+
+bool Names(const DeniedCertificates& list, const NamedCertificate& certificate) {
+  return Names(
+      list, certificate.shown, [&]() -> const std::string& { return certificate.issuer; },
+      [&] { return certificate.signer; });
+}
+
 bool Names(const DeniedCertificates& list, const X509& certificate, const ShownCertificate& shown,
            const X509& signer) {
-  if (list.NamesDigest(shown)) return true;
-  return list.NamesSerial(shown.serial) && (list.NamesIssued(shown.serial, IssuerOf(certificate)) ||
-                                            list.NamesSigned(shown.serial, KeyDigestOf(signer)));
+  return Names(
+      list, shown, [&] { return IssuerOf(certificate); }, [&] { return KeyDigestOf(signer); });
+}
+
+/// False: the value is no digest.
+bool AddDigest(std::string_view value, auto& digests) {
+  std::optional<std::string> digest = DigestOf(value);
+  if (digest) digests.insert(*std::move(digest));
+  return digest.has_value();
 }
 
 }  // namespace
 
 bool DeniedCertificates::Add(storage::RevokedBy by, std::string_view value) {
-  if (by == storage::RevokedBy::kIssuerSerial) {
-    const std::size_t space = value.find(' ');
-    if (space == 0 || space == std::string_view::npos) return false;
-    by_issuer_serial_.emplace(value);
-    serials_.emplace(value.substr(0, space));
-    return true;
+  switch (by) {
+    case storage::RevokedBy::kIssuerSerial: {
+      const std::size_t space = value.find(' ');
+      if (space == 0 || space == std::string_view::npos) return false;
+      by_issuer_serial_.emplace(value);
+      serials_.emplace(value.substr(0, space));
+      return true;
+    }
+    case storage::RevokedBy::kCertificate:
+      return AddDigest(value, by_certificate_);
+    case storage::RevokedBy::kKey:
+      return AddDigest(value, by_key_);
   }
-  std::optional<std::string> digest = DigestOf(value);
-  if (!digest) return false;
-  (by == storage::RevokedBy::kKey ? by_key_ : by_certificate_).insert(*std::move(digest));
-  return true;
+  return false;
 }
 
 void DeniedCertificates::Add(const SignedSerial& certificate) {
@@ -113,11 +138,8 @@ std::vector<NamedCertificate> NamedBy(const X509& own, const STACK_OF(X509) * ch
 }
 
 bool Denies(const DeniedCertificates& list, const std::vector<NamedCertificate>& chain) {
-  return std::ranges::any_of(chain, [&list](const NamedCertificate& each) {
-    return list.NamesDigest(each.shown) || (list.NamesSerial(each.shown.serial) &&
-                                            (list.NamesIssued(each.shown.serial, each.issuer) ||
-                                             list.NamesSigned(each.shown.serial, each.signer)));
-  });
+  return std::ranges::any_of(chain,
+                             [&list](const NamedCertificate& each) { return Names(list, each); });
 }
 
 bool Denies(const DeniedCertificates& list, const SSL* connection, const ShownCertificate& shown) {

@@ -22,7 +22,7 @@ namespace uplink::identity {
 /// authorities' lists (CRL). Immutable once shared.
 class DeniedCertificates final {
  public:
-  /// False if the value is not one of its kind: then it names nothing.
+  /// False if the value is not one of its kind, or the kind none of ours: then it names nothing.
   bool Add(storage::RevokedBy by, std::string_view value);
   void Add(const SignedSerial& certificate);
 

@@ -26,7 +26,8 @@ namespace {
 
 using CallHandlerOr = absl::StatusOr<std::unique_ptr<transport::CallHandler>>;
 
-/// What shows the descriptions of the contract by HTTP, and how the server does.
+/// Paths of HTTP whose rights count for methods that no path answers: WatchRobots, and reflection,
+/// which shows the contract as this path does.
 constexpr std::string_view kWatchPath = "/api/v1/watch";
 constexpr std::string_view kContractPath = "/api/v1/openapi.yaml";
 

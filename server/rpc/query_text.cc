@@ -45,7 +45,8 @@ std::string TextOf(const Message& request, const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_MESSAGE: {
       google::protobuf::Timestamp time;
       const Message& value = fields.GetMessage(request, &field);
-      UPLINK_CHECK(value.GetDescriptor() == time.GetDescriptor(), "a request has but times");
+      UPLINK_CHECK(value.GetDescriptor() == time.GetDescriptor(),
+                   "each message within a request is a time");
       time.CopyFrom(value);
       return google::protobuf::util::TimeUtil::ToString(time);
     }
@@ -58,7 +59,8 @@ std::string TextOf(const Message& request, const FieldDescriptor& field) {
 
 void AppendList(const Message& request, const FieldDescriptor& field, std::string& query) {
   const google::protobuf::Reflection& fields = *request.GetReflection();
-  UPLINK_CHECK(field.cpp_type() == FieldDescriptor::CPPTYPE_STRING, "a request lists but texts");
+  UPLINK_CHECK(field.cpp_type() == FieldDescriptor::CPPTYPE_STRING,
+               "each list within a request is of texts");
   std::string words;
   for (int i = 0; i < fields.FieldSize(request, &field); ++i) {
     const std::string text = fields.GetRepeatedString(request, &field, i);

@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "server/store/saved_access.h"
+#include "storage/access_rules.h"
 
 namespace uplink::store {
 namespace {
@@ -118,7 +119,7 @@ absl::Status AccessRounds::ReadAll(AccessVersion version) {
   const bool at_first = !seen_;
   NoticeWentBack(*all, version);
   const auto before = std::exchange(revocations_, {});
-  Take(std::move(all->revocations));
+  Merge(std::move(all->revocations));
   const bool denies_others = at_first || before != revocations_;
   if (denies_others) SetDenied();
   // What is replaced asks no stream to end.
@@ -141,7 +142,7 @@ absl::Status AccessRounds::ReadNewer(AccessVersion version) {
   absl::StatusOr<AllAccess> newer = ChangesAfter(context_.store, *seen_);
   if (!newer.ok()) return newer.status();
   const bool revokes = !newer->revocations.empty();
-  Take(std::move(newer->revocations));
+  Merge(std::move(newer->revocations));
   if (revokes) SetDenied();
   context_.settings.Apply(std::move(newer->settings));
   // What came meanwhile is read once more.
@@ -151,7 +152,7 @@ absl::Status AccessRounds::ReadNewer(AccessVersion version) {
   return absl::OkStatus();
 }
 
-void AccessRounds::Take(std::vector<storage::Revocation> revocations) {
+void AccessRounds::Merge(std::vector<storage::Revocation> revocations) {
   for (storage::Revocation& each : revocations) {
     Name name{each.by, each.value};
     if (each.revoked) {
@@ -197,7 +198,7 @@ void AccessRounds::UseSaved(const absl::Status& why) {
                                            {"saved_why", std::string(copy.status().message())}});
     return;
   }
-  Take(std::move(copy->revocations));
+  Merge(std::move(copy->revocations));
   context_.settings.Replace(std::move(copy->settings));
   SetDenied();
   unread_.store(false);
@@ -212,7 +213,7 @@ AccessCopy AccessRounds::Known() const {
   copy.version = seen_.value_or(0);
   for (const auto& [name, revocation] : revocations_) copy.revocations.push_back(revocation);
   for (const fleet::RobotSettingPtr& each : context_.settings.All()) {
-    if (each->blocked || each->registered) copy.settings.push_back(*each);
+    if (storage::DecidesEntry(*each)) copy.settings.push_back(*each);
   }
   return copy;
 }

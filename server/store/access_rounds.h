@@ -100,7 +100,8 @@ class AccessRounds final {
   [[nodiscard]] absl::Status ReadAll(storage::AccessVersion version);
   [[nodiscard]] absl::Status ReadNewer(storage::AccessVersion version);
   void LookAtFiles();
-  void Take(std::vector<storage::Revocation> revocations);
+  /// Those that were taken back leave what is known.
+  void Merge(std::vector<storage::Revocation> revocations);
   void SetDenied();
   void UseSaved(const absl::Status& why);
   /// What decides, as it is known now.

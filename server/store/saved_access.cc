@@ -53,12 +53,22 @@ bool TakeWord(std::string_view& line, std::string_view word) {
   return true;
 }
 
+static_assert(storage::kAllRevokedBy.size() <= 10, "a line has one digit for the kind");
+
+constexpr char DigitOf(storage::RevokedBy by) {
+  return static_cast<char>('0' + static_cast<int>(by));
+}
+
 std::optional<storage::Revocation> RevocationIn(std::string_view line) {
-  if (line.size() < 3 || line[1] != ' ' || line[0] < '0' || line[0] > '2') return std::nullopt;
-  storage::Revocation revocation;
-  revocation.by = static_cast<storage::RevokedBy>(line[0] - '0');
-  revocation.value = line.substr(2);
-  return revocation;
+  if (line.size() < 3 || line[1] != ' ') return std::nullopt;
+  for (const storage::RevokedBy by : storage::kAllRevokedBy) {
+    if (line[0] != DigitOf(by)) continue;
+    storage::Revocation revocation;
+    revocation.by = by;
+    revocation.value = line.substr(2);
+    return revocation;
+  }
+  return std::nullopt;
 }
 
 /// Nothing: the line is none of a copy.
@@ -150,7 +160,7 @@ std::string TextOf(const AccessCopy& copy, const std::string& store) {
   };
   for (const storage::Revocation& each : copy.revocations) {
     if (!each.revoked || !FitsALine(each.value)) continue;
-    add(kRevoked, fmt::format("{} {}", static_cast<int>(each.by), each.value));
+    add(kRevoked, fmt::format("{} {}", DigitOf(each.by), each.value));
   }
   for (const storage::RobotSetting& each : copy.settings) {
     if (!FitsALine(each.ruri)) continue;

@@ -145,16 +145,16 @@ bool WatchBook::MustWake(Entry& watch, SteadyTime now) {
 
 absl::StatusOr<std::vector<WatchChange>> WatchBook::Take(Entry& watch) {
   while (true) {
-    Taking taking;
+    TakeResult result;
     {
       const std::lock_guard lock(mutex_);
       if (!watch.over.ok()) return watch.over;
-      Collect(watch, taking);
+      Collect(watch, result);
     }
     // A list that other processes' robots are read for ascends.
-    std::ranges::sort(taking.missing, {}, [](const auto& each) { return each.second->ruri(); });
+    std::ranges::sort(result.missing, {}, [](const auto& each) { return each.second->ruri(); });
     std::vector<fleet::RobotPtr> robots;
-    for (const auto& [number, robot] : taking.missing) robots.push_back(robot);
+    for (const auto& [number, robot] : result.missing) robots.push_back(robot);
     std::vector<RobotShown> made;
     if (!robots.empty()) {
       for (RobotView& view : context_.queries.Now(robots, watch.query.parts, kWatchTakeBytesMax)) {
@@ -162,55 +162,55 @@ absl::StatusOr<std::vector<WatchChange>> WatchBook::Take(Entry& watch) {
       }
     }
     const std::lock_guard lock(mutex_);
-    Finish(watch, made, taking);
-    watch.taken += taking.changes.size();
-    if (!taking.changes.empty()) return std::move(taking.changes);
+    Finish(watch, made, result);
+    watch.taken += result.changes.size();
+    if (!result.changes.empty()) return std::move(result.changes);
     watch.waiting = !watch.marks.any();
-    if (watch.waiting) return std::move(taking.changes);
+    if (watch.waiting) return std::move(result.changes);
   }
 }
 
-void WatchBook::Collect(Entry& watch, Taking& taking) {
+void WatchBook::Collect(Entry& watch, TakeResult& result) {
   watch.taken_at = context_.clock.Steady();
-  taking.sweep = sweeps_;
-  while (taking.changes.size() < kWatchTakeMax) {
+  result.sweep = sweeps_;
+  while (result.changes.size() < kWatchTakeMax) {
     std::optional<std::string> ruri = watch.marks.TakeRemoved();
     if (!ruri) break;
-    taking.changes.emplace_back(RobotRemoved{*std::move(ruri)});
+    result.changes.emplace_back(RobotRemoved{*std::move(ruri)});
     context_.probe.removed.Add();
   }
-  while (taking.changes.size() + taking.missing.size() < kWatchTakeMax) {
+  while (result.changes.size() + result.missing.size() < kWatchTakeMax) {
     const std::optional<std::size_t> number = watch.marks.TakeRobot();
     if (!number) break;
     const auto shared = shared_.find({*number, watch.query.parts.number()});
     if (shared != shared_.end()) {
       if (!storage::LooksAt(watch.query.filter.fleets, shared->second->view().id.fleet)) continue;
-      taking.changes.emplace_back(shared->second);
+      result.changes.emplace_back(shared->second);
       context_.probe.shown.Add();
     } else if (fleet::RobotPtr robot = robots_.Find(*number)) {
-      taking.missing.emplace_back(*number, std::move(robot));
+      result.missing.emplace_back(*number, std::move(robot));
     }
   }
 }
 
-void WatchBook::Finish(Entry& watch, const std::vector<RobotShown>& made, Taking& taking) {
+void WatchBook::Finish(Entry& watch, const std::vector<RobotShown>& made, TakeResult& result) {
   for (std::size_t i = 0; i < made.size(); ++i) {
-    if (taking.sweep == sweeps_) {
-      Share({taking.missing[i].first, watch.query.parts.number()}, made[i]);
+    if (result.sweep == sweeps_) {
+      Share({result.missing[i].first, watch.query.parts.number()}, made[i]);
     }
     // It may have moved since it was noted; the next sweep sees that.
     if (!storage::LooksAt(watch.query.filter.fleets, made[i]->view().id.fleet)) continue;
-    taking.changes.emplace_back(made[i]);
+    result.changes.emplace_back(made[i]);
     context_.probe.shown.Add();
   }
   std::vector<std::size_t> left;
-  for (std::size_t i = made.size(); i < taking.missing.size(); ++i) {
-    left.push_back(taking.missing[i].first);
+  for (std::size_t i = made.size(); i < result.missing.size(); ++i) {
+    left.push_back(result.missing[i].first);
   }
   std::ranges::sort(left, std::greater());
   for (const std::size_t number : left) watch.marks.PutBack(number);
   if (const auto robots = watch.marks.TakeSnapshotEnd()) {
-    taking.changes.emplace_back(SnapshotShown{*robots});
+    result.changes.emplace_back(SnapshotShown{*robots});
   }
 }
 

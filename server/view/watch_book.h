@@ -64,7 +64,7 @@ class WatchBook final {
 
  private:
   /// What one Take found, and what became of it.
-  struct Taking {
+  struct TakeResult {
     std::vector<WatchChange> changes;
     /// Robots by number that are not shared yet.
     std::vector<std::pair<std::size_t, fleet::RobotPtr>> missing;
@@ -85,8 +85,8 @@ class WatchBook final {
 
   [[nodiscard]] absl::Status RoomFor(const WatchQuery& query) const;
   // Under the lock.
-  void Collect(Entry& watch, Taking& taking);
-  void Finish(Entry& watch, const std::vector<RobotShown>& made, Taking& taking);
+  void Collect(Entry& watch, TakeResult& result);
+  void Finish(Entry& watch, const std::vector<RobotShown>& made, TakeResult& result);
   void Share(const SharedKey& key, const RobotShown& robot);
   [[nodiscard]] bool AnyLooks() const;
   static void Mark(Entry& watch, const WatchedRobots::Seen& robot);

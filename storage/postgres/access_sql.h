@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "storage/access_rules.h"
 #include "storage/sql_text.h"
 
 namespace uplink::storage::postgres {
@@ -20,12 +21,16 @@ inline constexpr SqlText kNextVersionSql = {kVersionNow, kRaiseVersion};
 /// Labels and note go with the robot, once its row is gone. A block and a registration stay: they
 /// are of its name.
 inline constexpr SqlText kDropNotesSql = {
-    "WITH v AS (", kVersionNow,
-    " WHERE EXISTS (SELECT 1 FROM uplinkd.robot_settings AS s WHERE s.ruri = $1::text"
-    " AND (s.labels <> '{}' OR s.note <> ''))"
+    "WITH v AS (",
+    kVersionNow,
+    " WHERE EXISTS (SELECT 1 FROM uplinkd.robot_settings AS s WHERE s.ruri = $1::text AND ",
+    kHasNotesSql,
+    ")"
     " AND NOT EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.ruri = $1::text)",
     kRaiseVersion,
-    ") UPDATE uplinkd.robot_settings AS t SET labels = '{}', note = '', changed_at = now(),"
+    ") UPDATE uplinkd.robot_settings AS t SET ",
+    kNoNotesSql,
+    ", changed_at = now(),"
     " version = v.version FROM v WHERE t.ruri = $1::text"};
 
 }  // namespace uplink::storage::postgres

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "storage/access_rules.h"
 #include "storage/kept_tables.h"
 #include "storage/read_row.h"
 #include "storage/sqlite/access_sql.h"
@@ -101,12 +102,12 @@ class SqliteRobotRemoval final : public RobotRemoval {
         " AND substr(ruri, 1, 10) <> 'cyberwave:'"
         " AND ruri > ?2 ORDER BY ruri LIMIT ?3");
     prepare.Into(next_version_, kNextVersionSql);
-    prepare.Into(is_noted_,
-                 "SELECT count(*) FROM robot_settings WHERE ruri = ?"
-                 " AND (labels <> '{}' OR note <> '')");
-    prepare.Into(drop_notes_,
-                 WithNow("UPDATE robot_settings SET labels = '{}', note = '', changed_at = 1000 * ",
-                         ", version = ?2 WHERE ruri = ?1"));
+    prepare.Into(is_noted_, std::string("SELECT count(*) FROM robot_settings WHERE ruri = ? AND ")
+                                .append(kHasNotesSql));
+    prepare.Into(drop_notes_, WithNow(std::string("UPDATE robot_settings SET ")
+                                          .append(kNoNotesSql)
+                                          .append(", changed_at = 1000 * "),
+                                      ", version = ?2 WHERE ruri = ?1"));
     prepare.Into(next_entry_, "SELECT next_entry FROM entries WHERE id = 0");
     const auto of_robot = [](std::string_view doing, std::string_view table) {
       return std::string(doing).append(" FROM ").append(table).append(" WHERE ruri = ?");

@@ -114,6 +114,9 @@ class Commands(EndToEnd):
         self.assertIn("robot_unblock", only.stdout)
         self.assertNotIn("robot_block", only.stdout)
         self.assertIn("no server answers", only.stderr)
+        twin = self.ctl("robots", "disconnect", "rcan://local.rcan/cyberwave/twin/a", "--config", file, code=1)
+        self.assertIn("has no stream that could end", twin.stderr)
+        self.assertNotIn("try again", twin.stderr)
 
         server.start()
         self.assertEqual(server.get("/api/v1/certificates/revocations")["revocations"], [])

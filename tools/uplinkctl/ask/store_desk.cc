@@ -12,6 +12,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "schema/base/rfc3339.h"
+#include "server/admin/command_code.h"
 #include "server/admin/commands.h"
 #include "server/config/load.h"
 #include "server/view/json.h"
@@ -25,20 +26,19 @@ namespace {
 
 using admin::Commands;
 
+constexpr admin::CommandCode kStoreFails{503, "UNAVAILABLE"};
+
 /// Its lines are the server's matter.
 class NoLines final : public log::LineSink {
  public:
   void Write(log::Level /*level*/, std::string_view /*line*/) override {}
 };
 
+/// What the store said of itself is shown too: it is the user's own.
 link::HttpAnswer ErrorOf(const absl::Status& status) {
-  unsigned code = 503;
-  if (absl::IsInvalidArgument(status)) code = 400;
-  if (absl::IsNotFound(status)) code = 404;
-  if (absl::IsResourceExhausted(status)) code = 409;
+  const auto code = admin::CommandCodeOf(status).value_or(kStoreFails);
   const std::string message(status.message());
-  const std::string name = absl::StatusCodeToString(status.code());
-  return {code, view::ErrorJson({name, message})};
+  return {static_cast<unsigned>(code.http), view::ErrorJson({code.name, message})};
 }
 
 template <typename Answer>

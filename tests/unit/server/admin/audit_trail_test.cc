@@ -118,8 +118,8 @@ TEST(AuditActions, ThePageHasEachOne) {
   std::ifstream page("docs/reference/audit.md");
   ASSERT_TRUE(page) << "docs/reference/audit.md cannot be read";
   const std::string text{std::istreambuf_iterator<char>(page), {}};
-  for (const std::string_view action : kActions) {
-    EXPECT_THAT(text, HasSubstr("`" + std::string(action) + "`"));
+  for (const Action& action : kActions) {
+    EXPECT_THAT(text, HasSubstr("`" + std::string(action.word) + "`"));
   }
 }
 

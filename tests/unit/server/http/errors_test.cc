@@ -1,5 +1,7 @@
 #include "server/http/errors.h"
 
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -59,6 +61,28 @@ TEST(Errors, WhoHasNotShownWhoItIsLearnsHow) {
 TEST(Errors, AStoreThatIsAwayIs503) {
   EXPECT_EQ(ErrorResponse(absl::UnavailableError("x")).status, 503);
   EXPECT_EQ(ErrorResponse(absl::InternalError("x")).status, 500);
+}
+
+TEST(Errors, ACommandIsToldWhatItAskedWronglyAndWhatStandsAgainstIt) {
+  const Response field = CommandError(absl::InvalidArgumentError("note must be text in UTF-8"));
+  EXPECT_EQ(field.status, 400);
+  EXPECT_THAT(field.body, HasSubstr(R"("field":"note")"));
+  const Response none = CommandError(absl::NotFoundError("no robot a"));
+  EXPECT_EQ(none.status, 404);
+  EXPECT_THAT(none.body, HasSubstr("no robot a"));
+  const Response twin = CommandError(absl::FailedPreconditionError("a has no stream"));
+  EXPECT_EQ(twin.status, 409);
+  EXPECT_THAT(twin.body, HasSubstr(R"("code":"FAILED_PRECONDITION")"));
+  const Response bound = CommandError(absl::ResourceExhaustedError("too many"));
+  EXPECT_EQ(bound.status, 409);
+  EXPECT_EQ(bound.retry_after, std::chrono::seconds(0));
+}
+
+TEST(Errors, ACommandShowsNothingThatTheStoreSaysOfItself) {
+  const Response away = CommandError(absl::UnavailableError(kTelling));
+  EXPECT_EQ(away.status, 503);
+  EXPECT_THAT(away.body, Not(HasSubstr("db.internal")));
+  EXPECT_EQ(away.cause, kTelling);
 }
 
 }  // namespace

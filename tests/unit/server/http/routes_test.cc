@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/admin/actions.h"
 #include "server/http/probe.h"
 #include "server/http/rights.h"
 
@@ -69,6 +70,17 @@ TEST(Routes, OperatorsCommandAndAdminsAdminister) {
   EXPECT_TRUE(Has(Role::kOperator, Right::kCommand));
   EXPECT_FALSE(Has(Role::kOperator, Right::kAdminister));
   EXPECT_TRUE(Has(Role::kAdmin, Right::kAdminister));
+}
+
+// CommandRate goes by the action's class: admins' commands have a share of their own.
+TEST(Routes, GiveEachCommandToThoseWhoseShareItTakes) {
+  for (const Route& route : Routes()) {
+    if (route.action.empty()) continue;
+    const bool is_admins = route.needs.right == Right::kAdminister;
+    EXPECT_EQ(admin::GivenByOf(route.action),
+              is_admins ? admin::GivenBy::kAdmins : admin::GivenBy::kOperators)
+        << route.pattern;
+  }
 }
 
 TEST(Routes, AProbeCountsEachAndAllOthers) {

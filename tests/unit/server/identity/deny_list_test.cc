@@ -48,6 +48,19 @@ TEST(DenyList, TheListThatWasTakenStays) {
   EXPECT_EQ(list.Get()->size(), 1U);
 }
 
+TEST(DeniedCertificates, TakeEachKindAndNoOther) {
+  DeniedCertificates denied;
+  for (const RevokedBy by : storage::kAllRevokedBy) {
+    const bool is_serial = by == RevokedBy::kIssuerSerial;
+    EXPECT_TRUE(denied.Add(by, is_serial ? "0A CN=a" : std::string(64, 'a')));
+    EXPECT_FALSE(denied.Add(by, "a")) << "no value of its kind";
+  }
+  EXPECT_EQ(denied.size(), storage::kAllRevokedBy.size());
+  const auto unknown = static_cast<RevokedBy>(storage::kAllRevokedBy.size());
+  EXPECT_FALSE(denied.Add(unknown, std::string(64, 'b')));
+  EXPECT_EQ(denied.size(), storage::kAllRevokedBy.size());
+}
+
 TEST(DeniedCertificates, AreNamedByEitherDigest) {
   const testing::TestAuthority authority;
   const Certificate certificate = CertificateOf(authority.Issue(testing::RobotSpec("rcan://a/1")));

@@ -43,6 +43,21 @@ TEST(SavedAccess, ComesBackAsItWas) {
   EXPECT_EQ(read->version, Copy().version);
 }
 
+TEST(SavedAccess, KeepsEachKindOfRevocationAndTakesNoOther) {
+  AccessCopy copy;
+  for (const storage::RevokedBy by : storage::kAllRevokedBy) {
+    copy.revocations.push_back(Revoked(by, "0A CN=a"));
+  }
+  std::string text = TextOf(copy, kStore);
+  const auto read = ParseAccess(text, kStore);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->revocations, copy.revocations);
+  const std::string last = "revoked 2 ";
+  ASSERT_NE(text.find(last), std::string::npos);
+  text.replace(text.find(last), last.size(), "revoked 3 ");
+  EXPECT_FALSE(ParseAccess(text, kStore).ok());
+}
+
 TEST(SavedAccess, AnEmptyCopyIsWhole) {
   const auto read = ParseAccess(TextOf({}, kStore), kStore);
   ASSERT_TRUE(read.ok()) << read.status();
