@@ -358,6 +358,11 @@ TEST_F(CommandsTest, SaysThatNothingReloads) {
   EXPECT_EQ(LastRow().action, kReload);
 }
 
+TEST(Reloaded, TheDetailNamesEachProblem) {
+  EXPECT_EQ(DetailOf(Reloaded{.taken_over = {}, .needs_restart = {}, .problems = {"a: 1", "b: 2"}}),
+            "a: 1; b: 2");
+}
+
 TEST_F(CommandsTest, NotesWhatARoleForbids) {
   commands_.NoteForbidden(OfNorth(), kCertificateRevoke, "");
   EXPECT_EQ(LastRow().outcome, "PERMISSION_DENIED");
