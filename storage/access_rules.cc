@@ -51,7 +51,11 @@ void SetBlocked(RobotSetting& setting, const SettingChange& change, const AuditR
     setting.blocked_at.reset();
     return;
   }
-  if (setting.blocked && setting.blocked_why == change.blocked_why) return;
+  if (setting.blocked) {
+    // Who blocked it, and since when, stays the answer to why it cannot connect.
+    if (!change.blocked_why.empty()) setting.blocked_why = change.blocked_why;
+    return;
+  }
   setting.blocked = true;
   setting.blocked_why = change.blocked_why;
   setting.blocked_by = Bounded(audit).who;

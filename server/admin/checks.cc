@@ -66,6 +66,38 @@ std::optional<std::string> SerialOf(std::string_view text) {
   return hex->size() % 2 == 0 ? *hex : "0" + *hex;
 }
 
+/// Without the word that `openssl x509` prints before it.
+std::string_view WithoutLabel(std::string_view text, std::string_view label) {
+  if (!text.starts_with(label)) return text;
+  text.remove_prefix(label.size());
+  text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  return text;
+}
+
+bool IsOfAttributeType(char c) { return IsLetterOrDigit(c) || c == '.' || c == '-'; }
+
+/// `CN=x` as OpenSSL writes it: no space stands around the sign unless it is escaped.
+bool IsAttribute(std::string_view text) {
+  const std::size_t sign = text.find('=');
+  return sign != std::string_view::npos && sign > 0 &&
+         std::ranges::all_of(text.substr(0, sign), IsOfAttributeType) &&
+         !text.substr(sign + 1).starts_with(' ');
+}
+
+/// Attributes between commas and pluses that no backslash escapes.
+bool IsRfc2253Name(std::string_view name) {
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if (name[i] == '\\') {
+      ++i;
+    } else if (name[i] == ',' || name[i] == '+') {
+      if (!IsAttribute(name.substr(begin, i - begin))) return false;
+      begin = i + 1;
+    }
+  }
+  return IsAttribute(name.substr(begin));
+}
+
 absl::StatusOr<std::string> DigestOf(std::string_view field, std::string_view text) {
   const std::optional<std::string> hex = HexOf(text, Case::kLower);
   if (!hex || hex->size() != kDigestDigits) {
@@ -143,13 +175,18 @@ absl::StatusOr<storage::Revocation> RevocationOf(const Request& request) {
     revocation.value = *std::move(digest);
     return revocation;
   }
-  const std::optional<std::string> serial = SerialOf(request.serial());
+  const std::optional<std::string> serial = SerialOf(WithoutLabel(request.serial(), "serial="));
   if (!serial) return Wrong("serial", "must be hexadecimal");
-  if (request.issuer().empty()) return Wrong("issuer", "is missing: serials differ within one");
-  if (absl::Status checked = CheckText("issuer", request.issuer(), kIssuerBytesMax); !checked.ok())
+  const std::string_view issuer = WithoutLabel(request.issuer(), "issuer=");
+  if (issuer.empty()) return Wrong("issuer", "is missing: serials differ within one");
+  if (absl::Status checked = CheckText("issuer", issuer, kIssuerBytesMax); !checked.ok())
     return checked;
+  // Any other spelling of the name would be kept and match no certificate.
+  if (!IsRfc2253Name(issuer)) {
+    return Wrong("issuer", "must be as openssl x509 -issuer -nameopt RFC2253 prints it");
+  }
   revocation.by = storage::RevokedBy::kIssuerSerial;
-  revocation.value = fmt::format("{} {}", *serial, request.issuer());
+  revocation.value = fmt::format("{} {}", *serial, issuer);
   return revocation;
 }
 

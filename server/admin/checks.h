@@ -29,7 +29,7 @@ namespace uplink::admin {
 [[nodiscard]] std::optional<storage::AccessVersion> VersionOf(const std::string& token);
 
 /// The one thing that a request names, as the store keeps it: hexadecimal is taken in any case, and
-/// with colons.
+/// with colons; a serial and an issuer with the word that `openssl x509` prints before them.
 template <typename Request>
 [[nodiscard]] absl::StatusOr<storage::Revocation> RevocationOf(const Request& request);
 extern template absl::StatusOr<storage::Revocation> RevocationOf(

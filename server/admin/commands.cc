@@ -42,7 +42,7 @@ std::optional<SystemTime> TimeOf(bool has, const google::protobuf::Timestamp& ti
 }  // namespace
 
 std::string DetailOf(const Reloaded& reloaded) {
-  if (!reloaded.problems.empty()) return reloaded.problems.front();
+  if (!reloaded.problems.empty()) return fmt::format("{}", fmt::join(reloaded.problems, "; "));
   return fmt::format("{}", fmt::join(reloaded.taken_over, ", "));
 }
 

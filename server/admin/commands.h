@@ -29,7 +29,7 @@ struct Reloaded {
   /// Why nothing was taken over; none: it was.
   std::vector<std::string> problems;
 };
-/// As the audit's detail: the keys that were taken over, or the first problem.
+/// As the audit's detail: the keys that were taken over, or the problems.
 [[nodiscard]] std::string DetailOf(const Reloaded& reloaded);
 
 /// The service FleetAdmin, once for every transport: what operators decide, and the audit. The

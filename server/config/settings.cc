@@ -206,6 +206,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "registration",
      .kind = Kind::kChoice,
      .choices = kRegistrations,
+     .effect = Effect::kReload,
      .text = "Which new robots come in. \"open\": every robot whose certificate an authority of "
              "tls.client_ca_file signed. \"closed\": only those that an operator added (`uplinkctl "
              "robots add`), twins and drones too; others are refused, and listed as candidates. "
@@ -215,6 +216,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "gateways",
      .kind = Kind::kChoice,
      .choices = kGateways,
+     .effect = Effect::kReload,
      .text = "\"named\": a gateway speaks only for the robots that its certificate names. \"any\": "
              "one whose certificate names no robots speaks for its whole fleet; the server warns "
              "of the first that does.",
@@ -223,6 +225,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .key = "fleet_moves",
      .kind = Kind::kChoice,
      .choices = kFleetMoves,
+     .effect = Effect::kReload,
      .text = "What a certificate does that names a known robot and another fleet. \"follow\": it "
              "moves the robot. \"refuse\": it is refused.",
      UPLINK_BIND(identity, IdentityConfig, fleet_moves)},

@@ -20,7 +20,7 @@ std::optional<std::string> Entry::TakeUnnamed() {
 }
 
 robot::Registration Entry::RegistrationOf(std::string_view ruri) const {
-  if (!rules_.only_registered) return robot::Registration::kFits;
+  if (!only_registered()) return robot::Registration::kFits;
   const RobotSettingPtr setting = SettingOf(ruri);
   const bool registered = setting != nullptr && setting->registered;
   return registered ? robot::Registration::kFits : robot::Registration::kUnjudged;
@@ -31,7 +31,7 @@ Refusal Entry::Judge(const Claim& claim, robot::Robot* known, bool robots_read, 
   const RobotSettingPtr setting = SettingOf(ruri);
   if (setting != nullptr && setting->blocked) return Refusal::kBlocked;
   if (claim.grant == Grant::kFleet) {
-    if (rules_.only_named) return Refusal::kGatewayUnnamed;
+    if (only_named_.load()) return Refusal::kGatewayUnnamed;
     if (!met_unnamed_.exchange(true)) {
       const std::lock_guard lock(mutex_);
       unnamed_ = claim.gateway;
@@ -45,12 +45,16 @@ Refusal Entry::Judge(const Claim& claim, robot::Robot* known, bool robots_read, 
     return Refusal::kAuthorityOutside;
   }
   if (known != nullptr && known->registration() == robot::Registration::kFits) {
-    return moves && rules_.fleets_stay ? Refusal::kFleetStays : Refusal::kNone;
+    return moves && fleets_stay_.load() ? Refusal::kFleetStays : Refusal::kNone;
   }
   if (identity::FlawOfForm(ruri)) {
     return robots_read ? Refusal::kNotCanonical : Refusal::kRobotsUnread;
   }
-  if (!rules_.only_registered) return Refusal::kNone;
+  if (!only_registered()) {
+    // It came while registration was closed, and was not judged yet.
+    if (known != nullptr) known->SetRegistration(robot::Registration::kFits);
+    return Refusal::kNone;
+  }
   if (setting != nullptr && setting->registered) {
     candidates_.Remove(ruri);
     if (known != nullptr) known->SetRegistration(robot::Registration::kFits);

@@ -36,9 +36,16 @@ class Entry final {
   Entry() = default;
   /// `settings` outlives it. Call it before the first thread.
   void Set(const EntryRules& rules, const RobotSettings& settings) {
-    rules_ = rules;
+    Follow(rules);
     settings_ = &settings;
   }
+  /// The rules from now on, for robots that come: those that are in stay.
+  void Follow(const EntryRules& rules) {
+    only_registered_.store(rules.only_registered);
+    only_named_.store(rules.only_named);
+    fleets_stay_.store(rules.fleets_stay);
+  }
+  [[nodiscard]] bool only_registered() const { return only_registered_.load(); }
 
   /// A robot that is refused because it is not registered becomes a candidate. `known`: it is in
   /// memory. `robots_read`: the robots of the store were read, so one that is not known is new.
@@ -51,11 +58,11 @@ class Entry final {
   [[nodiscard]] bool IsBlocked(std::string_view ruri) const;
   /// Whether the claim brings the robot into its fleet, from whichever the robot was in.
   [[nodiscard]] bool Moves(const Claim& claim) const {
-    return claim.grant != Grant::kFleet && !rules_.fleets_stay && claim.bounds == nullptr;
+    return claim.grant != Grant::kFleet && !fleets_stay_.load() && claim.bounds == nullptr;
   }
   /// The same from this fleet.
   [[nodiscard]] bool Moves(const Claim& claim, std::string_view from) const {
-    return claim.grant != Grant::kFleet && !rules_.fleets_stay &&
+    return claim.grant != Grant::kFleet && !fleets_stay_.load() &&
            (claim.bounds == nullptr || claim.bounds->fleets.Has(from));
   }
   /// The subject of the first gateway that came without names. Nothing until one came, and after
@@ -69,7 +76,10 @@ class Entry final {
     return settings_ == nullptr ? nullptr : settings_->Find(ruri);
   }
 
-  EntryRules rules_;
+  // Of EntryRules.
+  std::atomic<bool> only_registered_{false};
+  std::atomic<bool> only_named_{false};
+  std::atomic<bool> fleets_stay_{false};
   const RobotSettings* settings_ = nullptr;
   /// A gateway came without names.
   std::atomic<bool> met_unnamed_{false};

@@ -71,7 +71,7 @@ struct ReadinessFacts {
   /// The PEM files on disk are the ones served.
   bool certificate_fits = true;
   HttpFacts http;
-  /// Neither the store nor a saved copy has told yet who may not come in.
+  /// What the store decides about who may come in cannot be read, or new robots wait to be judged.
   bool identity_unread = false;
   Fill robots;
   bool store_failing = false;

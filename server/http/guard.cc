@@ -92,7 +92,8 @@ Guard::Answer Guard::ByToken(std::string_view token, const Tokens& tokens, const
       return Judge({.role = found.entry->role,
                     .scope = found.entry->scope,
                     .proof = identity::Proof::kToken,
-                    .name = found.entry->id},
+                    .name = found.entry->id,
+                    .note = found.entry->note},
                    request, route);
     case TokenTable::Finding::kExpired:
       return Fail(Denied::kExpiredToken, InvalidToken("the token has expired"), request, route,

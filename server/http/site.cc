@@ -1,8 +1,11 @@
 #include "server/http/site.h"
 
 #include <exception>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "schema/json/text.h"
 #include "server/http/errors.h"
 #include "server/http/form.h"
 #include "server/http/negotiate.h"
@@ -10,6 +13,22 @@
 #include "server/http/target.h"
 
 namespace uplink::http {
+
+namespace {
+
+/// What a command was about, by its parameters or else its body; empty if neither names it. No
+/// handler has read them.
+std::string SubjectOf(const Request& request) {
+  Parameters parameters(SplitTarget(request.target).query);
+  std::string ruri = parameters.Text("ruri");
+  if (!ruri.empty()) return ruri;
+  for (const std::string_view member : {"ruri", "keySha256", "sha256", "serial"}) {
+    if (auto named = json::StringIn(request.body, member)) return *std::move(named);
+  }
+  return {};
+}
+
+}  // namespace
 
 Resolved AtOnce(RouteId route, Response response) {
   return {route, Lane::kIo, [answer = std::move(response)] { return answer; }};
@@ -48,9 +67,8 @@ Resolved Site::Resolve(RouteId id, RoutedRequest request) const {
 void Site::NoteForbidden(const Request& request, RouteId route) const {
   const std::string_view action = Routes()[route.index].action;
   if (action.empty()) return;
-  Parameters parameters(SplitTarget(request.target).query);
   sources_.commands.NoteForbidden(admin::AskerOf(request.caller, request.from), action,
-                                  parameters.Text("ruri"));
+                                  SubjectOf(request));
 }
 
 Response Site::Run(const Route& route, const RoutedRequest& request) const {

@@ -23,6 +23,8 @@ struct Caller {
   Proof proof = Proof::kNone;
   /// The id of its token, or the subject of its certificate; `local` without proof.
   std::string name;
+  /// What its token is for, in the operator's words. The file loses it with the token.
+  std::string note{};
 };
 
 /// A caller that no authentication stands before: everything is open to it.

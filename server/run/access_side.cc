@@ -86,10 +86,11 @@ absl::Status AccessSide::LookAtTokens() {
 }
 
 void AccessSide::NoteFirstUse(const identity::Caller& caller, const std::string& from) {
-  context_.audit.Note(admin::RowOf(
-      admin::AskerOf(caller, from),
-      {.action = admin::kFirstUse, .target = std::string(identity::ToText(caller.role))},
-      absl::OkStatus(), context_.clock.System()));
+  context_.audit.Note(admin::RowOf(admin::AskerOf(caller, from),
+                                   {.action = admin::kFirstUse,
+                                    .target = std::string(identity::ToText(caller.role)),
+                                    .detail = caller.note},
+                                   absl::OkStatus(), context_.clock.System()));
 }
 
 absl::Status AccessSide::LookAtTls() {

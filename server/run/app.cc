@@ -64,14 +64,16 @@ class App::Impl {
         view_({options_.clock, options_.logger, options_.config, options_.version, fleet_, ledgers_,
                early, store_, uncrew_, relay_, broker_, health_, commands_.commands(), settings_,
                options_.random, in_effect_, rpc_probe_}),
-        reload_(options_.config,
-                {.read = options_.read_config,
-                 .allowances = allowances_,
-                 .logger = options_.logger,
-                 .in_effect = in_effect_,
-                 .look_at_files = [&early] { return early.access().Look(); },
-                 .took_over =
-                     [&early](const config::Config& running) { early.TakeOver(running.http); }}) {
+        reload_(options_.config, {.read = options_.read_config,
+                                  .allowances = allowances_,
+                                  .logger = options_.logger,
+                                  .in_effect = in_effect_,
+                                  .look_at_files = [&early] { return early.access().Look(); },
+                                  .took_over =
+                                      [this, &early](const config::Config& running) {
+                                        early.TakeOver(running.http);
+                                        fleet_.entry().Follow(EntryRulesOf(running.identity));
+                                      }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
     fleet_.entry().Set(EntryRulesOf(options_.config.identity), settings_);
     settings_.OnChange([this](std::span<const fleet::RobotSettings::Change> changes) {

@@ -13,7 +13,6 @@ namespace {
 health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
                                         const fleet::LiveBudget& live_budget) {
   StoreSide& store = context.store;
-  const bool closed = context.config.identity.registration == config::Registration::kClosed;
   return {
       .clock = context.clock,
       .fleet = context.fleet,
@@ -34,7 +33,9 @@ health::Monitor::Sources MonitorSources(const HealthSide::Context& context,
       .series_left_out = context.series_left_out,
       .http = context.http,
       .identity_unread =
-          [&store, closed] { return store.access_unread() || (closed && store.robots_unread()); }};
+          [&store, &entry = context.fleet.entry()] {
+            return store.access_unread() || (entry.only_registered() && store.robots_unread());
+          }};
 }
 
 }  // namespace

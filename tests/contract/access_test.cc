@@ -240,6 +240,28 @@ TEST_P(AccessContract, AChangeLeavesWhatItDoesNotName) {
   EXPECT_TRUE(ValueOf(Access().Change(change, Did("robot_change"))).changed);
 }
 
+TEST_P(AccessContract, ASecondBlockKeepsTheFirst) {
+  const RobotSetting first = Block("stolen");
+  SettingChange change{.ruri = kRuri};
+  change.blocked = true;
+  AuditRow later = Did("robot_block", 60'000);
+  later.who = "t-2";
+  const auto again = ValueOf(Access().Change(change, later));
+  EXPECT_FALSE(again.changed);
+  EXPECT_EQ(again.setting, first);
+  change.blocked_why = "stolen, and seen in the north";
+  const auto reworded = ValueOf(Access().Change(change, later));
+  EXPECT_TRUE(reworded.changed);
+  EXPECT_EQ(reworded.setting.blocked_why, change.blocked_why);
+  EXPECT_EQ(reworded.setting.blocked_by, first.blocked_by);
+  EXPECT_EQ(reworded.setting.blocked_at, first.blocked_at);
+  EXPECT_THAT(SettingsAfter(), ElementsAre(reworded.setting));
+  Block("", false);
+  const auto anew = ValueOf(Access().Change(change, later));
+  EXPECT_EQ(anew.setting.blocked_by, "t-2");
+  EXPECT_EQ(anew.setting.blocked_at, later.at);
+}
+
 TEST_P(AccessContract, EachDisconnectIsANewOne) {
   SettingChange change;
   change.ruri = kRuri;

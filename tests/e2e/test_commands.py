@@ -105,6 +105,8 @@ class Commands(EndToEnd):
         without = self.ctl("robots", "unblock", ROBOT, "-o", "json", "--config", file)
         self.assertFalse(json.loads(without.stdout)["blocked"])
         self.assertIn("no server answers", without.stderr)
+        short = self.ctl("robots", "unblock", "r17", "--config", file, code=1)
+        self.assertIn("takes the robot's whole RURI in place of r17", short.stderr)
         self.ctl("certificates", "unrevoke", "--key-sha256", KEY, "--config", file)
         listed = json.loads(self.ctl("audit", "list", "--config", file, "-o", "json", "--oldest").stdout)
         told = [(row["action"], row["proof"]) for row in listed["audit"]]

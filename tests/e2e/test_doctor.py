@@ -109,6 +109,23 @@ class Host(DoctorTest):
         self.certify(server, "-days", "13")
         self.assertIn("expires in 12 days", str(self.doctor(server.configuration()).of("warning")))
 
+    def test_an_authority_of_the_folder_that_expires_soon(self):
+        server = self.server()
+        folder = self.folder / "authorities"
+        folder.mkdir(mode=0o700)
+        run("openssl", "req", "-x509", "-newkey", "rsa:3072", "-nodes", "-keyout", self.folder / "old.key",
+            "-subj", "/CN=old", "-days", "13", "-out", folder / "old.pem")  # fmt: skip
+        (folder / "now.pem").write_bytes((server.pki / "ca.crt").read_bytes())
+        for name in ("old", "now"):
+            (folder / f"{name}.toml").write_text("")
+        server.settings = f'[identity]\nauthorities = "{folder}"\n'
+        path = server.configuration()
+        # The folder stands in place of the one file.
+        path.write_text(re.sub("client_ca_file.*\n", "", path.read_text()))
+        warnings = self.doctor(path).of("warning")
+        self.assertIn("authority CN=old of", str(warnings))
+        self.assertIn("identity.authorities", [where for where, _ in warnings])
+
     def test_another_authority_of_that_name(self):
         server = self.server()
         path = server.configuration()

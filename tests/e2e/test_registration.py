@@ -68,6 +68,17 @@ class Registration(Operators):
         wait_until(self.running.process, lambda: self.refused("new")["code"] == "OK", LIVE_SECONDS, "it comes in")
         self.assertEqual(self.running.get("/api/v1/candidates")["candidates"], [])
 
+    def test_registration_closes_without_a_restart(self):
+        self.serve(self.server("[identity]\nregistration = \"open\"\n"))
+        self.agent("known").kill()
+        file = self.folder / "uplinkd.toml"
+        file.write_text(file.read_text().replace('registration = "open"', 'registration = "closed"'))
+        # By the command, or by the server's own look at the file.
+        self.ctl("reload")
+        self.running.wait_for_line("reloaded taken_over=identity.registration")
+        self.assertIn("is not registered", self.refused(self.robot("new"))["details"])
+        self.agent("known")
+
     def test_where_fleets_stay_a_certificate_of_another_fleet_is_refused(self):
         self.serve(self.server(STAYS))
         self.agent("r1").kill()

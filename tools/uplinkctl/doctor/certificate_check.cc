@@ -145,6 +145,21 @@ Findings AuthorityFindings(const NamedFile& file, const std::vector<CertificateF
   return findings;
 }
 
+Findings ListFindings(const NamedFile& file, const std::vector<identity::RevocationList>& lists,
+                      SystemTime now) {
+  Findings findings;
+  for (const identity::RevocationList& list : lists) {
+    if (!list.next_update || now < *list.next_update) continue;
+    findings.push_back(Warning(
+        file.key,
+        fmt::format("the list of {} in {} is over since {}: it counts, and misses what was revoked "
+                    "later",
+                    list.issuer, file.path, identity::ExpiryText(*list.next_update)),
+        "let its authority write the next one"));
+  }
+  return findings;
+}
+
 Findings ShownCertificateFindings(const NamedFile& file, const std::vector<CertificateFacts>& chain,
                                   SystemTime now) {
   if (chain.empty()) return {};

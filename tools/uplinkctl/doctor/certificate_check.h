@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "schema/base/clock.h"
+#include "server/identity/revocation_list.h"
 #include "tools/uplinkctl/doctor/certificate_facts.h"
 #include "tools/uplinkctl/doctor/finding.h"
 
@@ -37,6 +38,11 @@ struct ServerCertificate {
 [[nodiscard]] Findings AuthorityFindings(const NamedFile& file,
                                          const std::vector<CertificateFacts>& authorities,
                                          SystemTime now);
+
+/// Lists of revoked certificates (CRL) whose authority promised the next one by now.
+[[nodiscard]] Findings ListFindings(const NamedFile& file,
+                                    const std::vector<identity::RevocationList>& lists,
+                                    SystemTime now);
 
 /// The dates of the certificate that is shown to a broker, or to callers of listen.http.
 [[nodiscard]] Findings ShownCertificateFindings(const NamedFile& file,

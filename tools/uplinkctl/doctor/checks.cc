@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/config/authority_folder.h"
 #include "server/identity/pem_file.h"
+#include "server/identity/revocation_list.h"
 #include "server/store/clock_judge.h"
 #include "storage/postgres/admin.h"
 #include "storage/sqlite/migrations.h"
@@ -36,6 +38,32 @@ identity::NamedPem ReadOrNothing(const std::string& path) {
   return pem.ok() ? *std::move(pem) : identity::NamedPem{path, {}};
 }
 
+/// Whether the lists are over; that they cannot be used is the configuration's finding.
+Findings CheckLists(const NamedFile& file, const std::string& authorities, SystemTime now) {
+  if (file.path.empty()) return {};
+  const auto lists =
+      identity::ReadRevocationLists(ReadOrNothing(file.path), ReadOrNothing(authorities));
+  return lists.ok() ? ListFindings(file, *lists, now) : Findings();
+}
+
+Findings CheckAuthorities(const Config& config, SystemTime now) {
+  const std::string& path = config.identity.authorities;
+  const config::TlsConfig& tls = config.tls;
+  Findings findings =
+      CheckLists({"tls.client_crl_file", tls.client_crl_file}, tls.client_ca_file, now);
+  Append(findings, CheckLists({"tls.operator_crl_file", tls.operator_crl_file},
+                              config::OperatorCaFile(tls), now));
+  if (path.empty()) return findings;
+  const NamedFile named{"identity.authorities", path};
+  const auto folder = config::ReadAuthorityFolder(path);
+  if (!folder.ok()) return findings;
+  Append(findings, AuthorityFindings(named, ReadFacts({path, folder->pems}), now));
+  for (const config::AuthorityLists& each : folder->lists) {
+    Append(findings, CheckLists({named.key, each.lists}, each.authority, now));
+  }
+  return findings;
+}
+
 Findings CheckCertificates(const Config& config, SystemTime now) {
   Findings findings;
   const identity::NamedPem authorities = ReadOrNothing(config.tls.client_ca_file);
@@ -49,6 +77,7 @@ Findings CheckCertificates(const Config& config, SystemTime now) {
   }
   Append(findings, AuthorityFindings({"tls.client_ca_file", config.tls.client_ca_file},
                                      ReadFacts(authorities), now));
+  Append(findings, CheckAuthorities(config, now));
   if (const std::string& path = config.http.tls_certificate_file; !path.empty()) {
     Append(findings, ShownCertificateFindings({"http.tls.certificate_file", path},
                                               ReadFacts(ReadOrNothing(path)), now));

@@ -32,12 +32,20 @@ using Fill = std::function<absl::Status(const Request& request, json::object& bo
 constexpr const char* kConfigOfCommand =
     "Which server: by its configuration file. If none answers, this is done on its store";
 
+/// Only a server resolves the end of a RURI; its store takes the whole one.
+absl::Status WithWayOut(const absl::Status& status, const Request& request) {
+  if (!absl::IsUnavailable(status) || request.common.server.config.empty()) return status;
+  return absl::UnavailableError(fmt::format(
+      "{}. Where no server answers, the store takes the robot's whole RURI in place of {}",
+      std::string(status.message()), request.robot));
+}
+
 absl::Status Send(const Request& request, const std::string& path, const Fill& fill, Api& api,
                   const Screen& screen) {
   json::object body;
   if (!request.robot.empty()) {
     const absl::StatusOr<std::string> ruri = ResolveRobot(api, request.robot);
-    if (!ruri.ok()) return ruri.status();
+    if (!ruri.ok()) return WithWayOut(ruri.status(), request);
     body["ruri"] = *ruri;
   }
   if (absl::Status filled = fill ? fill(request, body) : absl::OkStatus(); !filled.ok()) {

@@ -316,6 +316,30 @@ TEST_F(CommandsTest, ListsRevocationsPageByPage) {
   EXPECT_THAT(TextOf(commands_.ListRevocations(request)), StartsWith("pageSize"));
 }
 
+TEST_F(CommandsTest, AnIssuerIsTakenAsOpensslPrintsIt) {
+  v1::RevokeCertificateRequest request;
+  request.set_serial("serial=0ABC");
+  for (const char* const issuer :
+       {"issuer=CN=Robots,O=Example", "issuer= CN=Robots,O=Example", "CN=Robots,O=Example"}) {
+    request.set_issuer(issuer);
+    const auto revoked = commands_.RevokeCertificate(local_, request);
+    ASSERT_TRUE(revoked.ok()) << revoked.status();
+    EXPECT_EQ(revoked->issuer(), "CN=Robots,O=Example");
+    EXPECT_EQ(revoked->serial(), "0ABC");
+  }
+  request.set_issuer("CN=a\\, b\\+c,1.2.3=#0401+O=d=e");
+  EXPECT_TRUE(commands_.RevokeCertificate(local_, request).ok());
+  for (const char* const issuer : {"Robots", "CN = Robots, O = Example", "/CN=Robots/O=Example",
+                                   "CN=Robots, O=Example", "CN=Robots,", "=Robots"}) {
+    request.set_issuer(issuer);
+    EXPECT_THAT(TextOf(commands_.RevokeCertificate(local_, request)), StartsWith("issuer must be"))
+        << issuer;
+  }
+  request.set_issuer("issuer=");
+  EXPECT_THAT(TextOf(commands_.RevokeCertificate(local_, request)),
+              StartsWith("issuer is missing"));
+}
+
 TEST_F(CommandsTest, ListsTheAudit) {
   ASSERT_TRUE(Block(OfNorth(), kNorth).ok());
   v1::ListAuditRequest request;
@@ -332,6 +356,11 @@ TEST_F(CommandsTest, ListsTheAudit) {
 TEST_F(CommandsTest, SaysThatNothingReloads) {
   EXPECT_EQ(commands_.Reload(local_, {}).status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(LastRow().action, kReload);
+}
+
+TEST(Reloaded, TheDetailNamesEachProblem) {
+  EXPECT_EQ(DetailOf(Reloaded{.taken_over = {}, .needs_restart = {}, .problems = {"a: 1", "b: 2"}}),
+            "a: 1; b: 2");
 }
 
 TEST_F(CommandsTest, NotesWhatARoleForbids) {

@@ -132,6 +132,31 @@ TEST_F(EntryTest, ARobotThatCameBeforeTheStoreWasReadIsJudgedOnceItIs) {
   EXPECT_FALSE(robot->leaving());
 }
 
+TEST_F(EntryTest, RulesThatChangeCountForRobotsThatCome) {
+  StoreIsRead();
+  const RobotPtr before = fleet_.FindOrAdmitBy(Of(kRobot)).robot;
+  fleet_.entry().Follow({.only_registered = true});
+  EXPECT_EQ(Come(Of("rcan://f/two")), Refusal::kNotRegistered);
+  EXPECT_EQ(Come(Of(kRobot)), Refusal::kNone) << "it is known";
+  Sweep();
+  EXPECT_EQ(before->registration(), robot::Registration::kFits);
+  fleet_.entry().Follow({.only_named = true, .fleets_stay = true});
+  EXPECT_EQ(Come(Of("rcan://f/two")), Refusal::kNone);
+  EXPECT_EQ(Come(Of("rcan://f/three", "f", Grant::kFleet)), Refusal::kGatewayUnnamed);
+  EXPECT_EQ(Come(Of(kRobot, "g")), Refusal::kFleetStays);
+}
+
+TEST_F(EntryTest, ARobotThatWaitsIsLetInOnceRegistrationIsOpen) {
+  Rule({.only_registered = true});
+  const RobotPtr waits = fleet_.FindOrAdmitBy(Of(kRobot)).robot;
+  EXPECT_EQ(waits->registration(), robot::Registration::kUnjudged);
+  fleet_.entry().Follow({});
+  StoreIsRead();
+  Sweep();
+  EXPECT_EQ(waits->registration(), robot::Registration::kFits);
+  EXPECT_FALSE(waits->kept_out());
+}
+
 TEST_F(EntryTest, ARobotOfTheStoreThatCameBeforeStays) {
   Rule({.only_registered = true});
   const RobotPtr robot = fleet_.FindOrAdmitBy(Of(kRobot)).robot;

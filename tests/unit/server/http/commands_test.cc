@@ -192,6 +192,15 @@ TEST_F(HttpCommandsTest, TheAuditTellsWhatARoleForbids) {
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].outcome, "PERMISSION_DENIED");
   EXPECT_EQ(rows[0].target, kNorth);
+  request.target = "/api/v1/robot/block";
+  request.body = R"({"reason":"x","ruri":"rcan://example.com/\n"})";
+  world_.site.NoteForbidden(request, FindRoute("/api/v1/robot/block").id);
+  EXPECT_THAT(Audit().front().target, ::testing::StartsWith("rcan://example.com/"))
+      << "of the body";
+  EXPECT_THAT(Audit().front().target, ::testing::Not(HasSubstr("\n")));
+  request.body = "[{";
+  world_.site.NoteForbidden(request, FindRoute("/api/v1/robot/block").id);
+  EXPECT_EQ(Audit().front().target, "");
   world_.site.NoteForbidden(request, FindRoute("/api/v1/audit").id);
   EXPECT_EQ(world_.audit.waiting(), 0U) << "questions leave no row";
 }

@@ -105,6 +105,22 @@ TEST_F(GuardTest, WithoutAuthenticationEveryCallerIsLocal) {
   EXPECT_THAT(lines_, IsEmpty());
 }
 
+TEST_F(GuardTest, TheFirstUseOfATokenTellsItsNote) {
+  entry_.note = "ann";
+  WriteTable();
+  std::vector<std::string> notes;
+  Guard::Options options = Options();
+  options.first_use = [&notes](const identity::Caller& caller, const std::string& from) {
+    notes.push_back(caller.note + " from " + from);
+  };
+  guard_ = std::make_unique<Guard>(context(), std::move(options));
+  Request request = ByToken(token_);
+  request.from = "192.0.2.1";
+  EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 200);
+  EXPECT_EQ(StatusOf(request, "/api/v1/robots"), 200);
+  EXPECT_THAT(notes, ::testing::ElementsAre("ann from 192.0.2.1"));
+}
+
 TEST_F(GuardTest, WithoutAProofProbesAloneAreAnswered) {
   for (const ListenerId listener : {ListenerId::kHttp, ListenerId::kMetrics}) {
     Request request;

@@ -36,6 +36,17 @@ TEST(CompareConfigs, TakesTheLogLevelAndWhatRobotsMaySend) {
   EXPECT_THAT(changes.needs_restart, IsEmpty());
 }
 
+TEST(CompareConfigs, TakesWhichRobotsComeIn) {
+  config::Config read;
+  read.identity.registration = config::Registration::kClosed;
+  read.identity.gateways = config::Gateways::kNamed;
+  read.identity.fleet_moves = config::FleetMoves::kRefuse;
+  const admin::Reloaded changes = CompareConfigs({}, read);
+  EXPECT_THAT(changes.taken_over,
+              ElementsAre("identity.registration", "identity.gateways", "identity.fleet_moves"));
+  EXPECT_THAT(changes.needs_restart, IsEmpty());
+}
+
 TEST(CompareConfigs, NamesEveryOtherKeyThatChanged) {
   config::Config read;
   read.listen.http.port = 1;

@@ -126,6 +126,19 @@ TEST(CertificateCheck, AnAuthorityThatEndsIsToBeExtendedWithItsKey) {
   }
 }
 
+TEST(CertificateCheck, AListThatIsOverIsAWarning) {
+  const NamedFile file{"tls.client_crl_file", "/lists"};
+  identity::RevocationList list{.issuer = "CN=ca", .revoked = {}, .next_update = {}};
+  EXPECT_TRUE(ListFindings(file, {list}, kNow).empty()) << "no next one was promised";
+  list.next_update = kNow + milliseconds(1);
+  EXPECT_TRUE(ListFindings(file, {list}, kNow).empty());
+  list.next_update = kNow;
+  const Findings findings = ListFindings(file, {list}, kNow);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().severity, Severity::kWarning);
+  EXPECT_THAT(findings.front().what, HasSubstr("the list of CN=ca in /lists is over since"));
+}
+
 TEST(CertificateFacts, ARealChainIsReadWithItsNames) {
   const TestAuthority authority;
   const auto chain =
