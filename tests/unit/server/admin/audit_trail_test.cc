@@ -110,6 +110,7 @@ TEST_F(AuditTrailTest, ACallerThatIsRefusedAgainAndAgainHidesNoOther) {
   EXPECT_EQ(Audit().back().who, "other");
   EXPECT_EQ(Audit().back().detail, "980 more before it. ");
   clock_.Advance(std::chrono::minutes(1));
+  noisy.at = clock_.System();
   trail_.NoteRefused(noisy);
   EXPECT_EQ(trail_.waiting(), 1U) << "a new minute";
 }

@@ -160,7 +160,7 @@ TEST_F(AccessRoundsTest, TheSavedCopyCountsWhileTheStoreIsAwayAtTheStart) {
   rounds().Begin(kAway);
   EXPECT_TRUE(Denies(1));
   EXPECT_TRUE(IsBlocked("rcan://a/1"));
-  EXPECT_FALSE(rounds().unread());
+  EXPECT_TRUE(rounds().unread()) << "what others decide meanwhile is not known";
   EXPECT_THAT(lines_, Contains(HasSubstr("access_saved_list_used")));
   // The store has changed meanwhile.
   store_.status = absl::OkStatus();
@@ -169,6 +169,7 @@ TEST_F(AccessRoundsTest, TheSavedCopyCountsWhileTheStoreIsAwayAtTheStart) {
   rounds().Round();
   EXPECT_FALSE(Denies(1));
   EXPECT_TRUE(Denies(2));
+  EXPECT_FALSE(rounds().unread());
 }
 
 TEST_F(AccessRoundsTest, TheStartFallsBackIfTheStoreFailsWhileItIsRead) {
