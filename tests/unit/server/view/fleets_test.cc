@@ -43,10 +43,9 @@ TEST_F(FleetsTest, CandidatesAreThoseThatWereRefusedLastOfTheseFleets) {
   EXPECT_EQ(world_.queries.Candidates(10, {"north"}).size(), 2U);
   const auto json = ToJson(world_.queries.Candidates(1, {"north"}));
   ASSERT_TRUE(json.ok()) << json.status();
-  EXPECT_EQ(*json,
-            R"({"candidates":[{"ruri":"rcan://n/2","fleet":"north","gateway":"CN=hall",)"
-            R"("firstRefusedAt":"1970-01-01T00:00:03Z","lastRefusedAt":"1970-01-01T00:00:03Z",)"
-            R"("refused":"1"}]})");
+  EXPECT_EQ(*json, R"({"candidates":[{"ruri":"rcan://n/2","fleet":"north","gateway":"CN=hall",)"
+                   R"("refused":"1","firstRefusedAt":"1970-01-01T00:00:03Z",)"
+                   R"("lastRefusedAt":"1970-01-01T00:00:03Z"}]})");
 }
 
 TEST_F(FleetsTest, CountsTheRobotsOfEach) {
@@ -161,10 +160,12 @@ TEST_F(FleetsTest, TheSitesListOfRobotsTakesEachFilter) {
                           "short=a"}) {
     EXPECT_EQ(world_.Get(std::string("/api/v1/robots?") + bad).status, 400) << bad;
   }
-  EXPECT_THAT(world_.Get("/api/v1/robots?short=a").body,
-              HasSubstr("this path takes fleet, q, presence, offlineBefore, batteryBelow, bbox, "
-                        "software, heldBack, estop, faulted, certificateExpiresBefore, orderBy, "
-                        "parts, pageSize, pageToken"));
+  EXPECT_THAT(
+      world_.Get("/api/v1/robots?short=a").body,
+      HasSubstr(
+          "this path takes fleet, q, presence, offlineBefore, label, blocked, batteryBelow, bbox, "
+          "software, heldBack, estop, faulted, certificateExpiresBefore, orderBy, "
+          "parts, pageSize, pageToken"));
 }
 
 }  // namespace

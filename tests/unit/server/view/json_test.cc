@@ -91,7 +91,8 @@ TEST(Json, ARobotThatSaidNothingPrintsItsDefaults) {
     "presenceSince": "1970-01-01T00:00:01Z", "connected": false, "sessionId": "", "settledSeq": "0",
     "activeFaults": 0, "operatorRequestsOpen": 0, "fieldsDropped": "0", "uplinksMissing": "0",
     "heldBy": "", "heldBack": "", "contested": false, "flapping": false, "gateway": "",
-    "agentVersion": "", "rateLimited": {}})");
+    "agentVersion": "", "rateLimited": {},
+    "labels": {}, "note": "", "blocked": false, "registered": false})");
 }
 
 TEST(Json, ARobotShowsHowFarBehindItIs) {
@@ -166,6 +167,7 @@ TEST(Json, ARobotWithEveryPart) {
     "settledSeq": "9007199254740993", "clockSkewMs": "-250", "activeFaults": 2,
     "operatorRequestsOpen": 0, "fieldsDropped": "3", "uplinksMissing": "4", "heldBy": "",
     "heldBack": "", "contested": false, "flapping": false, "gateway": "", "agentVersion": "", "rateLimited": {},
+    "labels": {}, "note": "", "blocked": false, "registered": false,
     "motion": {"unixTimeMs": 11, "pose": {"latDeg": 47.5, "lonDeg": 8.25, "headingDeg": 90},
                "velocity": {"linearMps": 1.5, "angularRps": 0.25}, "gpsSource": "real"},
     "status": {"unixTimeMs": 12, "mode": "auto", "faulted": false, "missionActive": false,

@@ -172,7 +172,7 @@ TEST_F(WatchesTest, ShowWhatMatchesTheFilterAlone) {
 TEST_F(WatchesTest, ShowTheRobotsThatAreNamedAlone) {
   SetBattery(Admit(kRover), 80);
   SetBattery(Admit(kArm), 10);
-  Reader reader = Begin({.filter = {.ruris = {"rcan://never/seen", kRover}}});
+  Reader reader = Begin({.filter = {.ruris = {kRover, "rcan://never/seen"}}});
   EXPECT_THAT(reader.TakeAll(), ElementsAre("+" + kRover, "end 1"));
   SetBattery(*fleet_.Find(kArm), 20);
   watches_.Sweep();
