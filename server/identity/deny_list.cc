@@ -75,8 +75,9 @@ bool Names(const DeniedCertificates& list, const X509& certificate, const ShownC
 /// False: the value is no digest.
 bool AddDigest(std::string_view value, auto& digests) {
   std::optional<std::string> digest = DigestOf(value);
-  if (digest) digests.insert(*std::move(digest));
-  return digest.has_value();
+  if (!digest) return false;
+  digests.insert(*std::move(digest));
+  return true;
 }
 
 }  // namespace

@@ -25,12 +25,10 @@ inline constexpr SqlText kDropNotesSql = {
     kVersionNow,
     " WHERE EXISTS (SELECT 1 FROM uplinkd.robot_settings AS s WHERE s.ruri = $1::text AND ",
     kHasNotesSql,
-    ")"
-    " AND NOT EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.ruri = $1::text)",
+    ") AND NOT EXISTS (SELECT 1 FROM uplinkd.robots AS r WHERE r.ruri = $1::text)",
     kRaiseVersion,
     ") UPDATE uplinkd.robot_settings AS t SET ",
     kNoNotesSql,
-    ", changed_at = now(),"
-    " version = v.version FROM v WHERE t.ruri = $1::text"};
+    ", changed_at = now(), version = v.version FROM v WHERE t.ruri = $1::text"};
 
 }  // namespace uplink::storage::postgres
