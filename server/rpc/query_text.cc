@@ -31,6 +31,14 @@ void AppendEncoded(std::string_view text, std::string& query) {
   }
 }
 
+std::string TextOfTime(const Message& value) {
+  google::protobuf::Timestamp time;
+  UPLINK_CHECK(value.GetDescriptor() == time.GetDescriptor(),
+               "each message within a request is a time");
+  time.CopyFrom(value);
+  return google::protobuf::util::TimeUtil::ToString(time);
+}
+
 std::string TextOf(const Message& request, const FieldDescriptor& field) {
   const google::protobuf::Reflection& fields = *request.GetReflection();
   switch (field.cpp_type()) {
@@ -42,14 +50,8 @@ std::string TextOf(const Message& request, const FieldDescriptor& field) {
       return fmt::format("{}", fields.GetInt32(request, &field));
     case FieldDescriptor::CPPTYPE_DOUBLE:
       return fmt::format("{}", fields.GetDouble(request, &field));
-    case FieldDescriptor::CPPTYPE_MESSAGE: {
-      google::protobuf::Timestamp time;
-      const Message& value = fields.GetMessage(request, &field);
-      UPLINK_CHECK(value.GetDescriptor() == time.GetDescriptor(),
-                   "each message within a request is a time");
-      time.CopyFrom(value);
-      return google::protobuf::util::TimeUtil::ToString(time);
-    }
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return TextOfTime(fields.GetMessage(request, &field));
     default:  // a foreign enumeration
       break;
   }

@@ -74,6 +74,8 @@ absl::StatusOr<Messages> MessagesOf(const std::vector<view::WatchChange>& change
 /// Tells the call that there is something to take. The watch holds it, which may ring it once more
 /// when all others are gone.
 struct Bell {
+  explicit Bell(loop::StreamRef rings) : call(std::move(rings)) {}
+
   const loop::StreamRef call;
   /// Something may be there since Take returned nothing.
   std::atomic<bool> rung{false};
@@ -84,7 +86,7 @@ struct Bell {
 /// What the call shares with the job that takes changes. One such job runs at a time.
 struct WatchCall::Feed {
   Feed(view::Watches& given, view::WatchQuery asked, loop::StreamRef call)
-      : watches(given), query(std::move(asked)), bell(std::make_shared<Bell>(call)) {}
+      : watches(given), query(std::move(asked)), bell(std::make_shared<Bell>(std::move(call))) {}
 
   ~Feed() {
     if (watch != nullptr) watch->NoteEnd(end);

@@ -75,8 +75,9 @@ std::optional<storage::Revocation> RevocationIn(std::string_view line) {
 bool Take(std::string_view line, AccessCopy& copy) {
   if (TakeWord(line, kRevoked)) {
     auto revocation = RevocationIn(line);
-    if (revocation) copy.revocations.push_back(*std::move(revocation));
-    return revocation.has_value();
+    if (!revocation) return false;
+    copy.revocations.push_back(*std::move(revocation));
+    return true;
   }
   const bool blocked = TakeWord(line, kBlocked);
   if (!blocked && !TakeWord(line, kAdded)) return false;

@@ -232,11 +232,14 @@ absl::StatusOr<HttpAnswer> HttpClient::AskOnce(const std::string& target, const 
     request.body() = *json;
     request.prepare_payload();
   }
-  beast::error_code error = connection_->Write(request);
-  if (error) return Failed(target, "write", WhyOf(error, limits_.deadline));
+  const beast::error_code unsent = connection_->Write(request);
   http::response_parser<http::string_body> parser;
   parser.body_limit(limits_.body_bytes_max);
-  error = connection_->Read(parser);
+  // Read in any case: a server that closed may have said why, as TLS 1.3 does of a certificate.
+  const beast::error_code error = connection_->Read(parser);
+  if (error && unsent && error.category() != asio::error::get_ssl_category()) {
+    return Failed(target, "write", WhyOf(unsent, limits_.deadline));
+  }
   if (error) {
     const std::string why = WhyOf(error, limits_.deadline);
     const bool broke_off = error == http::error::end_of_stream ||
