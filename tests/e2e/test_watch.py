@@ -79,7 +79,7 @@ class Watch(EndToEnd):
         made = run(BIN / "uplinkctl", "tokens", "new", "--tokens-file", tokens, "--role", "viewer", "--fleet", "*",
                    "--expires", "1d")  # fmt: skip
         server = self.server(f'[http]\ntokens_file = "{tokens}"').start()
-        self.fleet(server, "--robots", ROBOTS)
+        self.fleet(server, "--robots", ROBOTS, "--acks-only")
         with Events(server.http, token=made.stdout.strip()) as events:
             events.snapshot()
             self.assertIsNotNone(events.until(lambda name, _: name == "robot"))
