@@ -20,7 +20,7 @@ class AuthorityRulesTest : public ::testing::Test {
     EXPECT_TRUE(read.ok()) << read.status();
     return read.ok() ? std::move(read->front()) : nullptr;
   }
-  void Add(AuthorityRule rule) {
+  void Add(const AuthorityRule& rule) {
     ASSERT_TRUE(rules_.Add({"north.pem", authority_.certificate()}, rule).ok());
   }
   [[nodiscard]] std::string Flaw(Role role, const std::string& fleet) const {
