@@ -865,6 +865,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      .kind = Kind::kDuration,
      .min = 50,
      .max = kMinute,
+     .effect = Effect::kReload,
      .text = "A watch (/api/v1/watch) shows each robot at most once in this time, as it is then.",
      UPLINK_BIND(view, ViewConfig, watch_interval)},
 

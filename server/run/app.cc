@@ -73,6 +73,7 @@ class App::Impl {
                                       [this, &early](const config::Config& running) {
                                         early.TakeOver(running.http);
                                         fleet_.entry().Follow(EntryRulesOf(running.identity));
+                                        view_.Follow(running.view);
                                       }}) {
     fleet_.ShowFleets(options_.config.metrics.fleets_max);
     fleet_.entry().Set(EntryRulesOf(options_.config.identity), settings_);

@@ -63,6 +63,7 @@ ViewSide::ViewSide(const Context& context)
       fault_counts_(context.clock),
       top_(context.clock, context.fleet),
       queries_(QuerySources(context, fault_counts_, top_)),
+      watch_interval_(context.config.view.watch_interval),
       watches_({context.clock, context.fleet, queries_, watch_probe_, context.logger}),
       page_sources_(PageSources(context, watch_probe_)),
       robots_scrape_({.clock = context.clock,
@@ -89,7 +90,7 @@ void ViewSide::EndWatches() {
 
 loop::Next ViewSide::Sweep() {
   watches_.Sweep();
-  const SteadyTime::duration interval = context_.config.view.watch_interval;
+  const SteadyTime::duration interval = watch_interval_.load();
   return {.within = interval, .not_before = interval};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -66,6 +67,8 @@ class ViewSide final {
   [[nodiscard]] view::Watches& watches() { return watches_; }
   /// Watches are swept from now on.
   void BeginWatches() { sweeps_.Start(); }
+  /// From the next sweep on. Any thread.
+  void Follow(const config::ViewConfig& view) { watch_interval_.store(view.watch_interval); }
   /// All watches end. Before the threads of EarlyServices end.
   void EndWatches();
   /// Series of robots are left out of a scrape. Any thread.
@@ -80,6 +83,8 @@ class ViewSide final {
   view::FaultCounts fault_counts_;
   fleet::TopSenders top_;
   view::Queries queries_;
+  /// view.watch_interval.
+  std::atomic<milliseconds> watch_interval_;
   view::WatchProbe watch_probe_;
   view::Watches watches_;
   const std::vector<metrics::PageSource> page_sources_;

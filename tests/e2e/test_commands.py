@@ -167,6 +167,9 @@ class Commands(EndToEnd):
         server.settings = '[log]\nlevel = "warn"'
         server.configuration()
         server.wait_for_line("reloaded taken_over=log.level")
+        server.settings += '\n[view]\nwatch_interval = "1s"'
+        server.configuration()
+        server.wait_for_line("reloaded taken_over=view.watch_interval")
         self.wait_for_action(server, "reload")
 
 

@@ -11,7 +11,7 @@ TEST_LINES_MAX = 500
 # itself a finding.
 LONG_FILES = {
     "metrics/catalogue.cc": (480, "one table of data, a row per metric"),
-    "server/config/settings.cc": (920, "one table of data, a row per setting"),
+    "server/config/settings.cc": (930, "one table of data, a row per setting"),
     "tests/tidy/test_tidy.py": (800, "one list, a short class per rule"),
     "tools/dev/reference.py": (420, "one list, a short reader per page"),
 }
