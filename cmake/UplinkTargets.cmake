@@ -39,7 +39,7 @@ if(UPLINK_HARDEN AND NOT UPLINK_SANITIZE)
   set(hardened $<CONFIG:RelWithDebInfo,Release,MinSizeRel>)
   add_compile_options("$<${hardened}:-fstack-protector-strong;-fstack-clash-protection;-fPIE>")
   add_compile_definitions("$<${hardened}:_FORTIFY_SOURCE=2;_GLIBCXX_ASSERTIONS>")
-  add_link_options("$<${hardened}:-pie;-Wl,-z,relro;-Wl,-z,now>")
+  add_link_options("$<${hardened}:-pie;-Wl,-z,relro;-Wl,-z,now;-Wl,-z,pack-relative-relocs>")
 endif()
 
 add_library(uplink_warnings INTERFACE)

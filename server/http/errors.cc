@@ -8,7 +8,7 @@
 
 #include "server/admin/command_code.h"
 #include "server/admin/command_rate.h"
-#include "server/view/json.h"
+#include "server/view/error_json.h"
 
 namespace uplink::http {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "server/http/errors.h"
 #include "server/http/event_stream.h"
-#include "server/view/json.h"
+#include "server/view/error_json.h"
 #include "server/view/message_printer.h"
 #include "uplink/v1/fleet.pb.h"
 

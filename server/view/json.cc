@@ -5,30 +5,12 @@
 #include <absl/status/status.h>
 #include <fmt/core.h>
 
-#include "schema/base/utf8.h"
 #include "server/view/list_text.h"
 #include "server/view/message_printer.h"
 #include "server/view/message_wire.h"
 #include "server/view/messages.h"
 
 namespace uplink::view {
-namespace {
-
-/// Bytes of a text in an error; enough for a RURI with every byte shown as hex.
-constexpr std::size_t kErrorTextBytesMax = 2048;
-
-/// A text as JSON string. PrintableUtf8 leaves no control character in it.
-std::string Quoted(std::string_view text) {
-  std::string json = "\"";
-  for (const char c : PrintableUtf8(text, kErrorTextBytesMax)) {
-    if (c == '"' || c == '\\') json += '\\';
-    json += c;
-  }
-  return json + '"';
-}
-
-}  // namespace
-
 absl::StatusOr<std::string> Encode(Form form, const google::protobuf::Message& message,
                                    const TextMembers& texts) {
   if (form == Form::kWire) return WireOf(message, texts);
@@ -97,16 +79,9 @@ std::string WordsJson(std::string_view key, const std::vector<std::string>& word
   std::string list;
   for (const std::string& word : words) {
     if (!list.empty()) list += ',';
-    list += Quoted(word);
+    list += fmt::format(R"("{}")", word);
   }
-  return fmt::format("{{{}:[{}]}}", Quoted(key), list);
-}
-
-std::string ErrorJson(const ErrorText& error) {
-  std::string json = fmt::format(R"({{"error":{{"code":{},"message":{})", Quoted(error.code),
-                                 Quoted(error.message));
-  if (!error.field.empty()) json += fmt::format(R"(,"field":{})", Quoted(error.field));
-  return json + "}}";
+  return fmt::format(R"({{"{}":[{}]}})", key, list);
 }
 
 }  // namespace uplink::view

@@ -53,15 +53,4 @@ template <typename... Answer>
 /// `{"<key>":["<word>",...]}`: the body of /readyz. The words need no escapes: they are our own.
 [[nodiscard]] std::string WordsJson(std::string_view key, const std::vector<std::string>& words);
 
-/// An answer that says what went wrong. `field` may be empty.
-struct ErrorText {
-  /// The canonical name: `INVALID_ARGUMENT`.
-  std::string_view code;
-  std::string_view message;
-  std::string_view field{};
-};
-
-/// `{"error":{"code":...,"message":...,"field":...}}`; bytes that are no text are shown as hex.
-[[nodiscard]] std::string ErrorJson(const ErrorText& error);
-
 }  // namespace uplink::view

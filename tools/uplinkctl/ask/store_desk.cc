@@ -15,7 +15,7 @@
 #include "server/admin/command_code.h"
 #include "server/admin/commands.h"
 #include "server/config/load.h"
-#include "server/view/json.h"
+#include "server/view/error_json.h"
 #include "server/view/message_printer.h"
 #include "server/view/timestamps.h"
 #include "storage/reader.h"

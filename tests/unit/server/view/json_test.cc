@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "server/fleet/fleet.h"
+#include "server/view/error_json.h"
 #include "server/view/parts.h"
 #include "server/view/rows_json.h"
 #include "server/view/timestamps.h"
