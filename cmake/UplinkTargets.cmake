@@ -98,6 +98,15 @@ function(uplink_library name)
   uplink_precompiled(${name} ${ARG_PRECOMPILED})
 endfunction()
 
+# uplink_compact(name ...): compiled for size, which is what counts where a person waits; the image has a
+# bound. What is precompiled is compiled for speed, and does not fit.
+function(uplink_compact)
+  set_target_properties(${ARGV} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+  foreach(name ${ARGV})
+    target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-Os>)
+  endforeach()
+endfunction()
+
 # uplink_interface(name [PUBLIC lib ...]): a folder of headers only
 function(uplink_interface name)
   cmake_parse_arguments(ARG "" "" "PUBLIC" ${ARGN})
