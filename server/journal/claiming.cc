@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "server/journal/kept_out.h"
 #include "server/robot/mutation.h"
 #include "storage/store.h"
 
@@ -37,15 +38,8 @@ std::optional<Step> Claiming::Advance() {
 }
 
 bool Claiming::TakeOutKeptOut() {
-  using robot::Registration;
-  std::vector<ClaimEntry> wait;
-  std::vector<ClaimEntry> refused;
-  std::erase_if(claiming_, [&](ClaimEntry& entry) {
-    const Registration registration = entry.robot->registration();
-    if (registration == Registration::kFits) return false;
-    (registration == Registration::kUnjudged ? wait : refused).push_back(std::move(entry));
-    return true;
-  });
+  auto [wait, refused] =
+      TakeKeptOut(claiming_, [](const ClaimEntry& entry) { return entry.robot->registration(); });
   // Without a claim; the calls that are woken find that their robot is refused.
   for (const ClaimEntry& entry : refused) entry.client->OnClaimed({}).Wake();
   context_.inbox.CountClaimed(refused.size());

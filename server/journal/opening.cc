@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "schema/base/check.h"
+#include "server/journal/kept_out.h"
 #include "server/robot/mutation.h"
 #include "storage/store.h"
 
@@ -31,15 +32,8 @@ Opening::Gathered Opening::Gather() {
 }
 
 bool Opening::TakeOutKeptOut() {
-  using robot::Registration;
-  std::vector<OpenEntry> wait;
-  std::vector<OpenEntry> refused;
-  std::erase_if(opening_, [&](OpenEntry& entry) {
-    const Registration registration = entry.client->registration();
-    if (registration == Registration::kFits) return false;
-    (registration == Registration::kUnjudged ? wait : refused).push_back(std::move(entry));
-    return true;
-  });
+  auto [wait, refused] =
+      TakeKeptOut(opening_, [](const OpenEntry& entry) { return entry.client->registration(); });
   for (const OpenEntry& entry : refused) {
     entry.client->OnRefused(context_.ledger).Wake();
     context_.inbox.LosePresence(entry.request.robot->ruri);
